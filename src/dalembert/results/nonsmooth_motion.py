@@ -29,6 +29,7 @@ class ContactRecord:
     names : elements that have gaps
     step, owner, key : (c,) step, element and gap of each impulse
     impulse : (c, k) [N s], the normal component first
+    offset : (c, k) velocity offset of the condition at the end of the step [m/s]
     loss : (K,) energy dissipated by contacts [J]
     penetration : (K+1,) maximum penetration of the gaps [m]
     residual : (K,) of the contact conditions, as a speed [m/s]
@@ -41,6 +42,7 @@ class ContactRecord:
     owner: np.ndarray
     key: np.ndarray
     impulse: np.ndarray
+    offset: np.ndarray
     loss: np.ndarray
     penetration: np.ndarray
     residual: np.ndarray

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy
 
-from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
+from dalembert.analysis.nonsmooth.gaps import GapSource
 from dalembert.analysis.nonsmooth.mobility import Mobility
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
 from dalembert.integrators.contact.contact_solver import ContactSolver
@@ -39,6 +39,7 @@ class StepResult:
     multiplier : of the joints, times the step
     contacts : contacts of the friction problem
     impulses : solution of the friction problem
+    offsets : (n, k) velocity offsets of the conditions
     loss : energy dissipated by the contacts
     """
 
@@ -47,6 +48,7 @@ class StepResult:
     multiplier: np.ndarray
     contacts: Contacts
     impulses: Impulses
+    offsets: np.ndarray
     loss: float
 
     @property
@@ -94,11 +96,6 @@ class ContactStep:
             elements += len(source.elements)
         return Contacts.joined(parts)
 
-    def symbolic_gap(self, key: int) -> SymbolicGap:
-        """The gap with a key, as formulas."""
-        number, own = divmod(int(key), APART)
-        return self.sources[number].symbolic(own)
-
     def deepest(self, t: float, y: np.ndarray) -> float:
         """The smallest gap if it is negative, else 0 [m]."""
         speeds = self.model.equations.speed_count
@@ -129,7 +126,7 @@ class ContactStep:
                 contacts = contacts.some(acting)
                 speeds = approach.before[acting], approach.free[acting]
                 approach = Approach(contacts, *speeds, h, begins)
-            impulses = self._impulses(approach, mobility, before)
+            impulses, offsets = self._impulses(approach, mobility, before)
             push = impulses.impulses.ravel()
             change, reactions = mobility(contacts.directions.T @ push)
             after = free + change
@@ -142,15 +139,17 @@ class ContactStep:
                 break
             reach *= WIDER
         loss = -0.5 * float(push @ (contacts.directions @ (after + v)))
-        return StepResult(position, after, multiplier + reactions, contacts, impulses, loss)
+        return StepResult(
+            position, after, multiplier + reactions, contacts, impulses, offsets, loss
+        )
 
     def _impulses(
         self, approach: Approach, mobility: Mobility, before: StepResult | None
-    ) -> Impulses:
-        """Impulses of the contacts; offsets are updated until they no longer change."""
+    ) -> tuple[Impulses, np.ndarray]:
+        """Impulses of the contacts, and offsets, which are updated until they do not change."""
         contacts, shape = approach.contacts, approach.before.shape
         if not contacts.count:
-            return Impulses(np.zeros(shape), 0.0, True)
+            return Impulses(np.zeros(shape), 0.0, True), np.zeros(shape)
         matrix = delassus(contacts.directions, mobility)
         offsets = self.scheme.first(approach)
         scale = float(max(np.abs(approach.free).max(), np.abs(approach.before).max()))
@@ -166,7 +165,7 @@ class ContactStep:
             if changed is None or not solution.converged:
                 break
             offsets = changed
-        return replace(solution, rounds=rounds)
+        return replace(solution, rounds=rounds), offsets
 
 
 def delassus(directions: Matrix, mobility: Mobility) -> np.ndarray | Delassus:

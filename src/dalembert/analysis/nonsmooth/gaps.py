@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cache
 
 import casadi as ca
 import numpy as np
@@ -17,23 +18,43 @@ from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel, Patterned, dense_array
 from dalembert.symbolic.formulas.expression import t
 
+LAWS = 3
+"""Coefficients of a law of impact: restitution, tangential restitution, friction."""
+
 
 @dataclass(frozen=True, eq=False)
-class SymbolicGap:
-    """A gap as formulas of the model's ``t``, ``y``, ``v``, ``p``, the ground at rest.
+class GapFormulas:
+    """Formulas on which the gaps of a source depend, of the model's ``t``, ``y``, ``v``, ``p``, the
+    ground at rest.
 
     Attributes
     ----------
-    distance : ``g``
-    speeds : (k,) ``u``, the normal component first
-    restitution, tangential, friction : law of impact
+    geometry : positions, sizes and coefficients; free of ``v``
+    velocities : linear in ``v``
     """
 
-    distance: ca.SX
-    speeds: ca.SX
-    restitution: ca.SX
-    tangential: ca.SX
-    friction: ca.SX
+    geometry: ca.SX
+    velocities: ca.SX
+
+
+@dataclass(frozen=True, eq=False)
+class GapKind:
+    """Gaps with one function, by numbers of entries of ``GapFormulas``.
+
+    Attributes
+    ----------
+    function : ``arguments → g, ∂u/∂velocities``, and more results
+    row : (n,) positions of the gaps in the list of keys
+    arguments : entries of the geometry, (n, m) for each argument of the function
+    velocities : (n, w) entries of the velocities
+    laws : (n, 3) entries of the geometry: restitution, tangential restitution, friction
+    """
+
+    function: ca.Function
+    row: np.ndarray
+    arguments: list[np.ndarray]
+    velocities: np.ndarray
+    laws: np.ndarray
 
 
 class GapSource(ABC):
@@ -43,10 +64,12 @@ class GapSource(ABC):
     ----------
     elements : owners of the gaps
     width : components of the relative velocity at a gap
+    formulas : GapFormulas of all shapes, from which derivatives follow
     """
 
     elements: list[Element]
     width: int
+    formulas: GapFormulas
 
     @abstractmethod
     def near(
@@ -58,8 +81,8 @@ class GapSource(ABC):
         """
 
     @abstractmethod
-    def symbolic(self, key: int) -> SymbolicGap:
-        """The gap with this key."""
+    def kinds(self, keys: np.ndarray) -> list[GapKind]:
+        """The gaps with some keys, by functions."""
 
     def points(
         self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
@@ -113,7 +136,7 @@ class FormulaGaps(GapSource):
             *(ca.vertcat(law.restitution, law.tangential, law.friction) for law in laws if law)
         )
         coefficients = model.at_ground(ca.densify(coefficients))
-        self._symbolic = distances, speeds, coefficients
+        self.formulas = GapFormulas(ca.vertcat(distances, ca.vec(coefficients)), speeds)
         inputs = [e.t, e.y, e.p]
         outputs = [distances, directions, drift]
         self._gaps = Patterned("gaps", inputs, outputs)
@@ -140,12 +163,20 @@ class FormulaGaps(GapSource):
         )
         return gaps.some(distance <= reach)
 
-    def symbolic(self, key: int) -> SymbolicGap:
-        distances, speeds, coefficients = self._symbolic
-        own = speeds[key * self.width : (key + 1) * self.width]
-        return SymbolicGap(
-            distances[key], own, *ca.vertsplit(coefficients[:, int(self.owner[key])])
-        )
+    def kinds(self, keys: np.ndarray) -> list[GapKind]:
+        numbers, laws = np.arange(self.width), np.arange(LAWS)
+        velocities = keys[:, None] * self.width + numbers
+        entries = self.owner.size + self.owner[keys][:, None] * LAWS + laws
+        rows = np.arange(keys.size)
+        kind = GapKind(_stated_gap(self.width), rows, [keys[:, None]], velocities, entries)
+        return [kind] if keys.size else []
+
+
+@cache
+def _stated_gap(width: int) -> ca.Function:
+    """``g → g, ∂u/∂u``."""
+    distance = ca.SX.sym("g")
+    return ca.Function("gap", [distance], [distance, ca.densify(ca.SX.eye(width))])
 
 
 def _refuse_poisson(elements: list[Unilateral]) -> None:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import casadi as ca
 import numpy as np
 
 from dalembert.analysis.nonsmooth.bounding_balls import bounding_balls, near_balls
 from dalembert.analysis.nonsmooth.gap_functions import Feature, gap_function
-from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
+from dalembert.analysis.nonsmooth.gaps import GapKind, GapSource
 from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Pairs, Positions
 from dalembert.analysis.nonsmooth.planar_features import planar_features
 from dalembert.analysis.nonsmooth.shape_velocities import TWIST
@@ -66,6 +65,7 @@ class HullGaps(GapSource):
     def __init__(self, model: Model, element: Collisions):
         self.elements, self.width = [element], element.dimension
         self.geometry = geometry = HullGeometry(model, element)
+        self.formulas = geometry.formulas
         self._groups, self._laws = element.group_of(geometry.shapes), element.laws
         self._round = np.array([isinstance(shape, Round) for shape in geometry.shapes])
         features = [max(len(h.corners), 2 * len(h.edges), len(h.faces)) for h in geometry.hulls]
@@ -96,15 +96,17 @@ class HullGaps(GapSource):
         last.requested = max(last.requested, reach)
         return last.contacts.some(last.contacts.distance <= reach)
 
-    def symbolic(self, key: int) -> SymbolicGap:
-        pairs = self._pairs_of(np.array([key]))
-        columns = self.geometry.symbolic_columns(pairs)
-        distance, blocks, *_ = gap_function(pairs.feature, self.width)(*columns)
-        shapes = int(pairs.first[0]), int(pairs.second[0])
-        twists = [self.geometry.twists[k * TWIST : (k + 1) * TWIST] for k in shapes]
-        speeds = ca.mtimes(blocks, ca.vertcat(*twists))
-        law = int(self._law(pairs)[0])
-        return SymbolicGap(distance, speeds, *ca.vertsplit(self.geometry.symbols[4][:, law]))
+    def kinds(self, keys: np.ndarray) -> list[GapKind]:
+        numbers, kinds = keys // self._first_key(Feature(1)), []
+        for number in np.unique(numbers):
+            rows = np.flatnonzero(numbers == number)
+            pairs = self._pairs_of(keys[rows])
+            shapes = np.stack([pairs.first, pairs.second], 1)[..., None]
+            velocities = (TWIST * shapes + np.arange(TWIST)).reshape(rows.size, -1)
+            laws = self.geometry.law_entries(self._law(pairs))
+            function, entries = gap_function(pairs.feature, self.width), self.geometry.entries
+            kinds.append(GapKind(function, rows, entries(pairs), velocities, laws))
+        return kinds
 
     def points(
         self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray

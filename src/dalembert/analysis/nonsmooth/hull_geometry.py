@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.nonsmooth.gap_functions import Feature, point_counts
+from dalembert.analysis.nonsmooth.gaps import LAWS, GapFormulas
 from dalembert.analysis.nonsmooth.planar_features import Polygons
 from dalembert.analysis.nonsmooth.polyhedra import Form, Polyhedra
 from dalembert.analysis.nonsmooth.shape_velocities import ShapeVelocities
@@ -126,10 +127,12 @@ class HullGeometry:
             element.coefficients,
         ]
         outputs = [model.at_ground(ca.densify(s)) if s.numel() else s for s in outputs]
-        self.twists = model.at_ground(ca.vertcat(*twists))
-        self.symbols, inputs = outputs, [e.t, e.y, e.p]
+        moving = model.at_ground(ca.vertcat(*twists))
+        self.formulas = GapFormulas(ca.vertcat(*(ca.vec(out) for out in outputs)), moving)
+        self._starts = np.cumsum([0, *(out.numel() for out in outputs[:-1])])
+        inputs = [e.t, e.y, e.p]
         self._positions = Kernel(ca.Function("positions", inputs, outputs))
-        self.velocities = ShapeVelocities(self.twists, e.v, inputs)
+        self.velocities = ShapeVelocities(moving, e.v, inputs)
 
     def positions(self, time: float, y: np.ndarray, p: np.ndarray) -> Positions:
         """Positions at an instant."""
@@ -174,17 +177,23 @@ class HullGeometry:
             for p, shape in sides
         ]
 
-    def symbolic_columns(self, pairs: Pairs) -> list[ca.SX]:
-        """The same for a single pair, as formulas."""
-        corners, walls, radii, origins, _ = self.symbols
+    def entries(self, pairs: Pairs) -> list[np.ndarray]:
+        """Numbers of the same entries in the formulas."""
         first, second = self.points(pairs)
-        i, j = int(pairs.first[0]), int(pairs.second[0])
-        own = walls[:, i - len(self.hulls)] if first is None else _column(corners, first[0])
-        other = _column(corners, second[0])
+        corners, walls, radii, origins, _ = self._starts
+        place = np.arange(3)
+        own = walls + 6 * (pairs.first - len(self.hulls))[:, None] + np.arange(6)
+        if first is not None:
+            own = corners + (3 * first[..., None] + place).reshape(pairs.first.size, -1)
+        other = corners + (3 * second[..., None] + place).reshape(pairs.first.size, -1)
         return [
-            ca.vertcat(points, radii[shape], origins[:, shape])
-            for points, shape in ((own, i), (other, j))
+            np.hstack([points, radii + shape[:, None], origins + 3 * shape[:, None] + place])
+            for points, shape in ((own, pairs.first), (other, pairs.second))
         ]
+
+    def law_entries(self, laws: np.ndarray) -> np.ndarray:
+        """(n, 3) numbers of coefficients of laws in the formulas."""
+        return np.asarray(self._starts[-1] + LAWS * laws[:, None] + np.arange(LAWS))
 
     def points(self, pairs: Pairs) -> tuple[np.ndarray | None, np.ndarray]:
         """(n, k) numbers of the corners that define the features; None for a wall."""
@@ -213,7 +222,3 @@ def _first_equal(keys: list[Any]) -> np.ndarray:
 
 def _in_space(vector: ca.SX) -> ca.SX:
     return vector if vector.numel() == 3 else ca.vertcat(vector, 0)
-
-
-def _column(corners: ca.SX, numbers: np.ndarray) -> ca.SX:
-    return ca.vertcat(*(corners[:, int(k)] for k in numbers))

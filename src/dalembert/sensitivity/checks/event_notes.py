@@ -17,7 +17,6 @@ from dalembert.analysis.contact.change import ContactChange
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.transition import Transition
 from dalembert.errors import AnalysisError, SingularityError
-from dalembert.integrators.contact.schemes import MoreauJean
 from dalembert.model.graph.model import Model
 from dalembert.responses.base import Response
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
@@ -26,9 +25,12 @@ from dalembert.results.result import Result
 from dalembert.sensitivity.checks.stencils import parameter_scales
 from dalembert.sensitivity.marching.stable_steps import in_halves, with_stable_steps
 from dalembert.sensitivity.methods import Automatic
-from dalembert.sensitivity.nonsmooth.contact_maps import Friction
-from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
-from dalembert.sensitivity.nonsmooth.moving_impacts import SLOW, closing_speeds, moving_parts
+from dalembert.sensitivity.nonsmooth.contact_steps import (
+    ContactChanges,
+    ContactSteps,
+    contact_steps,
+)
+from dalembert.sensitivity.nonsmooth.moving_impacts import step_tangent
 from dalembert.symbolic.once import once
 
 GRAZING_RATE = 1e-6
@@ -135,28 +137,19 @@ def _grazed_gaps(motion: Recording, changes: list[tuple[int, ContactChange]]) ->
     return slow
 
 
-MARGIN = 0.01
-"""Threshold of the reserve of friction, slip or resting speed near a change of state [-]."""
-
-
 def nonsmooth_notes(motion: NonsmoothMotion) -> list[str]:
     """Notes on contacts whose state changes at nearby parameters."""
-    if not isinstance(motion.analysis.integrator, MoreauJean):  # type: ignore[attr-defined]
-        return []
-    steps = ContactSteps(motion)
-    impacts, grazing, changing, simultaneous = 0, [], [], []
-    for k in range(steps.count):
-        if steps.patterns[k].keys() - (steps.patterns[k - 1].keys() if k else set()):
-            speeds = closing_speeds(steps, k)
-            closing = [key for key, (speed, rest) in speeds.items() if speed > SLOW * rest]
-            impacts += len(closing)
-            if _simultaneous(steps, k, closing):
-                simultaneous.append(steps.record.t[k])
-            for speed, rest in speeds.values():
-                if abs(speed - SLOW * rest) <= MARGIN * speed:
-                    grazing.append(steps.record.t[k])
-        if any(_near_change(steps, k, key) for key in steps.patterns[k]):
-            changing.append(steps.record.t[k])
+    steps = contact_steps(motion)
+    changes = [_changes(steps, k) for k in range(steps.count)]
+    impacts = sum(change.impacts for change in changes)
+    first = {
+        name: [
+            f"t = {t:.6g} s"
+            for t, change in zip(steps.record.t, changes, strict=False)
+            if getattr(change, name)
+        ]
+        for name in ("simultaneous", "successive", "grazing", "changing")
+    }
     notes = []
     if impacts:
         notes.append(
@@ -164,47 +157,40 @@ def nonsmooth_notes(motion: NonsmoothMotion) -> list[str]:
             "the gradient includes this to the order of the step; the run has impacts at the ends "
             "of steps, so that its differences jump and do not confirm the gradient"
         )
-    if simultaneous:
+    if first["simultaneous"]:
         notes.append(
-            f"gaps on the same bodies close in one instant at t = {simultaneous[0]:.6g} s: "
+            f"gaps on the same bodies close in one instant at {first['simultaneous'][0]}: "
             "parameters that separate them make successive impacts, so the derivative is that of a "
             "simultaneous impact"
         )
-    if grazing:
+    if first["successive"]:
         notes.append(
-            f"an impact is close to the threshold of resting contact at t = {grazing[0]:.6g} s: "
+            f"gaps on the same bodies close one after the other within a step, in "
+            f"{len(first['successive'])} steps, first at {first['successive'][0]}, and remain "
+            "closed: the derivative is that of one impact at the mean of their instants; shorter "
+            "steps separate them"
+        )
+    if first["grazing"]:
+        notes.append(
+            f"an impact is close to the threshold of resting contact at {first['grazing'][0]}: "
             "with other parameters it is no impact, so the derivative is one-sided"
         )
-    if changing:
+    if first["changing"]:
         notes.append(
-            f"a contact is about to slip or to stick at t = {changing[0]:.6g} s: with other "
+            f"a contact is about to slip or to stick at {first['changing'][0]}: with other "
             "parameters it does so in another step, so derivatives change there"
         )
     return notes
 
 
-def _simultaneous(steps: ContactSteps, k: int, closing: list[int]) -> bool:
-    """True if several closing gaps of a step make one impact."""
+def _changes(steps: ContactSteps, k: int) -> ContactChanges:
+    """Changes of contact states in a step, also where it has no derivative."""
     try:
-        return bool(closing) and len(moving_parts(steps, k, closing)) < len(closing)
-    except SingularityError:  # successive impacts, which gradients refuse
-        return False
-
-
-def _near_change(steps: ContactSteps, k: int, key: int) -> bool:
-    """True if a contact is close to the change between sticking and slipping."""
-    state, impulse = steps.patterns[k][key]
-    if state is Friction.NONE:
-        return False
-    gap, t, x = steps.maps.gap(key), float(steps.record.t[k]), steps.x[:, k : k + 2]
-    y, before, after = x[: steps.size, 0], *x[steps.size :].T
-    _, speeds, *_, friction = (value.full().ravel() for value in gap(t, y, after, steps.p))
-    if state is Friction.STICK:
-        limit = friction[0] * impulse[0]
-        return float(np.linalg.norm(impulse[1:])) > (1 - MARGIN) * limit
-    slip = float(np.linalg.norm(speeds[1:]))
-    change = np.abs(after - before).max()
-    return slip <= MARGIN * float(change)
+        if k not in steps.changes:
+            step_tangent(steps, k)
+        return steps.changes[k]
+    except SingularityError:  # which gradients refuse
+        return ContactChanges()
 
 
 TIGHT = 1e-7

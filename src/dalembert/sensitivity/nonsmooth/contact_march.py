@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.errors import UnsupportedError
 from dalembert.sensitivity.engine import Engine
 from dalembert.sensitivity.marching.walk import BackwardWalk, ForwardWalk
-from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
+from dalembert.sensitivity.nonsmooth.contact_steps import contact_steps
 from dalembert.sensitivity.nonsmooth.moving_impacts import step_tangent
 from dalembert.sensitivity.samples import Sample
 
@@ -28,7 +28,7 @@ class ContactPass:
 
     def __init__(self, samples: Sequence[Sample]):
         self.samples = list(samples)
-        self.steps = ContactSteps(samples[0].motion)
+        self.steps = contact_steps(samples[0].motion)
         self.p, self.rows = self.steps.p, len(self.samples)
         self.weights: dict[int, StateWeights] = {}
         for row, sample in enumerate(self.samples):

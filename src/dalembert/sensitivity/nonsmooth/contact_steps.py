@@ -1,13 +1,14 @@
-"""Steps of a nonsmooth run, repeated as smooth maps with known contact states."""
+"""Steps of a nonsmooth run, linearised with the contact states of the run."""
 
 from __future__ import annotations
 
-from functools import cached_property
+from dataclasses import dataclass
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.contact_step import ContactStep, delassus
 from dalembert.analysis.nonsmooth.correction import (
     SETTINGS,
     PositionCorrection,
@@ -15,17 +16,36 @@ from dalembert.analysis.nonsmooth.correction import (
     normals_of,
 )
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
-from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.integrators.contact.schemes import MoreauJean
+from dalembert.errors import AnalysisError
+from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
-from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps, Friction, Pattern
-from dalembert.sensitivity.nonsmooth.implicit_map import MapAt
+from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts
+from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
+from dalembert.sensitivity.nonsmooth.linear_map import MapAt
 from dalembert.symbolic.equations import newton
 
-STICK_MARGIN = 1e-6
-"""Friction reserve of a sticking contact, relative to the friction limit [-]."""
 SAME = 1e-6
 """Permitted difference of a repeated state from the recorded one, relative to its size [-]."""
+
+
+@dataclass(frozen=True)
+class ContactChanges:
+    """Changes of contact states in a step, and at nearby parameters.
+
+    Attributes
+    ----------
+    impacts : number of moving impacts
+    simultaneous, successive : some impacts on the same bodies come at one instant, or one after
+        the other
+    grazing : a gap closes close to the threshold of an impact
+    changing : a contact is about to slip or to stick
+    """
+
+    impacts: int = 0
+    simultaneous: bool = False
+    successive: bool = False
+    grazing: bool = False
+    changing: bool = False
 
 
 class ContactSteps:
@@ -35,48 +55,33 @@ class ContactSteps:
     ----------
     motion : NonsmoothMotion
 
-    Raises
-    ------
-    UnsupportedError
-        The integrator is not ``MoreauJean``.
+    Attributes
+    ----------
+    changes : step → ContactChanges of the linearised steps
     """
 
     def __init__(self, motion: NonsmoothMotion):
         analysis: Any = motion.analysis
-        if not isinstance(analysis.integrator, MoreauJean):
-            raise UnsupportedError(
-                f"{type(analysis.integrator).__name__} selects contact velocities by "
-                "comparisons that are not differentiable; use integrator=da.MoreauJean(), or "
-                "solve_dynamics, which locates impacts"
-            )
         self.record, self.p = motion.record, motion.parameters
         run = NonsmoothRun(analysis, motion.model, motion.parameters)
         self.step: ContactStep = run.step
         self.maps = ContactMaps(self.step)
         self.x = np.vstack([self.record.ends.y, self.record.ends.v])
         self.size = self.record.ends.y.shape[0]
+        self.changes: dict[int, ContactChanges] = {}
+        self._starts = np.searchsorted(self.record.step, np.arange(self.count + 1))
 
     @property
     def count(self) -> int:
         """Number of steps."""
         return self.record.t.size - 1
 
-    @cached_property
-    def patterns(self) -> list[dict[int, tuple[Friction, np.ndarray]]]:
-        """Pressing gaps of each step with their tangential states and impulses."""
-        patterns: list[dict] = [{} for _ in range(self.count)]
-        for k, key, impulse in zip(
-            self.record.step, self.record.key, self.record.impulse, strict=True
-        ):
-            state = self.split(int(k))
-            _, speeds, *_, friction = self.maps.gap(int(key))(self.record.t[k], *state, self.p)
-            own = impulse[: speeds.numel()]
-            limit, along = float(friction) * own[0], float(np.linalg.norm(own[1:]))
-            contact = Friction.NONE if limit == 0 or own.size == 1 else Friction.SLIP
-            if along < (1 - STICK_MARGIN) * limit:
-                contact = Friction.STICK
-            patterns[int(k)][int(key)] = contact, own
-        return patterns
+    def active(self, k: int) -> ActiveContacts:
+        """Pressing contacts of a step; none before the first."""
+        rows = np.arange(*self._starts[k : k + 2]) if k >= 0 else np.zeros(0, dtype=int)
+        rows = rows[np.argsort(self.record.key[rows])]
+        record = self.record
+        return ActiveContacts(record.key[rows], record.impulse[rows], record.offset[rows])
 
     def split(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """``y`` and ``v`` at the start of step ``k``."""
@@ -106,27 +111,47 @@ class ContactSteps:
         return maps
 
     def _maps(self, k: int) -> list[MapAt]:
-        (t, h), pattern = self.span(k), self.patterns[k]
-        maps = [self.free(k, pattern, self.x[:, k], t, h)]
+        (t, h), active, x = self.span(k), self.active(k), self.x[:, k]
+        maps = [self.maps.step(x, self.x[self.size :, k + 1], t, h, active)]
         recorder = RecordedOpening(self.step, t + h, self.step.scheme.projection)
         newton.solve(recorder, maps[0].following[: self.size], SETTINGS)
-        for active in recorder.active:
-            opening = self.maps.opening(tuple((key, key in pattern) for key in active))
-            lifts, x = np.array(list(active.values())), maps[-1].following
-            maps.append(opening.at(np.zeros(opening.size), x, t + h, self.p, lifts))
+        for keys, lifts in recorder.active:
+            presses = np.isin(keys, active.keys)
+            maps.append(self.maps.opening(maps[-1].following, t + h, keys, lifts, presses))
         if self.step.smooth.has_joints:
-            joined, x = self.maps.consistent, maps[-1].following
-            maps.append(joined.at(np.zeros(joined.size), x, t + h, self.p, np.zeros(0)))
+            maps.append(self.maps.consistent(maps[-1].following, t + h))
         return maps
 
-    def free(self, k: int, pattern: dict, x: np.ndarray, t: float, h: float) -> MapAt:
-        """A step with some contacts and without corrections, from any state."""
-        chosen: Pattern = tuple((key, state) for key, (state, _) in sorted(pattern.items()))
-        step, joints = self.maps.step(chosen), self.step.model.equations.constraint_count
-        impulses = [pattern[key][1] for key, _ in chosen]
-        near = self.x[self.size :, k + 1]
-        z = np.concatenate([near, np.zeros(joints), *impulses])
-        return step.at(z, x, t, self.p, np.array([h]))
+    def acceleration(
+        self, x: np.ndarray, t: float, h: float, lasting: ActiveContacts
+    ) -> np.ndarray:
+        """Mean accelerations over a step in which ``lasting`` contacts neither impact nor part."""
+        y, v = x[: self.size], x[self.size :]
+        step, scheme = self.step, self.step.scheme
+        after, _, mobility = step.smooth.step(t, y, v, self.p, h, scheme.theta)
+        if lasting.keys.size:
+            contacts = step.near(t, y, 2 * h * np.column_stack([v, after]))
+            contacts = contacts.some(np.isin(contacts.key, lasting.keys))
+            before, offsets = contacts.speeds(v), contacts.tangential[:, None] * contacts.speeds(v)
+            offsets[:, 0] = -before[:, 0]
+            speeds = contacts.speeds(after) + offsets
+            scale = float(np.abs(speeds).max(initial=0.0)) or 1.0
+            matrix = delassus(contacts.directions, mobility)
+            problem = FrictionProblem(matrix, speeds, contacts.friction, scale)
+            start = lasting.impulses[np.searchsorted(lasting.keys, contacts.key)]
+            impulses = step.solver.solve(problem, start).impulses
+            after = after + mobility(contacts.directions.T @ impulses.ravel())[0]
+        return np.asarray((after - v) / h)
+
+
+_STEPS: WeakKeyDictionary[NonsmoothMotion, ContactSteps] = WeakKeyDictionary()
+
+
+def contact_steps(motion: NonsmoothMotion) -> ContactSteps:
+    """Steps of a run, linearised once for all gradients and notes."""
+    if motion not in _STEPS:
+        _STEPS[motion] = ContactSteps(motion)
+    return _STEPS[motion]
 
 
 class RecordedOpening(PositionCorrection):
@@ -134,20 +159,21 @@ class RecordedOpening(PositionCorrection):
 
     Attributes
     ----------
-    active : for each iteration, key of the active gaps → distance
+    active : for each iteration, keys of the active gaps and their distances
     """
 
     def __init__(self, step: ContactStep, t: float, open_gaps: bool):
         super().__init__(step, t, open_gaps)
-        self.active: list[dict[int, float]] = []
+        self.active: list[tuple[np.ndarray, np.ndarray]] = []
 
     def step(self, x: np.ndarray, residual: newton.Residual) -> np.ndarray:
         assert isinstance(residual, PositionResidual)
         shift, gaps = self.shift(x, residual)
-        active: dict[int, float] = {}
+        keys, lifts = np.zeros(0, dtype=int), np.zeros(0)
         if gaps is not None:
             remainder = np.abs(gaps.distance + normals_of(gaps) @ shift)
-            for n in np.flatnonzero(remainder <= SAME * -gaps.distance.min()):
-                active[int(gaps.key[n])] = float(gaps.distance[n])
-        self.active.append(active)
+            active = np.flatnonzero(remainder <= SAME * -gaps.distance.min())
+            active = active[np.argsort(gaps.key[active])]
+            keys, lifts = gaps.key[active], gaps.distance[active]
+        self.active.append((keys, lifts))
         return shift
