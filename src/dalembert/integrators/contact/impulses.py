@@ -123,9 +123,7 @@ def proximal_problem(
     problem: FrictionProblem, impulses: np.ndarray, weight: float
 ) -> FrictionProblem:
     """The problem with a proximal term at ``impulses``."""
-    normal, along = problem.mobility
-    diagonal = weight * np.column_stack([normal, *[along] * (problem.shape[1] - 1)])
-    matrix = problem.matrix
+    diagonal, matrix = weight * problem.mobility, problem.matrix
     if isinstance(matrix, Delassus):
         matrix = matrix.shifted(diagonal.ravel())
     else:

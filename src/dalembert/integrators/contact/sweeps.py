@@ -1,10 +1,10 @@
 """Accelerated projected Gauss–Seidel sweeps, in machine code.
 
-A sweep visits all contacts forwards and backwards: ``P_N ← max(0, P_N − u_N/H_NN)``, and
-``P_T ← P_T − ρ u_T`` shortened to ``μ P_N``; the speeds of the bodies follow at once (Jourdan,
-Alart & Jean, Comput. Methods Appl. Mech. Eng. 155, 1998). The next sweep begins from impulses
-extrapolated by the momentum ``j/(j + 3)`` (Nesterov 1983), ``j`` being the number of sweeps since
-the changes last grew (O'Donoghue & Candès, Found. Comput. Math. 15, 2015).
+A sweep visits all contacts forwards and backwards: ``P_N ← max(minimum, P_N − u_N/H_NN)``, then
+``P_j ← P_j − ρ u_j`` of each tangential group, shortened to ``μ_j P_N``; the speeds of the bodies
+follow at once (Jourdan, Alart & Jean, Comput. Methods Appl. Mech. Eng. 155, 1998). The next sweep
+begins from impulses extrapolated by the momentum ``j/(j + 3)`` (Nesterov 1983), ``j`` being the
+number of sweeps since the changes last grew (O'Donoghue & Candès, Found. Comput. Math. 15, 2015).
 """
 
 from __future__ import annotations
@@ -47,20 +47,22 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   const casadi_real* responses = arg[1];
   const casadi_real* velocity = arg[2];
   const casadi_real* friction = arg[3];
-  const casadi_real* normal = arg[4];
-  const casadi_real* along = arg[5];
-  const casadi_real* shift = arg[6];
-  const casadi_real* tolerance = arg[7];
-  const int* w_row = (const int*) arg[8];
-  const int* w_column = (const int*) arg[9];
-  const int* x_row = (const int*) arg[10];
-  const int* x_column = (const int*) arg[11];
+  const casadi_real* minimum = arg[4];
+  const casadi_real* mobility = arg[5];
+  const casadi_real* weight = arg[6];
+  const casadi_real* shift = arg[7];
+  const casadi_real* tolerance = arg[8];
+  const int* w_row = (const int*) arg[9];
+  const int* w_column = (const int*) arg[10];
+  const int* x_row = (const int*) arg[11];
+  const int* x_column = (const int*) arg[12];
+  const int* group = (const int*) arg[13];
   casadi_real* impulse = res[0];
   casadi_real* speed = res[1];
   casadi_real* search = res[2];
   casadi_real* before = res[3];
-  casadi_int count = iw[0], width = iw[1], sweeps = iw[2], rows = iw[0]*iw[1];
-  casadi_int sweep, m, i, a, r, start = 0;
+  casadi_int count = iw[0], width = iw[1], groups = iw[2], sweeps = iw[3], rows = count*width;
+  casadi_int sweep, m, i, g, a, r, start = 0;
   casadi_real largest, u, d, length, limit, share, square, last = 0;
   for (sweep=0; sweep<sweeps; ++sweep) {
     largest = 0;
@@ -70,40 +72,42 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
       r = i*width;
       u = velocity[r] + shift[r]*impulse[r];
       u += casadi_row(directions, w_column, w_row[r], w_row[r+1], speed);
-      d = impulse[r] - u/normal[i];
-      d = (d>0 ? d : 0.0) - impulse[r];
+      d = impulse[r] - u/mobility[r];
+      d = (d>minimum[i] ? d : minimum[i]) - impulse[r];
       if (d!=0) {
         impulse[r] += d;
-        if (fabs(d)*normal[i]>largest) largest = fabs(d)*normal[i];
+        if (fabs(d)*weight[r]>largest) largest = fabs(d)*weight[r];
         casadi_push(responses, x_column, x_row[r], x_row[r+1], d, speed);
       }
-      limit = friction[i]*impulse[r];
-      length = 0;
-      for (a=1; a<width; ++a) {
-        w[a] = 0;
-        if (!(limit>0)) continue;
-        u = velocity[r+a] + shift[r+a]*impulse[r+a];
-        u += casadi_row(directions, w_column, w_row[r+a], w_row[r+a+1], speed);
-        w[a] = impulse[r+a] - u/along[i];
-        length += w[a]*w[a];
-      }
-      length = sqrt(length);
-      for (a=1; a<width; ++a) {
-        d = (length>limit ? w[a]*(limit/length) : w[a]) - impulse[r+a];
-        if (d!=0) {
-          impulse[r+a] += d;
-          if (fabs(d)*along[i]>largest) largest = fabs(d)*along[i];
-          casadi_push(responses, x_column, x_row[r+a], x_row[r+a+1], d, speed);
+      for (g=0; g<groups; ++g) {
+        limit = friction[i*groups+g]*impulse[i*width];
+        length = 0;
+        for (a=group[g]; a<group[g+1]; ++a) {
+          w[a] = 0;
+          if (!(limit>0)) continue;
+          r = i*width + a;
+          u = velocity[r] + shift[r]*impulse[r];
+          u += casadi_row(directions, w_column, w_row[r], w_row[r+1], speed);
+          w[a] = impulse[r] - u/mobility[r];
+          length += w[a]*w[a];
+        }
+        length = sqrt(length);
+        for (a=group[g]; a<group[g+1]; ++a) {
+          r = i*width + a;
+          d = (length>limit ? w[a]*(limit/length) : w[a]) - impulse[r];
+          if (d!=0) {
+            impulse[r] += d;
+            if (fabs(d)*weight[r]>largest) largest = fabs(d)*weight[r];
+            casadi_push(responses, x_column, x_row[r], x_row[r+1], d, speed);
+          }
         }
       }
     }
     if (!(largest>tolerance[0])) return 0;
     square = 0;
-    for (i=0; i<count; ++i) {
-      for (a=0; a<width; ++a) {
-        d = impulse[i*width+a] - before[i*width+a];
-        square += d*d*(a>0 ? along[i] : normal[i]);
-      }
+    for (r=0; r<rows; ++r) {
+      d = impulse[r] - before[r];
+      square += d*d*mobility[r];
     }
     if (square>last) start = sweep;
     share = (sweep-start)/(sweep-start+3.0);
@@ -139,13 +143,15 @@ def swept(problem: FrictionProblem, impulses: np.ndarray, tolerance: float) -> n
         return impulses
     w, x = operator.directions, operator.responses
     result, rows = np.array(impulses), impulses.size
-    normal, along = problem.mobility
-    values = [w.data, x.data, problem.velocity, problem.friction, normal, along, operator.shift]
-    indices = [w.indptr, w.indices, x.indptr, x.indices]
-    inputs = [np.ascontiguousarray(value) for value in (*values, np.array([tolerance]))]
+    minimum = np.broadcast_to(problem.minimum, result.shape[:1])
+    values = [w.data, x.data, problem.velocity, problem.friction, minimum]
+    values += [problem.mobility, problem.weights, operator.shift]
+    indices = [w.indptr, w.indices, x.indptr, x.indices, problem.starts]
+    inputs = [np.ascontiguousarray(v, dtype=float) for v in (*values, np.array([tolerance]))]
     inputs += [index.astype(np.int32, copy=False) for index in indices]
     outputs = [result, operator.response(result.ravel()), np.zeros(rows), np.empty(rows)]
-    _call(loop, inputs, outputs, np.array([*problem.shape, SWEEPS]), np.empty(problem.shape[1]))
+    counts = np.array([*problem.shape, len(problem.groups), SWEEPS])
+    _call(loop, inputs, outputs, counts, np.empty(problem.shape[1]))
     return result if np.isfinite(result).all() else impulses
 
 
