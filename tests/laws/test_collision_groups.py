@@ -52,7 +52,7 @@ def read(tmp_path, text: str) -> da.System:
 
 def gaps_of(model: da.Model, reach: float = 10.0):
     travels = np.full((model.equations.speed_count, 1), reach)
-    return gap_sources(model)[0].near(0.0, model.start.y, model.nominal, travels, 2)
+    return gap_sources(model)[0].near(0.0, model.start.y, model.nominal, travels, (1,))
 
 
 def test_files_have_groups_and_pairs(tmp_path, schema):
@@ -60,8 +60,8 @@ def test_files_have_groups_and_pairs(tmp_path, schema):
     element = system.elements["box"]
     assert list(element.groups) == ["discs", "crates", "walls"]
     gaps = gaps_of(system.build())  # disc on the wall; four corners of the crate on the wall
-    assert sorted(gaps.friction) == [0.2, 0.3, 0.3, 0.3, 0.3]
-    assert gaps.restitution == pytest.approx(0.1)
+    assert sorted(gaps.laws.friction[:, 0]) == [0.2, 0.3, 0.3, 0.3, 0.3]
+    assert gaps.laws.restitution == pytest.approx(0.1)
     schema.validate(tomllib.loads(FILE))
 
 

@@ -8,6 +8,7 @@ import dalembert as da
 from dalembert import planar, spatial
 from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.planar_features import PARALLEL
+from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.sensitivity.nonsmooth.active_contacts import Gaps
 from dalembert.sensitivity.nonsmooth.gap_slopes import GapChanges, SourceSlopes, StepState
 from dalembert.sensitivity.nonsmooth.step_equations import step_equations
@@ -61,7 +62,7 @@ class Meeting:
         """All gaps of the pair."""
         count = self.model.equations.speed_count
         travels = np.full((count, 1), travel)
-        return self.source.near(0.0, y, self.model.nominal, travels, self.source.width)
+        return self.source.near(0.0, y, self.model.nominal, travels, self.source.groups)
 
 
 def _rotation(rng: np.random.Generator, dimension: int) -> np.ndarray:
@@ -165,9 +166,9 @@ def test_derivatives_of_gaps_are_those_of_the_numbers(meetings, dimension, i, j)
 
         def at(position, gaps=gaps, impulses=impulses):
             state = StepState(0.0, position, p, v, v)
-            return slopes.at(state, np.arange(gaps.count), gaps.key, impulses)
+            return slopes.at(state, np.arange(gaps.count), gaps.key, impulses, FIRST + 1)
 
-        here = Gaps.of([at(y)], meeting.source.width)
+        here = Gaps.of([at(y)])
         np.testing.assert_allclose(here.values.distance, gaps.distance, atol=1e-12)
         np.testing.assert_allclose(here.values.before, gaps.speeds(v), atol=1e-12)
         directions = dense_array(here.directions), dense_array(gaps.directions)
@@ -175,7 +176,7 @@ def test_derivatives_of_gaps_are_those_of_the_numbers(meetings, dimension, i, j)
         dq = np.zeros((y.size + v.size + 1 + p.size, 1))
         dq[: y.size, 0] = rates(y, way)[0]
         change, momentum = here.push(dq)
-        ends = [Gaps.of([at(go(y, step * way))], meeting.source.width) for step in (1e-6, -1e-6)]
+        ends = [Gaps.of([at(go(y, step * way))]) for step in (1e-6, -1e-6)]
         distances, speeds, momenta = (
             [pick(end) for end in ends]
             for pick in (

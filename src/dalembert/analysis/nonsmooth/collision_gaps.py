@@ -9,7 +9,6 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.gap_functions import Feature, gap_function
 from dalembert.analysis.nonsmooth.gaps import (
-    LAWS,
     FormulaGaps,
     GapFormulas,
     GapKind,
@@ -22,8 +21,9 @@ from dalembert.analysis.nonsmooth.neighbours import Neighbours
 from dalembert.analysis.nonsmooth.shape_velocities import TWIST, ShapeVelocities
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact_point import contact_at_wall, contact_of_balls
-from dalembert.elements.contact.pairs import APART
+from dalembert.elements.contact.pairs import APART, COEFFICIENTS
 from dalembert.elements.contact.unilateral import Unilateral
+from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
@@ -47,7 +47,8 @@ class CollisionGaps(GapSource):
     """
 
     def __init__(self, model: Model, element: Collisions):
-        self.elements, self.width = [element], element.dimension
+        self.elements, self.groups = [element], element.friction_groups
+        self.dimension: int = element.dimension
         e, balls, walls = model.all_equations, element.balls, element.walls
         points = [shape.point for shape in (*balls, *walls)]
         positions = [_in_space(p.position.sx) for p in points]
@@ -75,7 +76,12 @@ class CollisionGaps(GapSource):
         self._last: NearPairs | None = None
 
     def near(
-        self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
+        self,
+        time: float,
+        y: np.ndarray,
+        p: np.ndarray,
+        travels: np.ndarray,
+        groups: tuple[int, ...],
     ) -> Contacts:
         pairs = self._pairs(time, y, p)
         reach = 2 * self._velocities.fastest(pairs.shapes.velocities, travels)
@@ -84,13 +90,13 @@ class CollisionGaps(GapSource):
         near = np.flatnonzero(pairs.distance <= reach)
         first, second = pairs.first[near], pairs.second[near]
         laws = pairs.shapes.coefficients[:, self._law(first, second)]
+        width = 1 + sum(groups)
         return Contacts(
             pairs.distance[near],
             pairs.derivatives.rows(near, width),
             np.zeros((near.size, width)),
-            laws[0],
-            laws[1],
-            laws[2],
+            ContactLaws.of(laws, groups),
+            groups,
             first * pairs.shapes.positions.shape[0] + second,
             np.zeros(near.size, dtype=int),
         )
@@ -134,14 +140,15 @@ class CollisionGaps(GapSource):
         starts = 3 * shapes, 3 * (shapes + walls), 3 * (shapes + walls) + balls
         other = np.column_stack([3 * second[:, None] + place, starts[1] + second])
         twists = TWIST * np.stack([first, second], 1)[..., None] + np.arange(TWIST)
-        laws = starts[2] + LAWS * self._law(first, second)[:, None] + np.arange(LAWS)
+        laws = starts[2] + len(COEFFICIENTS) * self._law(first, second)[:, None]
+        laws = laws + np.arange(FIRST + len(self.groups))
         kinds = []
         for wall in (False, True):
             rows = np.flatnonzero((first >= balls) == wall)
             here = first[rows, None]
             own = starts[0] + 3 * (here - balls) + place if wall else starts[1] + here
             arguments = [np.hstack([3 * here + place, own]), other[rows]]
-            function = _gap_function(self.width, wall)
+            function = _gap_function(self.dimension, wall, self._turns)
             velocities = twists[rows].reshape(rows.size, 2 * TWIST)
             kinds.append(GapKind(function, rows, arguments, velocities, laws[rows]))
         return [kind for kind in kinds if kind.row.size]
@@ -159,7 +166,7 @@ class CollisionGaps(GapSource):
                 feature, own = Feature.WALL, [positions[:, here], normals[:, here - balls], [0.0]]
             else:
                 feature, own = Feature.CORNERS, [positions[:, here], radii[here]]
-            function = gap_function(feature, self.width)
+            function = gap_function(feature, self.dimension)
             out = function(np.concatenate([*own, positions[:, here]]), other)
             places[k], directions[k] = out[2].full().ravel(), out[3].full()
         return places, directions
@@ -169,22 +176,29 @@ class CollisionGaps(GapSource):
     ) -> tuple[np.ndarray, np.ndarray]:
         """(n,) distances and (n, k, 12) derivatives of gap velocities by both twists."""
         count, positions, radii = chosen.shape[1], shapes.positions, shapes.radii
+        width = 1 + sum(self.groups)
         if not count:
-            return np.zeros(0), np.zeros((0, self.width, 2 * TWIST))
+            return np.zeros(0), np.zeros((0, width, 2 * TWIST))
         size = SMALLEST << max(0, int(np.ceil(np.log2(count / SMALLEST))))
         first, second = chosen if size == count else chosen[:, np.arange(size) % count]
         own = shapes.normals[first - radii.size].T if wall else radii[None, first]
         here, there = positions[first].T, positions[second].T
         kernel = self._kernel(wall, size)
         distance, blocks = kernel(np.vstack([here, own]), np.vstack([there, radii[second]]))
-        blocks = blocks.reshape(self.width, 2 * TWIST, size, order="F")
+        blocks = blocks.reshape(width, 2 * TWIST, size, order="F")
         return distance.ravel()[:count], np.moveaxis(blocks, 2, 0)[:count]
 
     def _kernel(self, wall: bool, size: int) -> Kernel:
         """Gap function of two balls, or of a wall and a ball, mapped over ``size`` pairs."""
         if (wall, size) not in self._kernels:
-            self._kernels[wall, size] = Kernel(_gap_function(self.width, wall).map(size))
+            function = _gap_function(self.dimension, wall, self._turns)
+            self._kernels[wall, size] = Kernel(function.map(size))
         return self._kernels[wall, size]
+
+    @property
+    def _turns(self) -> bool:
+        """Whether there is friction of rotations."""
+        return len(self.groups) > 1
 
 
 @once
@@ -216,7 +230,7 @@ def _in_space(vector: ca.SX) -> ca.SX:
 
 
 @cache
-def _gap_function(dimension: int, wall: bool) -> ca.Function:
+def _gap_function(dimension: int, wall: bool, turns: bool) -> ca.Function:
     """``(place and radius, or place and normal; place and radius) → g, ∂u/∂twists``."""
     first, second = ca.SX.sym("first", 6 if wall else 4), ca.SX.sym("second", 4)
     twist = ca.SX.sym("twist", 2 * TWIST)
@@ -229,5 +243,7 @@ def _gap_function(dimension: int, wall: bool) -> ca.Function:
         lambda point: twist[:3] + ca.cross(twist[3:6], point - first[:3]),
         lambda point: twist[6:9] + ca.cross(twist[9:], point - second[:3]),
     )
+    if turns:
+        speed = ca.vertcat(speed, gap.turning(twist[3:6], twist[9:]))
     directions = ca.densify(ca.jacobian(speed, twist))
     return ca.Function("meeting", [first, second], [gap.distance, directions])

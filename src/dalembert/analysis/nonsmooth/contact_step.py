@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -10,11 +11,18 @@ import scipy
 from dalembert.analysis.nonsmooth.gaps import GapSource
 from dalembert.analysis.nonsmooth.mobility import Mobility
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
+from dalembert.integrators.contact.contact_laws import widest_groups
 from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
 from dalembert.integrators.contact.impulses import Impulses
 from dalembert.integrators.contact.schemes import Approach, ContactScheme
+from dalembert.integrators.contact.static_friction import (
+    STILL,
+    may_stick,
+    solve_with_static_friction,
+    sticks,
+)
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Matrix
 
@@ -40,6 +48,7 @@ class StepResult:
     contacts : contacts of the friction problem
     impulses : solution of the friction problem
     offsets : (n, k) velocity offsets of the conditions
+    stuck : keys of the contacts with static friction at the end
     loss : energy dissipated by the contacts
     """
 
@@ -49,6 +58,7 @@ class StepResult:
     contacts: Contacts
     impulses: Impulses
     offsets: np.ndarray
+    stuck: np.ndarray
     loss: float
 
     @property
@@ -78,16 +88,16 @@ class ContactStep:
     solver: ContactSolver
     p: np.ndarray
 
-    @property
-    def width(self) -> int:
-        """Components of the relative velocities."""
-        return max((source.width for source in self.sources), default=1)
+    @cached_property
+    def groups(self) -> tuple[int, ...]:
+        """Widths of the groups of tangential components of the relative velocities."""
+        return widest_groups([source.groups for source in self.sources])
 
     def near(self, t: float, y: np.ndarray, travels: np.ndarray) -> Contacts:
         """Gaps of all sources within reach of the displacements ``travels``."""
         parts, elements = [], 0
         for number, source in enumerate(self.sources):
-            contacts = source.near(t, y, self.p, travels, self.width)
+            contacts = source.near(t, y, self.p, travels, self.groups)
             parts.append(
                 replace(
                     contacts, owner=contacts.owner + elements, key=contacts.key + number * APART
@@ -120,13 +130,15 @@ class ContactStep:
         reach, begins = AHEAD * h, before is None
         for _ in range(WIDENINGS):
             contacts = self.near(t, y, reach * np.column_stack([v, free]))
-            approach = Approach(contacts, contacts.speeds(v), contacts.speeds(free), h, begins)
+            approach = Approach(
+                contacts, contacts.speeds(v), contacts.speeds(free), h, begins, self.rounding
+            )
             acting = self.scheme.acting(approach)
             if not acting.all():
                 contacts = contacts.some(acting)
-                speeds = approach.before[acting], approach.free[acting]
-                approach = Approach(contacts, *speeds, h, begins)
-            impulses, offsets = self._impulses(approach, mobility, before)
+                speeds = {"before": approach.before[acting], "free": approach.free[acting]}
+                approach = replace(approach, contacts=contacts, **speeds)
+            impulses, offsets, stuck = self._impulses(approach, mobility, before)
             push = impulses.impulses.ravel()
             change, reactions = mobility(contacts.directions.T @ push)
             after = free + change
@@ -139,34 +151,41 @@ class ContactStep:
                 break
             reach *= WIDER
         loss = -0.5 * float(push @ (contacts.directions @ (after + v)))
-        return StepResult(
-            position, after, multiplier + reactions, contacts, impulses, offsets, loss
-        )
+        reactions += multiplier
+        return StepResult(position, after, reactions, contacts, impulses, offsets, stuck, loss)
 
     def _impulses(
         self, approach: Approach, mobility: Mobility, before: StepResult | None
-    ) -> tuple[Impulses, np.ndarray]:
-        """Impulses of the contacts, and offsets, which are updated until they do not change."""
+    ) -> tuple[Impulses, np.ndarray, np.ndarray]:
+        """Impulses of the contacts, their offsets, which are updated until they no longer change,
+        and keys of the sticking contacts with static friction."""
         contacts, shape = approach.contacts, approach.before.shape
         if not contacts.count:
-            return Impulses(np.zeros(shape), 0.0, True), np.zeros(shape)
+            return Impulses(np.zeros(shape), 0.0, True), np.zeros(shape), contacts.key[:0]
         matrix = delassus(contacts.directions, mobility)
         offsets = self.scheme.first(approach)
-        scale = float(max(np.abs(approach.free).max(), np.abs(approach.before).max()))
-        groups = (shape[1] - 1,) if shape[1] > 1 else ()
-        friction = contacts.friction[:, None][:, : len(groups)]
+        laws, none = contacts.laws, contacts.key[:0]
+        scale = approach.fastest or 1.0
+        rounding = STILL * self.solver.tolerance * scale
+        static = may_stick(contacts, approach.before, before.stuck if before else none, rounding)
         start, rounds = warm_start(contacts, before, shape), 0
         for _ in range(ROUNDS):
             velocity = approach.free + offsets
-            problem = FrictionProblem(matrix, velocity, friction, groups, scale or 1.0)
-            solution = self.solver.solve(problem, start)
+            problem = FrictionProblem(matrix, velocity, laws.friction, contacts.groups, scale)
+            solution, static = solve_with_static_friction(
+                self.solver, problem, start, laws, static, approach.before
+            )
             start, rounds = solution.impulses, rounds + solution.rounds
             after = problem.speeds(solution.impulses) - offsets
             changed = self.scheme.again(approach, offsets, solution.impulses, after)
             if changed is None or not solution.converged:
                 break
             offsets = changed
-        return replace(solution, rounds=rounds), offsets
+        solution = replace(solution, rounds=rounds)
+        if not laws.higher_at_rest.any():
+            return solution, offsets, none
+        stuck = (start[:, 0] > 0) & sticks(self.solver, problem, start)
+        return solution, offsets, contacts.key[stuck]
 
 
 def delassus(directions: Matrix, mobility: Mobility) -> np.ndarray | Delassus:

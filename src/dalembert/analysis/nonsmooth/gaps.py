@@ -13,13 +13,11 @@ from dalembert.elements.base import Element, Rate
 from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.elements.coordinates import rate_of
 from dalembert.errors import ModelError, UnsupportedError
+from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel, Patterned, dense_array
 from dalembert.symbolic.formulas.expression import t
-
-LAWS = 3
-"""Coefficients of a law of impact: restitution, tangential restitution, friction."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +45,7 @@ class GapKind:
     row : (n,) positions of the gaps in the list of keys
     arguments : entries of the geometry, (n, m) for each argument of the function
     velocities : (n, w) entries of the velocities
-    laws : (n, 3) entries of the geometry: restitution, tangential restitution, friction
+    laws : (n, c) entries of the geometry: ``FIRST`` coefficients, and friction of each group
     """
 
     function: ca.Function
@@ -63,21 +61,31 @@ class GapSource(ABC):
     Attributes
     ----------
     elements : owners of the gaps
-    width : components of the relative velocity at a gap
+    groups : widths of the groups of tangential components of the relative velocity at a gap
     formulas : GapFormulas of all shapes, from which derivatives follow
     """
 
     elements: list[Element]
-    width: int
+    groups: tuple[int, ...]
     formulas: GapFormulas
+
+    @property
+    def linear(self) -> int:
+        """Number of components of the relative velocity that are not rotations."""
+        return 1 + sum(self.groups[:1])
 
     @abstractmethod
     def near(
-        self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
+        self,
+        time: float,
+        y: np.ndarray,
+        p: np.ndarray,
+        travels: np.ndarray,
+        groups: tuple[int, ...],
     ) -> Contacts:
         """Gaps no wider than the largest motion by the displacements ``travels`` (n_v, m).
 
-        Gap velocities have ``width`` components, padded by zeros.
+        Gap velocities have the components of ``groups``, padded by zeros.
         """
 
     @abstractmethod
@@ -87,15 +95,15 @@ class GapSource(ABC):
     def points(
         self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """(n, 3) contact points and (n, 3, width) directions of velocities at gaps with some keys.
+        """(n, 3) contact points and (n, 3, linear) directions of velocities at gaps with some keys.
 
         Gaps stated by formulas have no position, which is NaN.
         """
-        return np.full((keys.size, 3), np.nan), np.zeros((keys.size, 3, self.width))
+        return np.full((keys.size, 3), np.nan), np.zeros((keys.size, 3, self.linear))
 
     def deepest(self, time: float, y: np.ndarray, p: np.ndarray, speeds: int) -> float:
         """The smallest gap if it is negative, else 0 [m]; ``speeds`` is the number of speeds."""
-        closed = self.near(time, y, p, np.zeros((speeds, 1)), self.width)
+        closed = self.near(time, y, p, np.zeros((speeds, 1)), self.groups)
         return float(closed.distance.min(initial=0.0))
 
 
@@ -117,11 +125,12 @@ class FormulaGaps(GapSource):
             for k, element in enumerate(elements)
             for gap in element.gaps(_rate(model, element))
         ]
-        self.width = 1 + max(gap.slip.numel() for _, gap in gaps)
+        slips = max(gap.slip.numel() for _, gap in gaps)
+        self.groups = (slips,) if slips else ()
         self.owner = np.array([k for k, _ in gaps])
         velocities = []
         for k, gap in gaps:
-            padding = ca.SX.zeros(self.width - 1 - gap.slip.numel())
+            padding = ca.SX.zeros(slips - gap.slip.numel())
             velocities.append(
                 ca.vertcat(_rate(model, elements[k])(gap.distance), gap.slip, padding)
             )
@@ -133,9 +142,14 @@ class FormulaGaps(GapSource):
         distances = model.at_ground(ca.vertcat(*(gap.distance for _, gap in gaps)))
         laws = [element.impact() for element in elements]
         coefficients = ca.horzcat(
-            *(ca.vertcat(law.restitution, law.tangential, law.friction) for law in laws if law)
+            *(
+                ca.vertcat(law.restitution, law.tangential, law.friction, law.friction)
+                for law in laws
+                if law
+            )
         )
         coefficients = model.at_ground(ca.densify(coefficients))
+        self._law_size = coefficients.shape[0]
         self.formulas = GapFormulas(ca.vertcat(distances, ca.vec(coefficients)), speeds)
         inputs = [e.t, e.y, e.p]
         outputs = [distances, directions, drift]
@@ -143,32 +157,38 @@ class FormulaGaps(GapSource):
         self._laws = Kernel(ca.Function("laws", inputs, [coefficients]))
 
     def near(
-        self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
+        self,
+        time: float,
+        y: np.ndarray,
+        p: np.ndarray,
+        travels: np.ndarray,
+        groups: tuple[int, ...],
     ) -> Contacts:
         distance, directions, drift = self._gaps(time, y, p)
         reach = np.abs(directions @ travels).max(initial=0.0)
-        count = self.owner.size
-        padding = ((0, 0), (0, width - self.width), (0, 0))
-        rows = np.pad(dense_array(directions).reshape(count, self.width, -1), padding)
-        restitution, tangential, friction = self._laws(time, y, p)[0][:, self.owner]
+        count, width = self.owner.size, 1 + sum(groups)
+        padding = ((0, 0), (0, width - self.linear), (0, 0))
+        rows = np.pad(dense_array(directions).reshape(count, self.linear, -1), padding)
+        laws = self._laws(time, y, p)[0][:, self.owner]
+        coefficients = np.zeros((FIRST + len(groups), count))
+        coefficients[: FIRST + 1] = laws[: FIRST + len(groups)]
         gaps = Contacts(
             distance,
             rows.reshape(count * width, -1),
-            np.pad(drift.reshape(count, self.width), padding[:2]),
-            restitution,
-            tangential,
-            friction,
+            np.pad(drift.reshape(count, self.linear), padding[:2]),
+            ContactLaws.of(coefficients, groups),
+            groups,
             np.arange(count),
             self.owner,
         )
         return gaps.some(distance <= reach)
 
     def kinds(self, keys: np.ndarray) -> list[GapKind]:
-        numbers, laws = np.arange(self.width), np.arange(LAWS)
-        velocities = keys[:, None] * self.width + numbers
-        entries = self.owner.size + self.owner[keys][:, None] * LAWS + laws
+        velocities = keys[:, None] * self.linear + np.arange(self.linear)
+        laws = np.arange(FIRST + len(self.groups))
+        entries = self.owner.size + self.owner[keys][:, None] * self._law_size + laws
         rows = np.arange(keys.size)
-        kind = GapKind(_stated_gap(self.width), rows, [keys[:, None]], velocities, entries)
+        kind = GapKind(_stated_gap(self.linear), rows, [keys[:, None]], velocities, entries)
         return [kind] if keys.size else []
 
 

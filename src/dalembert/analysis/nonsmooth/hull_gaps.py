@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import casadi as ca
 import numpy as np
 
 from dalembert.analysis.nonsmooth.bounding_balls import bounding_balls, near_balls
@@ -16,6 +17,7 @@ from dalembert.analysis.nonsmooth.spatial_features import spatial_features
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.pairs import APART
 from dalembert.elements.contact.shapes import Round
+from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
@@ -63,7 +65,8 @@ class HullGaps(GapSource):
     """
 
     def __init__(self, model: Model, element: Collisions):
-        self.elements, self.width = [element], element.dimension
+        self.elements, self.groups = [element], element.friction_groups
+        self.dimension: int = element.dimension
         self.geometry = geometry = HullGeometry(model, element)
         self.formulas = geometry.formulas
         self._groups, self._laws = element.group_of(geometry.shapes), element.laws
@@ -75,7 +78,12 @@ class HullGaps(GapSource):
         self._kernels: dict[tuple[Feature, int], Kernel] = {}
 
     def near(
-        self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
+        self,
+        time: float,
+        y: np.ndarray,
+        p: np.ndarray,
+        travels: np.ndarray,
+        groups: tuple[int, ...],
     ) -> Contacts:
         last = self._last
         if last is None or not last.is_at(time, y, p):
@@ -86,13 +94,13 @@ class HullGaps(GapSource):
             ahead = 0.0 if last is None else last.requested
             last = self._last = LastPosition(time, y.copy(), p.copy(), at, velocities, ahead)
         reach = self._reach(last.at, last.velocities, travels)
-        if last.contacts is None or reach > last.reach or last.contacts.drift.shape[1] != width:
+        if last.contacts is None or reach > last.reach or last.contacts.groups != groups:
             last.reach = max(last.reach, reach)
             parts = [
-                self._contacts(pairs, last, width)
+                self._contacts(pairs, last, groups)
                 for pairs in [*self._walls(last.at, last.reach), *self._hulls(last.at, last.reach)]
             ]
-            last.contacts = Contacts.joined(parts or [self._none(width)])
+            last.contacts = Contacts.joined(parts or [self._none(groups)])
         last.requested = max(last.requested, reach)
         return last.contacts.some(last.contacts.distance <= reach)
 
@@ -103,8 +111,8 @@ class HullGaps(GapSource):
             pairs = self._pairs_of(keys[rows])
             shapes = np.stack([pairs.first, pairs.second], 1)[..., None]
             velocities = (TWIST * shapes + np.arange(TWIST)).reshape(rows.size, -1)
-            laws = self.geometry.law_entries(self._law(pairs))
-            function, entries = gap_function(pairs.feature, self.width), self.geometry.entries
+            laws = self.geometry.law_entries(self._law(pairs), FIRST + len(self.groups))
+            function, entries = self._function(pairs.feature), self.geometry.entries
             kinds.append(GapKind(function, rows, entries(pairs), velocities, laws))
         return kinds
 
@@ -113,7 +121,7 @@ class HullGaps(GapSource):
     ) -> tuple[np.ndarray, np.ndarray]:
         at = self.geometry.positions(time, y, p)
         places = np.zeros((keys.size, 3))
-        directions = np.zeros((keys.size, 3, self.width))
+        directions = np.zeros((keys.size, 3, self.dimension))
         kinds = keys // self._first_key(Feature(1))
         for kind in np.unique(kinds):
             own = kinds == kind
@@ -160,7 +168,7 @@ class HullGaps(GapSource):
         if not first.size:
             return []
         rounded = self.geometry.rounded[first] | self.geometry.rounded[second]
-        search = planar_features if self.width == 2 else spatial_features
+        search = planar_features if self.dimension == 2 else spatial_features
         tables: dict[Feature, list[np.ndarray]] = {}
         for pairs, one, another in self.geometry.batches(first, second, at):
             i, j = first[pairs], second[pairs]
@@ -171,12 +179,12 @@ class HullGaps(GapSource):
         return [Pairs(feature, *table) for feature, table in joined if table.size]
 
     # gaps of pairs -------------------------------------------------------------------------------
-    def _contacts(self, pairs: Pairs, last: LastPosition, width: int) -> Contacts:
+    def _contacts(self, pairs: Pairs, last: LastPosition, groups: tuple[int, ...]) -> Contacts:
         """Gaps of pairs within reach."""
         distance, blocks, *_ = self._evaluate(pairs, last.at)
         near = distance <= last.reach
         pairs, count = _some(pairs, near), int(near.sum())
-        restitution, tangential, friction = last.at.coefficients[:, self._law(pairs)]
+        laws, width = last.at.coefficients[:, self._law(pairs)], 1 + sum(groups)
         directions = self.geometry.velocities.gap_derivatives(
             blocks[near], pairs.first, pairs.second, last.velocities
         )
@@ -184,9 +192,8 @@ class HullGaps(GapSource):
             distance[near],
             directions.rows(np.arange(count), width),
             np.zeros((count, width)),
-            restitution,
-            tangential,
-            friction,
+            ContactLaws.of(laws, groups),
+            groups,
             self._keys(pairs),
             np.zeros(count, dtype=int),
         )
@@ -194,7 +201,7 @@ class HullGaps(GapSource):
     def _evaluate(self, pairs: Pairs, at: Positions) -> list[np.ndarray]:
         """(n,) distances, (n, k, 12) derivatives of gap velocities by twists, (n, 3) places and
         (n, 3, k) directions."""
-        count, k = pairs.first.size, self.width
+        count, k = pairs.first.size, self.dimension
         size = SMALLEST << max(0, int(np.ceil(np.log2(count / SMALLEST))))
         padded = np.arange(size) % count
         kernel = self._kernel(pairs.feature, size)
@@ -203,7 +210,7 @@ class HullGaps(GapSource):
         )
         return [
             distance.ravel()[:count],
-            blocks.T.reshape(size, 2 * TWIST, k)[:count].swapaxes(1, 2),
+            blocks.T.reshape(size, 2 * TWIST, -1)[:count].swapaxes(1, 2),
             place.T[:count],
             directions.T.reshape(size, k, 3)[:count].swapaxes(1, 2),
         ]
@@ -211,9 +218,17 @@ class HullGaps(GapSource):
     def _kernel(self, feature: Feature, size: int) -> Kernel:
         """Gap function mapped over ``size`` pairs."""
         if (feature, size) not in self._kernels:
-            function = gap_function(feature, self.width)
+            function = self._function(feature)
             self._kernels[feature, size] = Kernel(function.map(size))
         return self._kernels[feature, size]
+
+    @property
+    def _turns(self) -> bool:
+        """Whether there is friction of rotations."""
+        return len(self.groups) > 1
+
+    def _function(self, feature: Feature) -> ca.Function:
+        return gap_function(feature, self.dimension, self._turns)
 
     def _law(self, pairs: Pairs) -> np.ndarray:
         return self._laws[self._groups[pairs.first], self._groups[pairs.second]]
@@ -237,10 +252,11 @@ class HullGaps(GapSource):
         kind, first = np.divmod(rest, shapes)
         return Pairs(Feature(int(kind[0])), first, second, own, other)
 
-    def _none(self, width: int) -> Contacts:
+    def _none(self, groups: tuple[int, ...]) -> Contacts:
         empty, numbers = np.zeros(0), np.zeros(0, dtype=int)
-        rows = np.zeros((0, self._speeds)), np.zeros((0, width))
-        return Contacts(empty, *rows, empty, empty, empty, numbers, numbers)
+        rows = np.zeros((0, self._speeds)), np.zeros((0, 1 + sum(groups)))
+        laws = ContactLaws.of(np.zeros((FIRST + len(groups), 0)), groups)
+        return Contacts(empty, *rows, laws, groups, numbers, numbers)
 
 
 def _some(pairs: Pairs, selected: np.ndarray) -> Pairs:

@@ -10,11 +10,12 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.nonsmooth.gap_functions import Feature, point_counts
-from dalembert.analysis.nonsmooth.gaps import LAWS, GapFormulas
+from dalembert.analysis.nonsmooth.gaps import GapFormulas
 from dalembert.analysis.nonsmooth.planar_features import Polygons
 from dalembert.analysis.nonsmooth.polyhedra import Form, Polyhedra
 from dalembert.analysis.nonsmooth.shape_velocities import ShapeVelocities
 from dalembert.elements.contact.collisions import Collisions
+from dalembert.elements.contact.pairs import COEFFICIENTS
 from dalembert.elements.contact.shapes import Shape
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
@@ -48,7 +49,7 @@ class Positions:
     walls : (f, 2, 3) point and normal
     radii : (s,) of hulls and walls; a wall has none
     origins : (s, 3) reference points of the bodies
-    coefficients : (3, l) restitution, tangential restitution and friction of each law
+    coefficients : (c, l) of each law, as in ``Collisions.coefficients``
     """
 
     corners: np.ndarray
@@ -191,9 +192,10 @@ class HullGeometry:
             for points, shape in ((own, pairs.first), (other, pairs.second))
         ]
 
-    def law_entries(self, laws: np.ndarray) -> np.ndarray:
-        """(n, 3) numbers of coefficients of laws in the formulas."""
-        return np.asarray(self._starts[-1] + LAWS * laws[:, None] + np.arange(LAWS))
+    def law_entries(self, laws: np.ndarray, count: int) -> np.ndarray:
+        """(n, count) numbers of the first coefficients of laws in the formulas."""
+        first = self._starts[-1] + len(COEFFICIENTS) * laws
+        return np.asarray(first[:, None] + np.arange(count))
 
     def points(self, pairs: Pairs) -> tuple[np.ndarray | None, np.ndarray]:
         """(n, k) numbers of the corners that define the features; None for a wall."""

@@ -17,7 +17,7 @@ class OffsetSlopes:
     ----------
     gap, speed, restitution : of the normal offset, by ``g``, ``u_N⁻``, ``e``
     forced : of the normal offset, by the largest change of a normal speed by forces in the step
-    tangential : of the tangential offsets, by ``u_T⁻``
+    idle : mask of the contacts whose tangential offsets are ``u_T⁻``; others follow Newton's law
     bounces : mask of the contacts that follow Newton's law, or stop in time to remain open
     """
 
@@ -25,15 +25,15 @@ class OffsetSlopes:
     speed: np.ndarray
     restitution: np.ndarray
     forced: np.ndarray
-    tangential: np.ndarray
+    idle: np.ndarray
     bounces: np.ndarray
 
 
 def newton_slopes(contacts: Contacts, before: np.ndarray) -> OffsetSlopes:
     """Derivatives of Newton's law, ``e u_N⁻`` and ``e_T u_T⁻``."""
     zero, bounces = np.zeros(contacts.count), np.ones(contacts.count, dtype=bool)
-    speeds = contacts.restitution, before[:, 0]
-    return OffsetSlopes(zero, *speeds, zero, contacts.tangential, bounces)
+    speeds = contacts.laws.restitution, before[:, 0]
+    return OffsetSlopes(zero, *speeds, zero, ~bounces, bounces)
 
 
 def anticipated_slopes(
@@ -54,7 +54,7 @@ def anticipated_slopes(
     closing : fraction of a gap that a resting contact closes per step
     rounding : difference of speeds that counts as rounding [m/s]
     """
-    gap, u, e = np.maximum(contacts.distance, 0), before[:, 0], contacts.restitution
+    gap, u, e = np.maximum(contacts.distance, 0), before[:, 0], contacts.laws.restitution
     room, zero, one = h * (1 - e / 2), np.zeros(u.size), np.ones(u.size)
     margin = (gap + h * u / 2) / room
     branches = np.array(  # value, derivatives by g, u and e, by the change of speed by forces
@@ -74,11 +74,11 @@ def anticipated_slopes(
     tied[3] &= u > 0
     number = np.argmax(tied, axis=0)
     _, *slopes = branches[number, :, np.arange(u.size)].T
-    along, law = before[:, 1:], contacts.tangential[:, None] * before[:, 1:]
-    idle = _lengths(offsets[:, 1:] - along) < _lengths(offsets[:, 1:] - law)
-    tangential = np.where(idle, 1.0, contacts.tangential)
+    law = contacts.laws.tangential[:, None] * before[:, 1:]
+    law[:, contacts.linear - 1 :] = 0.0
+    idle = _lengths(offsets[:, 1:] - before[:, 1:]) < _lengths(offsets[:, 1:] - law)
     bounces = ((number == 1) | (number == 2)) & (u < -rounding)
-    return OffsetSlopes(*slopes, tangential, bounces)
+    return OffsetSlopes(*slopes, idle, bounces)
 
 
 def _lengths(vectors: np.ndarray) -> np.ndarray:

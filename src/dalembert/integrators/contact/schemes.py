@@ -31,6 +31,7 @@ class Approach:
     before, free : (n, k) relative velocities at the start, and at the end without impulses
     h : step [s]
     begins : True in the first step, which no earlier step could prepare for an impact
+    rounding : gap that counts as closed [m]
     """
 
     contacts: Contacts
@@ -38,11 +39,20 @@ class Approach:
     free: np.ndarray
     h: float
     begins: bool = False
+    rounding: float = 0.0
+
+    @property
+    def fastest(self) -> float:
+        """The largest component of a velocity [m/s]."""
+        linear = self.contacts.linear
+        return float(np.abs([self.before[:, :linear], self.free[:, :linear]]).max(initial=0.0))
 
     def newton(self) -> Offsets:
         """Restitution, ``u_N⁺ ≥ −e u_N⁻`` and ``u_T⁺ + e_T u_T⁻`` (Newton; Moreau 1988)."""
-        offsets = self.contacts.tangential[:, None] * self.before
-        offsets[:, 0] = self.contacts.restitution * self.before[:, 0]
+        laws, linear = self.contacts.laws, self.contacts.linear
+        offsets = np.zeros_like(self.before)
+        offsets[:, 0] = laws.restitution * self.before[:, 0]
+        offsets[:, 1:linear] = laws.tangential[:, None] * self.before[:, 1:linear]
         return offsets
 
 
@@ -123,7 +133,7 @@ class MoreauJean(ContactScheme):
 
     def acting(self, approach: Approach) -> np.ndarray:
         ahead = self.gamma * approach.h * approach.before[:, 0]
-        return approach.contacts.distance + ahead <= 0
+        return approach.contacts.distance + ahead <= approach.rounding
 
     def first(self, approach: Approach) -> Offsets:
         return approach.newton()
@@ -154,7 +164,8 @@ class AnticipatedImpacts(ContactScheme):
     step may penetrate; the gap is opened after the step. The work ``P·(u⁺ + u⁻)/2`` of an impact is
     not positive. A contact may do positive work if a force reverses the motion within the step; if
     the work of all contacts is positive, ``u⁺ + u⁻`` replaces ``u⁺`` there, which does no work, so
-    that contacts never create energy.
+    that contacts never create energy. Contacts with static friction above that of sliding stop
+    instead, which may create energy of the order of the squared step.
 
     Examples
     --------
@@ -180,7 +191,7 @@ class AnticipatedImpacts(ContactScheme):
 
     def first(self, approach: Approach) -> Offsets:
         offsets = approach.newton()
-        margin = _margin(approach, approach.contacts.restitution)
+        margin = _margin(approach, approach.contacts.laws.restitution)
         impact = approach.free[:, 0] < margin
         offsets[:, 0] = -np.where(impact, _bounce(approach), margin)
         return offsets
@@ -198,7 +209,8 @@ class AnticipatedImpacts(ContactScheme):
         work = (impulses * (after + approach.before)).sum(axis=1)
         if work.sum() > ROUNDING * magnitude.sum():
             idle = np.maximum(changed, approach.before)
-            idle[:, 1:] = approach.before[:, 1:]
+            slips = ~approach.contacts.laws.higher_at_rest  # the others stop
+            idle[slips, 1:] = approach.before[slips, 1:]
             changed[work > 0] = idle[work > 0]
         return changed if (changed != offsets).any() else None
 
@@ -220,7 +232,7 @@ def _margin(approach: Approach, restitution: np.ndarray | float) -> np.ndarray:
 
 def _bounce(approach: Approach) -> np.ndarray:
     """Minimum speed of contacts under pressure: impacting, resting or separating."""
-    before, e = approach.before[:, 0], approach.contacts.restitution
+    before, e = approach.before[:, 0], approach.contacts.laws.restitution
     forced = float(np.abs(approach.free[:, 0] - before).max(initial=0.0))
     closing = CLOSING * np.maximum(approach.contacts.distance, 0) / approach.h
     resting = np.where(before > 0, _margin(approach, 0.0), -np.minimum(closing, forced))

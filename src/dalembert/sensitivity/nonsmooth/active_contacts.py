@@ -14,12 +14,16 @@ import numpy as np
 import scipy
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.integrators.contact.offset_slopes import OffsetSlopes
 from dalembert.integrators.contact.schemes import Approach
 from dalembert.integrators.contact.semismooth_newton import pieces
 from dalembert.sensitivity.nonsmooth.gap_slopes import GapChanges, SourceGaps
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
+
+STICK_MARGIN = 1e-6
+"""Excess of a friction force over the sliding one that static friction explains [-]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,10 +65,10 @@ class Gaps:
     directions: Sparse
 
     @classmethod
-    def of(cls, parts: list[SourceGaps], width: int) -> Gaps:
+    def of(cls, parts: list[SourceGaps]) -> Gaps:
         """Gaps of several sources, in the order of their keys."""
         count = sum(part.rows.size for part in parts)
-        values = GapChanges.zero(count, width)
+        values = GapChanges.zero(count, *parts[0].shape)
         for part in parts:
             for kind in part.kinds:
                 values.add(part.rows[kind.kind.row], kind.values)
@@ -76,8 +80,7 @@ class Gaps:
 
     def push(self, dq: np.ndarray) -> tuple[GapChanges, np.ndarray]:
         """Changes of the gaps and of ``Wᵀ P`` by those of ``q`` (n_q, c)."""
-        count, width = self.values.before.shape
-        changes, momentum = GapChanges.zero(count, width, dq.shape[1]), np.zeros(0)
+        changes, momentum = self.values.like(dq.shape[1]), np.zeros(0)
         for part in self.parts:
             change, own = part.push(dq)
             changes.add(part.rows, change)
@@ -89,12 +92,6 @@ class Gaps:
         pulled = [part.pull(weights.some(part.rows), momentum) for part in self.parts]
         return np.asarray(sum(pulled[1:], pulled[0]))
 
-    def distance_slopes(self, row: int) -> np.ndarray:
-        """(n_q,) derivatives of a gap."""
-        weights = GapChanges.zero(*self.values.before.shape, 1)
-        weights.distance[row] = 1.0
-        return self.pull(weights, np.zeros((self.directions.shape[1], 1))).ravel()
-
 
 @dataclass(frozen=True, eq=False)
 class ContactEquations:
@@ -105,7 +102,9 @@ class ContactEquations:
     gaps : Gaps
     own, coupled : (n, k, k)
     slopes : of the offsets
-    limit : (n, k) derivatives of the equations by the coefficient of friction
+    limit : (n, k) derivatives of the equations by the coefficients of friction
+    column : (n, k) numbers of these coefficients
+    factors : (n, k) derivatives of the offsets by the velocities before
     residual : (n k,)
     """
 
@@ -114,6 +113,8 @@ class ContactEquations:
     coupled: np.ndarray
     slopes: OffsetSlopes
     limit: np.ndarray
+    column: np.ndarray
+    factors: np.ndarray
     residual: np.ndarray
 
     @classmethod
@@ -121,28 +122,37 @@ class ContactEquations:
         cls, gaps: Gaps, step: ContactStep, active: ActiveContacts, h: float, inertia: np.ndarray
     ) -> ContactEquations:
         """Equations of a step as it was taken, scaled by an approximate ``inertia`` (n_v,)."""
-        values, w = gaps.values, gaps.directions
-        count, k = values.before.shape
-        none, keys = np.zeros((count, k)), active.keys
-        contacts = Contacts(values.distance, w, none, *values.laws.T, keys, 0 * keys)
+        values, w, groups = gaps.values, gaps.directions, step.groups
+        (count, k), keys = values.before.shape, active.keys
+        laws = ContactLaws.of(values.laws.T, groups)
+        contacts = Contacts(values.distance, w, np.zeros((count, k)), laws, groups, keys, 0 * keys)
         approach = Approach(contacts, values.before, values.after, h)
         slopes = step.scheme.slopes(approach, active.offsets, 2 * step.rounding / h)
         row = np.repeat(np.arange(count * k), np.diff(w.indptr))
         diagonal = np.bincount(row, w.data**2 / inertia[w.indices], count * k).astype(float)
         speeds, impulses = values.after + active.offsets, active.impulses
-        problem = FrictionProblem(scipy.sparse.diags_array(diagonal), speeds, values.laws[:, 2])
-        own, coupled = pieces(problem, impulses, speeds, np.arange(count))
+        friction, static = laws.friction.copy(), _static(laws, groups, impulses)
+        friction[static, :1] = laws.static_friction[static, None]
+        problem = FrictionProblem(scipy.sparse.diags_array(diagonal), speeds, friction, groups)
+        z = impulses - speeds / problem.mobility
+        own, coupled = pieces(problem, z, np.arange(count))
         residual = (own @ impulses[..., None] + coupled @ speeds[..., None]).ravel()
-        limit = _limit_slopes(problem, own, impulses, speeds)
-        return cls(gaps, own, coupled, slopes, limit, residual)
+        limit, column = _limit_slopes(problem, own, z)
+        column[:, 1 : contacts.linear] -= static[:, None]
+        factors = np.zeros((count, k))
+        factors[:, 1 : contacts.linear] = laws.tangential[:, None]
+        factors[slopes.idle] = 1.0
+        factors[:, 0] = slopes.speed
+        return cls(gaps, own, coupled, slopes, limit, column, factors, residual)
 
     @classmethod
     def of_openings(cls, gaps: Gaps, distance: np.ndarray, presses: np.ndarray) -> ContactEquations:
         """``N δ + g = 0``, with ``g`` constant unless the contact presses."""
         zero, one = np.zeros(distance.size), np.ones((distance.size, 1, 1))
-        slopes = OffsetSlopes(presses.astype(float), zero, zero, zero, zero, presses)
-        residual = gaps.values.after[:, 0] + distance
-        return cls(gaps, 0 * one, one, slopes, zero[:, None], residual)
+        slopes = OffsetSlopes(presses.astype(float), zero, zero, zero, ~presses, ~presses)
+        residual, still = gaps.values.after[:, 0] + distance, zero[:, None]
+        column = np.zeros((distance.size, 1), dtype=int)
+        return cls(gaps, 0 * one, one, slopes, still, column, still, residual)
 
     @property
     def by_impulse(self) -> Sparse:
@@ -157,49 +167,56 @@ class ContactEquations:
     def push(self, dq: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Changes of ``Wᵀ P`` and of the equations by those of ``q``."""
         change, momentum = self.gaps.push(dq)
-        s, values, columns = self.slopes, self.gaps.values, dq.shape[1]
-        offset = s.tangential[:, None, None] * change.before
-        offset += (s.tangential == values.laws[:, 1])[:, None, None] * (
-            values.before[..., None] * change.laws[:, 1, None]
-        )
-        offset[:, 0] = (
-            s.gap[:, None] * change.distance
-            + s.speed[:, None] * change.before[:, 0]
-            + s.restitution[:, None] * change.laws[:, 0]
-        )
+        s, before = self.slopes, self.gaps.values.before
+        offset = self.factors[..., None] * change.before
+        offset[:, 1:] += self._restituted[..., None] * change.laws[:, 1, None]
+        offset[:, 0] += s.gap[:, None] * change.distance
+        offset[:, 0] += s.restitution[:, None] * change.laws[:, 0]
         rows = self.coupled @ (change.after + offset)
-        rows += self.limit[..., None] * change.laws[:, 2, None]
-        return momentum, rows.reshape(-1, columns)
+        friction = change.laws[np.arange(before.shape[0])[:, None], self.column]
+        return momentum, (rows + self.limit[..., None] * friction).reshape(-1, dq.shape[1])
 
     def pull(self, momentum: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Weights of ``q`` from those of ``Wᵀ P`` and of the equations."""
         s, values = self.slopes, self.gaps.values
         rows = weights.reshape(*self.coupled.shape[:2], -1)
         after = self.coupled.swapaxes(1, 2) @ rows
-        before, normal = s.tangential[:, None, None] * after, after[:, 0]
-        before[:, 0] = s.speed[:, None] * normal
-        law = s.tangential == values.laws[:, 1]
-        along = (values.before[:, 1:, None] * after[:, 1:]).sum(axis=1)
-        laws = [
-            s.restitution[:, None] * normal,
-            law[:, None] * along,
-            (self.limit[..., None] * rows).sum(axis=1),
-        ]
-        own = GapChanges(s.gap[:, None] * normal, before, after, np.stack(laws, axis=1))
+        own, normal = values.like(rows.shape[2]), after[:, 0]
+        own.after[:], own.before[:] = after, self.factors[..., None] * after
+        own.distance[:] = s.gap[:, None] * normal
+        own.laws[:, 0] = s.restitution[:, None] * normal
+        own.laws[:, 1] = (self._restituted[..., None] * after[:, 1:]).sum(axis=1)
+        limits, row = self.limit[..., None] * rows, np.arange(normal.shape[0])
+        for component, column in enumerate(self.column.T):
+            own.laws[row, column] += limits[:, component]
         return self.gaps.pull(own, momentum)
+
+    @property
+    def _restituted(self) -> np.ndarray:
+        """(n, k − 1) derivatives of the offsets by the tangential restitution."""
+        before = self.gaps.values.before[:, 1:]
+        return np.where((self.column[:, 1:] <= FIRST) & ~self.slopes.idle[:, None], before, 0.0)
+
+
+def _static(laws: ContactLaws, groups: tuple[int, ...], impulses: np.ndarray) -> np.ndarray:
+    """Mask of the contacts that stick by static friction."""
+    slip = np.linalg.norm(impulses[:, 1 : 1 + sum(groups[:1])], axis=1)
+    moving = laws.friction[:, 0] if groups else 0.0
+    return np.asarray(laws.higher_at_rest & (slip > (1 + STICK_MARGIN) * moving * impulses[:, 0]))
 
 
 def _limit_slopes(
-    problem: FrictionProblem, own: np.ndarray, impulses: np.ndarray, speeds: np.ndarray
-) -> np.ndarray:
-    """(n, k) derivatives of the equations by the coefficient of friction."""
-    normal, along = problem.mobility
-    pressure = impulses[:, 0] - speeds[:, 0] / normal
-    tangential = impulses[:, 1:] - speeds[:, 1:] / along[:, None]
-    length = np.linalg.norm(tangential, axis=1)
-    slips = own[:, 1:].any(axis=(1, 2)) & (length > 0)
-    share = np.where(slips, -pressure / np.where(slips, length, 1.0), 0.0)
-    return np.column_stack([0 * pressure, share[:, None] * tangential])
+    problem: FrictionProblem, own: np.ndarray, z: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(n, k) derivatives of the equations by the coefficients of friction, and their numbers."""
+    slopes, columns = np.zeros(z.shape), np.zeros(z.shape, dtype=int)
+    for number, (components, _) in enumerate(problem.discs):
+        length = np.linalg.norm(z[:, components], axis=1)
+        slips = own[:, components].any(axis=(1, 2)) & (length > 0)
+        share = np.where(slips, -z[:, 0] / np.where(slips, length, 1.0), 0.0)
+        slopes[:, components] = share[:, None] * z[:, components]
+        columns[:, components] = FIRST + number
+    return slopes, columns
 
 
 def _diagonal(blocks: np.ndarray) -> scipy.sparse.bsr_array:

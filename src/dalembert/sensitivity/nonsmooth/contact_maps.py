@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import APART, ContactStep
+from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations, Gaps
 from dalembert.sensitivity.nonsmooth.gap_slopes import StepState, source_slopes
 from dalembert.sensitivity.nonsmooth.linear_map import Block, MapAt, ProximalFactors
@@ -39,16 +40,17 @@ class ContactMaps:
     def gaps(self, state: StepState, keys: np.ndarray, impulses: np.ndarray) -> Gaps:
         """Gaps with some keys, in their order, and their derivatives."""
         numbers, parts = keys // APART, []
+        laws = FIRST + len(self.contact_step.groups)
         for number, source in enumerate(self._sources):
             rows = np.flatnonzero(numbers == number)
             if rows.size or len(self._sources) == 1:
-                parts.append(source.at(state, rows, keys[rows] % APART, impulses[rows]))
-        return Gaps.of(parts, impulses.shape[1])
+                parts.append(source.at(state, rows, keys[rows] % APART, impulses[rows], laws))
+        return Gaps.of(parts)
 
     def gaps_at(self, x: np.ndarray, t: float, keys: np.ndarray) -> Gaps:
         """Gaps and their velocities at a state."""
         y, v = self._split(x)
-        impulses = np.zeros((keys.size, self.contact_step.width))
+        impulses = np.zeros((keys.size, 1 + sum(self.contact_step.groups)))
         return self.gaps(StepState(t, y, self.p, v, v), keys, impulses)
 
     def step(

@@ -18,6 +18,7 @@ from dalembert.analysis.nonsmooth.correction import (
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
 from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.contacts import FrictionProblem
+from dalembert.integrators.contact.schemes import Approach
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts
 from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
@@ -132,12 +133,14 @@ class ContactSteps:
         if lasting.keys.size:
             contacts = step.near(t, y, 2 * h * np.column_stack([v, after]))
             contacts = contacts.some(np.isin(contacts.key, lasting.keys))
-            before, offsets = contacts.speeds(v), contacts.tangential[:, None] * contacts.speeds(v)
+            before = contacts.speeds(v)
+            offsets = Approach(contacts, before, contacts.speeds(after), h).newton()
             offsets[:, 0] = -before[:, 0]
             speeds = contacts.speeds(after) + offsets
             scale = float(np.abs(speeds).max(initial=0.0)) or 1.0
             matrix = delassus(contacts.directions, mobility)
-            problem = FrictionProblem(matrix, speeds, contacts.friction, scale)
+            friction = contacts.laws.friction
+            problem = FrictionProblem(matrix, speeds, friction, contacts.groups, scale)
             start = lasting.impulses[np.searchsorted(lasting.keys, contacts.key)]
             impulses = step.solver.solve(problem, start).impulses
             after = after + mobility(contacts.directions.T @ impulses.ravel())[0]

@@ -19,7 +19,7 @@ import numpy as np
 import scipy
 
 from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
-from dalembert.analysis.nonsmooth.gaps import LAWS, GapKind, GapSource
+from dalembert.analysis.nonsmooth.gaps import GapKind, GapSource
 from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.model import Model
 from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction, Sparse
@@ -57,7 +57,7 @@ class GapChanges:
     ----------
     distance : (n, …) ``g``
     before, after : (n, k, …) ``u`` for both speeds
-    laws : (n, 3, …) coefficients
+    laws : (n, c, …) coefficients: ``FIRST``, and friction of each group
     """
 
     distance: np.ndarray
@@ -66,15 +66,20 @@ class GapChanges:
     laws: np.ndarray
 
     @classmethod
-    def zero(cls, count: int, width: int, *columns: int) -> GapChanges:
+    def zero(cls, count: int, width: int, laws: int, *columns: int) -> GapChanges:
         """Zeros, ``columns`` of each."""
-        shapes = (count,), (count, width), (count, width), (count, LAWS)
+        shapes = (count,), (count, width), (count, width), (count, laws)
         return cls(*(np.zeros((*shape, *columns)) for shape in shapes))
 
+    def like(self, columns: int) -> GapChanges:
+        """Zeros of the same shapes, ``columns`` of each."""
+        return GapChanges.zero(*self.before.shape[:2], self.laws.shape[1], columns)
+
     def add(self, rows: np.ndarray, other: GapChanges) -> None:
-        """Add to some rows."""
-        for name in ("distance", "before", "after", "laws"):
+        """Add to some rows; gaps with fewer groups of friction have fewer coefficients."""
+        for name in ("distance", "before", "after"):
             getattr(self, name)[rows] += getattr(other, name)
+        self.laws[rows, : other.laws.shape[1]] += other.laws
 
     def some(self, rows: np.ndarray) -> GapChanges:
         """Some rows."""
@@ -118,7 +123,7 @@ class SourceGaps:
     moving : ``J``
     momenta : derivative of ``Jᵀ f``
     first : number of the first speed in ``q``
-    width : components of gap velocities
+    shape : components of gap velocities, number of coefficients
     """
 
     rows: np.ndarray
@@ -128,14 +133,14 @@ class SourceGaps:
     moving: Sparse
     momenta: Sparse
     first: int
-    width: int
+    shape: tuple[int, int]
 
     def push(self, dq: np.ndarray) -> tuple[GapChanges, np.ndarray]:
         """Changes of the gaps and of ``Wᵀ P`` by those of ``q`` (n_q, c)."""
         (count, n), c = self.moving.shape, dq.shape[1]
         geometry, (before, after) = self.geometry @ dq, (slope @ dq for slope in self.velocities)
         before = before + self.moving @ dq[self.first : self.first + n]
-        changes, wrench = GapChanges.zero(self.rows.size, self.width, c), np.zeros((count, c))
+        changes, wrench = GapChanges.zero(self.rows.size, *self.shape, c), np.zeros((count, c))
         for part in self.kinds:
             local, place = geometry[part.entries], part.kind.velocities
             turned = part.before @ local, part.after @ local
@@ -161,7 +166,8 @@ class SourceGaps:
             local += part.after.swapaxes(1, 2) @ own.after
             local += part.wrenches.swapaxes(1, 2) @ wrench[place]
             _scatter(geometry, part.entries, local)
-            _scatter(geometry, part.kind.laws, own.laws)
+            laws = part.kind.laws
+            _scatter(geometry, laws, own.laws[:, : laws.shape[1]])
             for total, weight in zip(speeds, (own.before, own.after), strict=True):
                 _scatter(total, place, part.blocks.swapaxes(1, 2) @ weight)
         q_bar = self.geometry.T @ geometry + self.momenta.T @ momentum
@@ -172,14 +178,14 @@ class SourceGaps:
 
     def directions(self) -> Sparse:
         """``W`` (n k, n_v) of the gaps of the source."""
-        parts = []
+        parts, width = [], self.shape[0]
         for part in self.kinds:
-            row = part.kind.row[:, None, None] * self.width + np.arange(self.width)[:, None]
+            row = part.kind.row[:, None, None] * width + np.arange(width)[:, None]
             place = np.broadcast_to(part.kind.velocities[:, None], part.blocks.shape)
             used = part.blocks != 0
             row = np.broadcast_to(row, part.blocks.shape)
             parts.append((part.blocks[used], row[used], place[used]))
-        shape = self.rows.size * self.width, self.moving.shape[0]
+        shape = self.rows.size * width, self.moving.shape[0]
         if not parts:
             return Sparse((shape[0], self.moving.shape[1]))
         values, row, column = (np.concatenate(entries) for entries in zip(*parts, strict=True))
@@ -214,7 +220,12 @@ class SourceSlopes:
         self._kernels: dict[tuple[ca.Function, int, int], Kernel] = {}
 
     def at(
-        self, state: StepState, rows: np.ndarray, keys: np.ndarray, impulses: np.ndarray
+        self,
+        state: StepState,
+        rows: np.ndarray,
+        keys: np.ndarray,
+        impulses: np.ndarray,
+        laws: int,
     ) -> SourceGaps:
         """The gaps with some keys.
 
@@ -222,6 +233,7 @@ class SourceSlopes:
         ----------
         rows : their numbers among all
         impulses : (n, k), as many components as the velocities have in the result
+        laws : number of coefficients
         """
         t, y, p, share = state.t, state.y, state.p, state.drift
         geometry, (by_q,) = self._geometry(t, y, p)
@@ -236,8 +248,8 @@ class SourceSlopes:
             _scatter(wrench, part.kind.velocities, part.wrench[..., None])
         momenta = self._momenta(t, y, p, wrench)[1][0]
         slopes = [before_by_q, after_by_q]
-        width = impulses.shape[1]
-        return SourceGaps(rows, kinds, by_q, slopes, moving, momenta, self.first, width)
+        shape = impulses.shape[1], laws
+        return SourceGaps(rows, kinds, by_q, slopes, moving, momenta, self.first, shape)
 
     def _evaluate(
         self,

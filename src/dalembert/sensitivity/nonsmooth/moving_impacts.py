@@ -14,6 +14,7 @@ shifts: exact for all changes that keep them simultaneous.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,6 @@ import scipy
 from dalembert.errors import SingularityError
 from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactChanges, ContactSteps
-from dalembert.sensitivity.nonsmooth.gap_slopes import GapChanges
 from dalembert.sensitivity.nonsmooth.linear_map import MapAt
 
 SLOW = 2.0
@@ -80,7 +80,7 @@ class MovingImpacts:
     def pull(self, weights: np.ndarray) -> np.ndarray:
         """Weights of ``q``."""
         gaps = self.contacts.gaps
-        own = GapChanges.zero(*gaps.values.before.shape, weights.shape[1])
+        own = gaps.values.like(weights.shape[1])
         for rows, instant in zip(self.groups, self.jumps.T @ weights, strict=True):
             own.distance[rows] -= instant / rows.size
         own.distance[:] /= self._speeds
@@ -167,12 +167,16 @@ def contact_changes(
 def _near_change(steps: ContactSteps, k: int, contacts: ContactEquations) -> np.ndarray:
     """Mask of the contacts close to the change between sticking and slipping."""
     values, impulses = contacts.gaps.values, steps.active(k).impulses
-    limit = values.laws[:, 2] * impulses[:, 0]
-    along, slip = (np.linalg.norm(part[:, 1:], axis=1) for part in (impulses, values.after))
     v = steps.x[steps.size :, k : k + 2]
-    slips = contacts.own[:, 1:].any(axis=(1, 2))
-    slow = slip <= MARGIN * np.abs(v[:, 1] - v[:, 0]).max()
-    return np.asarray((limit > 0) & np.where(slips, slow, along > (1 - MARGIN) * limit))
+    change, near = float(np.abs(v[:, 1] - v[:, 0]).max()), np.zeros(impulses.shape[0], dtype=bool)
+    starts, row = np.cumsum([1, *steps.step.groups]), np.arange(near.size)
+    for begin, end in pairwise(starts):
+        push, slip = (np.linalg.norm(u[:, begin:end], axis=1) for u in (impulses, values.after))
+        limit = values.laws[row, contacts.column[:, begin]] * impulses[:, 0]
+        slips = contacts.own[:, begin:end].any(axis=(1, 2))
+        close = np.where(slips, slip <= MARGIN * change, push > (1 - MARGIN) * limit)
+        near |= (limit > 0) & close
+    return near
 
 
 def _persistent(steps: ContactSteps, k: int) -> ActiveContacts:
