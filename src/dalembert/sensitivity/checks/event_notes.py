@@ -148,7 +148,7 @@ def nonsmooth_notes(motion: NonsmoothMotion) -> list[str]:
             for t, change in zip(steps.record.t, changes, strict=False)
             if getattr(change, name)
         ]
-        for name in ("simultaneous", "successive", "grazing", "changing")
+        for name in ("simultaneous", "successive", "grazing", "changing", "redundant")
     }
     notes = []
     if impacts:
@@ -164,11 +164,11 @@ def nonsmooth_notes(motion: NonsmoothMotion) -> list[str]:
             "simultaneous impact"
         )
     if first["successive"]:
+        count = sum(change.successive for change in changes)
         notes.append(
-            f"gaps on the same bodies close one after the other within a step, in "
-            f"{len(first['successive'])} steps, first at {first['successive'][0]}, and remain "
-            "closed: the derivative is that of one impact at the mean of their instants; shorter "
-            "steps separate them"
+            f"{count} impacts come one after the other on connected bodies within a step, first at "
+            f"{first['successive'][0]}, and remain closed: the derivative leaves them at the time "
+            "of the step; shorter steps separate them"
         )
     if first["grazing"]:
         notes.append(
@@ -179,6 +179,13 @@ def nonsmooth_notes(motion: NonsmoothMotion) -> list[str]:
         notes.append(
             f"a contact is about to slip or to stick at {first['changing'][0]}: with other "
             "parameters it does so in another step, so derivatives change there"
+        )
+    if first["redundant"]:
+        notes.append(
+            f"contacts are redundant in {len(first['redundant'])} steps, first at "
+            f"{first['redundant'][0]}: which of them opens or slips after a change depends on its "
+            "direction, so that there is no derivative; that of speeds that satisfy all of them on "
+            "average is taken"
         )
     return notes
 

@@ -8,7 +8,7 @@ equation of an active gap is that of its normal component, ``u_N⁺ + offset_N =
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -74,7 +74,7 @@ class Gaps:
                 values.add(part.rows[kind.kind.row], kind.values)
         directions = [part.directions() for part in parts]
         joined = directions[0] if len(parts) == 1 else scipy.sparse.vstack(directions)
-        across = Sparse(joined)
+        across = scipy.sparse.csr_array(joined)
         across.sort_indices()
         return cls(parts, values, across)
 
@@ -154,15 +154,24 @@ class ContactEquations:
         column = np.zeros((distance.size, 1), dtype=int)
         return cls(gaps, 0 * one, one, slopes, still, column, still, residual)
 
+    def impact_law(self, impacting: np.ndarray) -> ContactEquations:
+        """The same equations if some contacts follow Newton's law, and the others remain closed."""
+        zero, laws = np.zeros(self.slopes.gap.size), self.gaps.values.laws
+        speed, factors = zero.copy(), self.factors.copy()
+        speed[impacting] = laws[impacting, 0]
+        factors[:, 0] = speed
+        slopes = replace(self.slopes, gap=zero, speed=speed, restitution=zero)
+        return replace(self, slopes=slopes, factors=factors)
+
     @property
     def by_impulse(self) -> Sparse:
         """(n k, n k) derivatives by the impulses."""
-        return Sparse(_diagonal(self.own))
+        return scipy.sparse.csr_array(_diagonal(self.own))
 
     @property
     def by_speed(self) -> Sparse:
         """(n k, n_v) derivatives by the speeds at the end."""
-        return Sparse(_diagonal(self.coupled) @ self.gaps.directions)
+        return scipy.sparse.csr_array(_diagonal(self.coupled) @ self.gaps.directions)
 
     def push(self, dq: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Changes of ``Wᵀ P`` and of the equations by those of ``q``."""

@@ -9,13 +9,13 @@ then ``y⁺ = y ⊕ h (θ v⁺ + (1−θ) v)``; correction of gaps along ``M⁻�
 from __future__ import annotations
 
 import numpy as np
+import scipy
 
 from dalembert.analysis.nonsmooth.contact_step import APART, ContactStep
 from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations, Gaps
 from dalembert.sensitivity.nonsmooth.gap_slopes import StepState, source_slopes
 from dalembert.sensitivity.nonsmooth.linear_map import Block, MapAt, ProximalFactors
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.step_equations import step_equations
 
 MAX_ITERATIONS, SOLVED = 20, 1e-8
@@ -131,7 +131,7 @@ class ContactMaps:
         across, first = contacts.gaps.directions, self.smooth
         right = np.concatenate([value, contacts.residual])
         right[: self.speeds] -= across.T @ impulses
-        away = Sparse(-across.T)
+        away = scipy.sparse.csr_array(-across.T)
         own = [(first, 0, contacts.by_speed), (first, first, contacts.by_impulse)]
         return right, [(0, first, away), *own]
 

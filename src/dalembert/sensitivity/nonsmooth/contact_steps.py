@@ -36,17 +36,19 @@ class ContactChanges:
     Attributes
     ----------
     impacts : number of moving impacts
-    simultaneous, successive : some impacts on the same bodies come at one instant, or one after
-        the other
+    simultaneous : some impacts on the same bodies come at one instant
+    successive : number of impacts that come one after the other on the same bodies
     grazing : a gap closes close to the threshold of an impact
     changing : a contact is about to slip or to stick
+    redundant : contacts contradict each other after most changes
     """
 
     impacts: int = 0
     simultaneous: bool = False
-    successive: bool = False
+    successive: int = 0
     grazing: bool = False
     changing: bool = False
+    redundant: bool = False
 
 
 class ContactSteps:
@@ -124,13 +126,14 @@ class ContactSteps:
         return maps
 
     def acceleration(
-        self, x: np.ndarray, t: float, h: float, lasting: ActiveContacts
+        self, x: np.ndarray, t: float, h: float, lasting: ActiveContacts | None
     ) -> np.ndarray:
-        """Mean accelerations over a step in which ``lasting`` contacts neither impact nor part."""
+        """Mean accelerations over a step in which ``lasting`` contacts neither impact nor part, or
+        without contacts."""
         y, v = x[: self.size], x[self.size :]
         step, scheme = self.step, self.step.scheme
         after, _, mobility = step.smooth.step(t, y, v, self.p, h, scheme.theta)
-        if lasting.keys.size:
+        if lasting is not None and lasting.keys.size:
             contacts = step.near(t, y, 2 * h * np.column_stack([v, after]))
             contacts = contacts.some(np.isin(contacts.key, lasting.keys))
             before = contacts.speeds(v)

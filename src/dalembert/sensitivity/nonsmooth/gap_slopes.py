@@ -187,9 +187,12 @@ class SourceGaps:
             parts.append((part.blocks[used], row[used], place[used]))
         shape = self.rows.size * width, self.moving.shape[0]
         if not parts:
-            return Sparse((shape[0], self.moving.shape[1]))
+            return scipy.sparse.csr_array((shape[0], self.moving.shape[1]))
         values, row, column = (np.concatenate(entries) for entries in zip(*parts, strict=True))
-        return Sparse(scipy.sparse.coo_array((values, (row, column)), shape=shape)) @ self.moving
+        return (
+            scipy.sparse.csr_array(scipy.sparse.coo_array((values, (row, column)), shape=shape))
+            @ self.moving
+        )
 
 
 class SourceSlopes:

@@ -3,8 +3,10 @@
     dz = −G_z⁻¹ G_q dq,      dx⁺ = F_z dz + F_q dq
 
 ``G_z`` is sparse and may be singular if unknowns are not unique, as for impulses of redundant
-contacts. The factors of ``G_z + ε D`` then solve consistent equations by proximal iterations,
-``z ← z + (G_z + ε D)⁻¹ (r − G_z z)``; unique quantities do not depend on ``ε``.
+contacts. The factors of ``G_z + ε D`` then solve the equations by proximal iterations,
+``z ← z + (G_z + ε D)⁻¹ (r − G_z z)``; unique quantities do not depend on ``ε``. Where redundant
+contacts contradict each other, so that some open or slip, whichever depends on the direction of the
+change, speeds satisfy them on average.
 """
 
 from __future__ import annotations
@@ -20,12 +22,10 @@ from dalembert.sensitivity.nonsmooth.active_contacts import ContactEquations
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sparse.factorise import SuperLUFactors
 
-WEIGHT, ITERATIONS = 1e-9, 30
-"""``ε``, relative to the entries of a row; upper limit of proximal iterations."""
-ACCURACY, REMAINDER = 1e-13, 1e-6
-"""Remainder of the linear equations, relative to the right-hand side: at which iterations end, and
-largest permitted one [-]."""
-REDUNDANT = "impulses of redundant contacts have no derivative; use fewer simultaneous contacts"
+WEIGHT, ITERATIONS = 1e-9, 3
+"""``ε``, relative to the entries of a row; number of proximal iterations."""
+REMAINDER = 1e-6
+"""Remainder of equations that count as consistent, relative to the right-hand side [-]."""
 Block = tuple[int, int, Sparse]
 """First row, first column and entries of a block of a matrix."""
 
@@ -37,6 +37,10 @@ class ProximalFactors:
     ----------
     blocks : of the matrix
     weight : (n,) diagonal of ``D``: 1 for impulses, −1 for joint multipliers, 0 for speeds
+
+    Attributes
+    ----------
+    consistent : whether all equations solved so far were consistent
 
     Raises
     ------
@@ -63,32 +67,21 @@ class ProximalFactors:
         try:
             self._factors = SuperLUFactors(shifted)
         except np.linalg.LinAlgError:
-            raise SingularityError(REDUNDANT) from None
+            text = "a step with contacts has no derivative: its equations are singular"
+            raise SingularityError(text) from None
+        self.consistent = True
 
     def solve(self, right: np.ndarray, transposed: bool = False) -> np.ndarray:
-        """Solution of consistent equations.
-
-        Raises
-        ------
-        SingularityError
-            The equations are inconsistent.
-        """
+        """Solution, the same linear map and its transpose."""
         before, after = (self.columns, self.rows) if transposed else (self.rows, self.columns)
         matrix, trans = (self.matrix.T, "T") if transposed else (self.matrix, "N")
         rhs = before[:, None] * right.reshape(right.shape[0], -1)
-        size, best = np.abs(rhs).max(initial=0.0), np.inf
         solution, remainder = np.zeros(rhs.shape), rhs
-        for _ in range(ITERATIONS if size else 0):
-            trial = solution + self._factors.solve(remainder, trans)
-            left = rhs - matrix @ trial
-            error = np.abs(left).max(initial=0.0)
-            if not error < best:
-                break
-            solution, remainder, best = trial, left, error
-            if error <= ACCURACY * size:
-                break
-        if size and not best <= REMAINDER * size:
-            raise SingularityError(REDUNDANT)
+        for _ in range(ITERATIONS):
+            solution = solution + self._factors.solve(remainder, trans)
+            remainder = rhs - matrix @ solution
+        size = np.abs(rhs).max(initial=0.0)
+        self.consistent &= bool(np.abs(remainder).max(initial=0.0) <= REMAINDER * size)
         return (after[:, None] * solution).reshape(right.shape)
 
 
@@ -145,6 +138,13 @@ class MapAt:
         z_bar[: self.next_by_z.shape[1]] = self.next_by_z.T @ weights
         q_bar = self.weights(z_bar) + self.next_by_q.T @ weights
         return q_bar[: weights.shape[0]], q_bar[weights.shape[0] + 1 :]
+
+    @property
+    def consistent(self) -> bool:
+        """Whether the equations have a solution for an arbitrary change of ``q``."""
+        change = np.random.default_rng(0).normal(size=(self.by_q.shape[1], 1))
+        self.change(change)
+        return self.factors.consistent
 
 
 def _entries(first: int, left: int, matrix: Sparse) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -13,15 +13,20 @@ shifts: exact for all changes that keep them simultaneous.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import scipy
 
-from dalembert.errors import SingularityError
-from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations
+from dalembert.errors import SingularityError, UnsupportedError
+from dalembert.integrators.contact.contact_laws import FIRST
+from dalembert.sensitivity.nonsmooth.active_contacts import (
+    STICK_MARGIN,
+    ActiveContacts,
+    ContactEquations,
+)
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactChanges, ContactSteps
 from dalembert.sensitivity.nonsmooth.linear_map import MapAt
 
@@ -75,7 +80,8 @@ class MovingImpacts:
     def push(self, dq: np.ndarray) -> np.ndarray:
         """Change of the state at the end."""
         shifts = -self.contacts.gaps.push(dq)[0].distance / self._speeds
-        return self.jumps @ np.array([shifts[rows].mean(axis=0) for rows in self.groups])
+        instants = [shifts[rows].mean(axis=0) for rows in self.groups]
+        return self.jumps @ np.array(instants).reshape(len(instants), dq.shape[1])
 
     def pull(self, weights: np.ndarray) -> np.ndarray:
         """Weights of ``q``."""
@@ -133,34 +139,63 @@ def push_maps(maps: list[MapAt], dx: np.ndarray, dt: float, dp: np.ndarray) -> n
 
 
 def step_tangent(steps: ContactSteps, k: int) -> StepTangent:
-    """Linearisation of step ``k`` of a run."""
+    """Linearisation of step ``k`` of a run.
+
+    Raises
+    ------
+    UnsupportedError
+        A contact with static friction breaks away.
+    SingularityError
+        Impacts on the same bodies come one after the other within the step.
+    """
     maps = steps.at(k)
+    _refuse_break_away(steps, k, maps[0].contacts)
     closing, before = _closing(steps, k, maps[0].contacts)
     impacts = _impacts(steps, k, maps, closing, before) if closing.impacting.size else None
-    steps.changes[k] = contact_changes(steps, k, maps[0].contacts, closing, impacts)
-    return StepTangent(maps, impacts)
+    steps.changes[k] = contact_changes(steps, k, maps[0], closing, impacts)
+    return StepTangent(maps, impacts if impacts and impacts.groups else None)
+
+
+def _refuse_break_away(steps: ContactSteps, k: int, contacts: ContactEquations | None) -> None:
+    """Raise if a contact with higher static friction begins to slip in step ``k``."""
+    if contacts is None:
+        return
+    laws, linear = contacts.gaps.values.laws, 1 + sum(steps.step.groups[:1])
+    now, earlier = steps.active(k), steps.active(k - 1)
+    higher = laws[:, FIRST - 1] > laws[:, FIRST : FIRST + 1].max(axis=1, initial=0.0)
+    rows = np.flatnonzero(higher & contacts.own[:, 1:linear].any(axis=(1, 2)))
+    rows = rows[np.isin(now.keys[rows], earlier.keys)]
+    impulses = earlier.impulses[np.searchsorted(earlier.keys, now.keys[rows])]
+    limit = laws[rows, FIRST] * impulses[:, 0] if rows.size else np.zeros(0)
+    slip = np.linalg.norm(impulses[:, 1:linear], axis=1)
+    if (np.abs(slip - limit) > STICK_MARGIN * limit).any():
+        raise UnsupportedError(
+            f"a contact with static friction breaks away at t = {steps.record.t[k]:.9g} s, "
+            "and gradients do not include the change of this instant; give "
+            "static_friction equal to friction"
+        )
 
 
 def contact_changes(
     steps: ContactSteps,
     k: int,
-    contacts: ContactEquations | None,
+    step_map: MapAt,
     closing: Closing,
     impacts: MovingImpacts | None,
 ) -> ContactChanges:
     """Changes of contact states in a step and near it."""
+    contacts = step_map.contacts
     if contacts is None:
         return ContactChanges()
-    groups = [rows for rows in impacts.groups if rows.size > 1] if impacts else []
-    keys = steps.active(k).keys
-    at_once = [simultaneous(steps, k, keys[rows]) for rows in groups]
+    moving = [rows.size for rows in impacts.groups] if impacts else []
     margin = np.abs(closing.speed - SLOW * closing.forced)
     return ContactChanges(
-        closing.impacting.size,
-        any(at_once),
-        not all(at_once),
+        sum(moving),
+        max(moving, default=0) > 1,
+        closing.impacting.size - sum(moving),
         bool((margin <= MARGIN * closing.speed).any()),
         bool(_near_change(steps, k, contacts).any()),
+        not step_map.consistent,
     )
 
 
@@ -197,8 +232,10 @@ def _closing(
     if not rows.size:
         return Closing(rows, none, none), none
     (t, h), width = steps.span(k), values.before.shape[1]
-    before = steps.acceleration(steps.x[:, k], t, h, _persistent(steps, k))
-    forced = np.abs(contacts.gaps.directions[rows * width] @ before) * h
+    state = steps.x[:, k], t, h
+    before, alone = (steps.acceleration(*state, part) for part in (_persistent(steps, k), None))
+    normals = contacts.gaps.directions[rows * width]
+    forced = h * np.maximum(np.abs(normals @ before), np.abs(normals @ alone))
     return Closing(rows, -values.before[rows, 0], forced), before
 
 
@@ -208,25 +245,29 @@ def _impacts(
     (t, h), active, size = steps.span(k), steps.active(k), steps.size
     begin, end, contacts = steps.x[:, k], steps.x[:, k + 1], maps[0].contacts
     assert contacts is not None
-    closed = remain_closed(steps, k, contacts)
+    parts = moving_parts(steps, k, contacts, closing.impacting)
+    if not parts:
+        return MovingImpacts(contacts, [], np.zeros((begin.size, 0)))
+    closed = _remain_closed(steps, k, contacts)
     after = steps.acceleration(end, t + h, h, active.some(closed))
     rates = steps.maps.equations.rates
     rate_after = np.concatenate([rates(end[:size], end[size:])[0], after])
     rate_before = np.concatenate([rates(begin[:size], begin[size:])[0], before])
-    jump = push_maps(maps, rate_before[:, None], 1.0, np.zeros((steps.p.size, 1))).ravel()
-    parts = moving_parts(steps, k, contacts, closing.impacting)
+    impact = [replace(maps[0], contacts=contacts.impact_law(closing.impacting)), *maps[1:]]
+    jump = push_maps(impact, rate_before[:, None], 1.0, np.zeros((steps.p.size, 1))).ravel()
     masks = np.array([part for _, part in parts]).T
     return MovingImpacts(
         contacts, [rows for rows, _ in parts], masks * (jump - rate_after)[:, None]
     )
 
 
-def remain_closed(steps: ContactSteps, k: int, contacts: ContactEquations) -> np.ndarray:
-    """Mask of the contacts that remain closed after step ``k``."""
+def _remain_closed(steps: ContactSteps, k: int, contacts: ContactEquations) -> np.ndarray:
+    """Mask of the contacts that remain closed after step ``k``: at rest, or without restitution."""
     values = contacts.gaps.values
     fastest = float(np.abs(steps.x[steps.size :, k : k + 2]).max())
     limit = RESTING * np.maximum(np.abs(values.before[:, 0]), fastest)
-    return np.asarray(np.abs(values.after[:, 0]) <= limit)
+    closed: np.ndarray = (np.abs(values.after[:, 0]) <= limit) | (values.laws[:, 0] == 0)
+    return closed
 
 
 def simultaneous(steps: ContactSteps, k: int, keys: np.ndarray) -> bool:
@@ -243,8 +284,8 @@ def moving_parts(
     """Rows of the contacts of each impact of step ``k``, and a mask of the entries of the state
     that it changes, as ones and zeros.
 
-    Gaps that change the same entries make one impact, if they close simultaneously or all remain
-    closed: then their order does not matter for normal speeds.
+    Gaps that change the same entries and close simultaneously make one impact. Successive ones that
+    remain closed stay at the time of the step.
 
     Raises
     ------
@@ -262,11 +303,13 @@ def moving_parts(
     speeds.data = (speeds.data > MOVED * largest).astype(float)
     speeds.eliminate_zeros()
     labels = scipy.sparse.csgraph.connected_components(speeds @ speeds.T, directed=False)[1]
-    matrix = abs(steps.maps.equations.rates(y, np.zeros(steps.maps.speeds))[1][0])
-    closed, parts = remain_closed(steps, k, contacts), []
+    matrix: Any = abs(steps.maps.equations.rates(y, np.zeros(steps.maps.speeds))[1][0])
+    closed, parts = _remain_closed(steps, k, contacts), []
     for label in np.unique(labels[impacting]):
         rows = impacting[labels[impacting] == label]
-        if rows.size > 1 and not (closed[rows].all() or simultaneous(steps, k, keys[rows])):
+        if rows.size > 1 and not simultaneous(steps, k, keys[rows]):
+            if closed[rows].all():
+                continue
             raise SingularityError(
                 f"impacts on the same bodies come within one step at t = {t:.9g} s: which is "
                 "first depends on parameters, and so does the motion after them; take shorter "

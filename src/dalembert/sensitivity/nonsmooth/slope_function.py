@@ -6,6 +6,7 @@ The columns of derivatives are ``q = (y, v, t, p)``: positions, speeds, time, pa
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -14,7 +15,8 @@ import scipy
 from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.formulas.expression import stack
 
-Sparse = scipy.sparse.csr_array
+Sparse = Any
+"""A SciPy array compressed by rows."""
 
 
 class SlopeFunction:
@@ -66,4 +68,4 @@ class _Pattern:
 
     def matrix(self, entries: np.ndarray) -> Sparse:
         parts = entries[self._order], self._columns, self._starts
-        return Sparse(parts, shape=self._shape)
+        return scipy.sparse.csr_array(parts, shape=self._shape)
