@@ -164,6 +164,11 @@ class ContactEquations:
         return replace(self, slopes=slopes, factors=factors)
 
     @property
+    def by_forced(self) -> np.ndarray:
+        """(n k,) derivatives by the largest change of a normal speed by forces."""
+        return np.asarray((self.coupled[:, :, 0] * self.slopes.forced[:, None]).ravel())
+
+    @property
     def by_impulse(self) -> Sparse:
         """(n k, n k) derivatives by the impulses."""
         return scipy.sparse.csr_array(_diagonal(self.own))

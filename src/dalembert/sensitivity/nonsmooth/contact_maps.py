@@ -11,11 +11,11 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from dalembert.analysis.nonsmooth.contact_step import APART, ContactStep
+from dalembert.analysis.nonsmooth.contact_step import AHEAD, APART, ContactStep
 from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations, Gaps
 from dalembert.sensitivity.nonsmooth.gap_slopes import StepState, source_slopes
-from dalembert.sensitivity.nonsmooth.linear_map import Block, MapAt, ProximalFactors
+from dalembert.sensitivity.nonsmooth.linear_map import Block, ForcedChange, MapAt, ProximalFactors
 from dalembert.sensitivity.nonsmooth.step_equations import step_equations
 
 MAX_ITERATIONS, SOLVED = 20, 1e-8
@@ -81,7 +81,27 @@ class ContactMaps:
             if _negligible(right, matrix, z):
                 break
             z = z - factors.solve(right)
-        return MapAt(z, following, factors, by_q, *slopes, contacts)
+        depends = contacts is not None and contacts.slopes.forced.any()
+        forced = self._forced(y, v, t, h) if depends else None
+        return MapAt(z, following, factors, by_q, *slopes, contacts, forced)
+
+    def _forced(self, y: np.ndarray, v: np.ndarray, t: float, h: float) -> ForcedChange:
+        """The largest change of a normal speed by forces in a step."""
+        step, still = self.contact_step, np.zeros(self.smooth)
+        state = y, v, t, self.p, h
+        value, (by_z, _), *_ = self.equations.step(still, *state)
+        factors = ProximalFactors([(0, 0, by_z)], self._weight(0))
+        z = -factors.solve(value)
+        _, (_, by_q), following, slopes = self.equations.step(z, *state)
+        free = z[: self.speeds]
+        contacts = step.near(t, y, AHEAD * h * np.column_stack([v, free]))
+        changes = (contacts.speeds(free) - contacts.speeds(v))[:, 0]
+        row = int(np.argmax(np.abs(changes)))
+        own = contacts.key[row : row + 1]
+        none = np.zeros((1, 1 + sum(step.groups)))
+        gaps = self.gaps(StepState(t, y, self.p, v, free), own, none)
+        free_map = MapAt(z, following, factors, by_q, *slopes)
+        return ForcedChange(free_map, gaps, float(np.sign(changes[row])))
 
     def opening(
         self, x: np.ndarray, t: float, keys: np.ndarray, lifts: np.ndarray, presses: np.ndarray

@@ -16,11 +16,12 @@ from dalembert.analysis.nonsmooth.correction import (
     normals_of,
 )
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
-from dalembert.errors import AnalysisError
+from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.schemes import Approach
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
-from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts
+from dalembert.sensitivity.nonsmooth.active_contacts import STICK_MARGIN, ActiveContacts
 from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
 from dalembert.sensitivity.nonsmooth.linear_map import MapAt
 from dalembert.symbolic.equations import newton
@@ -85,6 +86,35 @@ class ContactSteps:
         rows = rows[np.argsort(self.record.key[rows])]
         record = self.record
         return ActiveContacts(record.key[rows], record.impulse[rows], record.offset[rows])
+
+    def refuse_break_away(self) -> None:
+        """Raise if a contact with higher static friction begins to slip.
+
+        Raises
+        ------
+        UnsupportedError
+            Names the instant.
+        """
+        record, linear = self.record, 1 + sum(self.step.groups[:1])
+        keys, number = np.unique(record.key, return_inverse=True)
+        if not keys.size or linear == 1:
+            return
+        laws = self.maps.gaps_at(self.x[:, 0], float(record.t[0]), keys).values.laws[number]
+        static, moving = laws[:, FIRST - 1], laws[:, FIRST]
+        limit = moving * record.impulse[:, 0]
+        slip = np.linalg.norm(record.impulse[:, 1:linear], axis=1)
+        slips = np.abs(slip - limit) <= STICK_MARGIN * limit
+        order = np.lexsort((record.step, number))
+        ends, begins = order[1:], order[:-1]
+        breaks = (number[ends] == number[begins]) & (record.step[ends] == record.step[begins] + 1)
+        breaks &= slips[ends] & ~slips[begins] & (static > moving)[ends]
+        if breaks.any():
+            time = record.t[record.step[ends[breaks]].min()]
+            raise UnsupportedError(
+                f"a contact with static friction breaks away at t = {time:.9g} s, "
+                "and gradients do not include the change of this instant; give "
+                "static_friction equal to friction"
+            )
 
     def split(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """``y`` and ``v`` at the start of step ``k``."""

@@ -18,7 +18,7 @@ import numpy as np
 import scipy
 
 from dalembert.errors import SingularityError
-from dalembert.sensitivity.nonsmooth.active_contacts import ContactEquations
+from dalembert.sensitivity.nonsmooth.active_contacts import ContactEquations, Gaps
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sparse.factorise import SuperLUFactors
 
@@ -97,6 +97,7 @@ class MapAt:
     by_q : ``G_q`` of the equations without contacts
     next_by_z, next_by_q : ``F_z`` without the columns of impulses, ``F_q``
     contacts : equations of the contacts
+    forced : largest change of a normal speed by forces, where offsets depend on it
     """
 
     z: np.ndarray
@@ -106,6 +107,7 @@ class MapAt:
     next_by_z: Sparse
     next_by_q: Sparse
     contacts: ContactEquations | None = None
+    forced: ForcedChange | None = None
 
     def change(self, dq: np.ndarray) -> np.ndarray:
         """Change ``dz`` (n, c) of the unknowns."""
@@ -113,6 +115,8 @@ class MapAt:
         if self.contacts is not None:
             momentum, rows = self.contacts.push(dq)
             right[: momentum.shape[0]] -= momentum
+            if self.forced is not None:
+                rows += self.contacts.by_forced[:, None] * self.forced.push(dq)
             right = np.concatenate([right, rows])
         return -self.factors.solve(right)
 
@@ -124,6 +128,8 @@ class MapAt:
         if self.contacts is not None:
             speeds = self.contacts.gaps.directions.shape[1]
             q_bar += self.contacts.pull(-inner[:speeds], inner[size:])
+            if self.forced is not None:
+                q_bar += self.forced.pull(self.contacts.by_forced @ inner[size:])
         return np.asarray(q_bar)
 
     def push(self, dx: np.ndarray, dt: float, dp: np.ndarray) -> np.ndarray:
@@ -145,6 +151,38 @@ class MapAt:
         change = np.random.default_rng(0).normal(size=(self.by_q.shape[1], 1))
         self.change(change)
         return self.factors.consistent
+
+
+@dataclass(frozen=True, eq=False)
+class ForcedChange:
+    """Change of the normal speed of one gap by forces in a step, without impulses.
+
+    Attributes
+    ----------
+    free : map of the step without contacts
+    gaps : the gap, with the speeds at the end of that step
+    sign : of the change
+    """
+
+    free: MapAt
+    gaps: Gaps
+    sign: float
+
+    def push(self, dq: np.ndarray) -> np.ndarray:
+        """(c,) change of its magnitude by those of ``q``."""
+        change, normal = self.gaps.push(dq)[0], self.gaps.directions[:1]
+        speeds = self.free.change(dq)[: normal.shape[1]]
+        after = change.after[0, 0] + (normal @ speeds)[0]
+        return np.asarray(self.sign * (after - change.before[0, 0]))
+
+    def pull(self, weights: np.ndarray) -> np.ndarray:
+        """Weights of ``q`` from those (r,) of the magnitude."""
+        own, normal = self.gaps.values.like(weights.size), self.gaps.directions[:1]
+        own.after[0, 0], own.before[0, 0] = self.sign * weights, -self.sign * weights
+        z_bar = np.zeros((self.free.z.size, weights.size))
+        z_bar[: normal.shape[1]] = normal.T @ (self.sign * weights[None])
+        q_bar = self.gaps.pull(own, np.zeros((normal.shape[1], weights.size)))
+        return np.asarray(q_bar + self.free.weights(z_bar))
 
 
 def _entries(first: int, left: int, matrix: Sparse) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

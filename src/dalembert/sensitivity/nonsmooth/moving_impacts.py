@@ -20,13 +20,8 @@ from typing import Any
 import numpy as np
 import scipy
 
-from dalembert.errors import SingularityError, UnsupportedError
-from dalembert.integrators.contact.contact_laws import FIRST
-from dalembert.sensitivity.nonsmooth.active_contacts import (
-    STICK_MARGIN,
-    ActiveContacts,
-    ContactEquations,
-)
+from dalembert.errors import SingularityError
+from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactChanges, ContactSteps
 from dalembert.sensitivity.nonsmooth.linear_map import MapAt
 
@@ -143,37 +138,14 @@ def step_tangent(steps: ContactSteps, k: int) -> StepTangent:
 
     Raises
     ------
-    UnsupportedError
-        A contact with static friction breaks away.
     SingularityError
         Impacts on the same bodies come one after the other within the step.
     """
     maps = steps.at(k)
-    _refuse_break_away(steps, k, maps[0].contacts)
     closing, before = _closing(steps, k, maps[0].contacts)
     impacts = _impacts(steps, k, maps, closing, before) if closing.impacting.size else None
     steps.changes[k] = contact_changes(steps, k, maps[0], closing, impacts)
     return StepTangent(maps, impacts if impacts and impacts.groups else None)
-
-
-def _refuse_break_away(steps: ContactSteps, k: int, contacts: ContactEquations | None) -> None:
-    """Raise if a contact with higher static friction begins to slip in step ``k``."""
-    if contacts is None:
-        return
-    laws, linear = contacts.gaps.values.laws, 1 + sum(steps.step.groups[:1])
-    now, earlier = steps.active(k), steps.active(k - 1)
-    higher = laws[:, FIRST - 1] > laws[:, FIRST : FIRST + 1].max(axis=1, initial=0.0)
-    rows = np.flatnonzero(higher & contacts.own[:, 1:linear].any(axis=(1, 2)))
-    rows = rows[np.isin(now.keys[rows], earlier.keys)]
-    impulses = earlier.impulses[np.searchsorted(earlier.keys, now.keys[rows])]
-    limit = laws[rows, FIRST] * impulses[:, 0] if rows.size else np.zeros(0)
-    slip = np.linalg.norm(impulses[:, 1:linear], axis=1)
-    if (np.abs(slip - limit) > STICK_MARGIN * limit).any():
-        raise UnsupportedError(
-            f"a contact with static friction breaks away at t = {steps.record.t[k]:.9g} s, "
-            "and gradients do not include the change of this instant; give "
-            "static_friction equal to friction"
-        )
 
 
 def contact_changes(
