@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from dalembert.integrators.contact.compiled_newton import compiled_newton
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
+from dalembert.integrators.contact.machine_code import machine_code
 
 MAX_ITERATIONS, STEP_FRACTIONS = 100, (1.0, 0.5, 0.25, 0.125)
 OVERSHOOT = 1e-9
@@ -25,6 +27,10 @@ def semismooth_newton(
     Contacts without pressure are not part of the linear equations. The iteration ends when the
     residual is within the tolerance, or when no step reduces the merit function.
     """
+    operator = problem.matrix
+    if isinstance(operator, Delassus) and machine_code("semismooth_newton.c") is not None:
+        settings = tolerance, REGULARIZATION, OVERSHOOT
+        return compiled_newton(problem, operator, impulses, settings, max_iterations)
     merit = _merit(problem, impulses)
     for _ in range(max_iterations):
         if not problem.residual(impulses) > tolerance:
