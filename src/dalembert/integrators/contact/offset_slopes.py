@@ -73,12 +73,12 @@ def anticipated_slopes(
     tied[1] &= u <= 0
     tied[3] &= u > 0
     number = np.argmax(tied, axis=0)
-    _, *slopes = branches[number, :, np.arange(u.size)].T
+    _, by_gap, speed, restitution, forced = branches[number, :, np.arange(u.size)].T
     law = contacts.laws.tangential[:, None] * before[:, 1:]
     law[:, contacts.linear - 1 :] = 0.0
     idle = _lengths(offsets[:, 1:] - before[:, 1:]) < _lengths(offsets[:, 1:] - law)
     bounces = ((number == 1) | (number == 2)) & (u < -rounding)
-    return OffsetSlopes(*slopes, idle, bounces)
+    return OffsetSlopes(by_gap, speed, restitution, forced, idle, bounces)
 
 
 def _lengths(vectors: np.ndarray) -> np.ndarray:

@@ -83,7 +83,8 @@ class ContactMaps:
             z = z - factors.solve(right)
         depends = contacts is not None and contacts.slopes.forced.any()
         forced = self._forced(y, v, t, h) if depends else None
-        return MapAt(z, following, factors, by_q, *slopes, contacts, forced)
+        next_by_z, next_by_q = slopes
+        return MapAt(z, following, factors, by_q, next_by_z, next_by_q, contacts, forced)
 
     def _forced(self, y: np.ndarray, v: np.ndarray, t: float, h: float) -> ForcedChange:
         """The largest change of a normal speed by forces in a step."""
@@ -130,7 +131,8 @@ class ContactMaps:
             if not solved:
                 factors = ProximalFactors(matrix, self._weight(impulses.size))
                 z = z - factors.solve(right)
-        return MapAt(z, following, factors, by_q, *slopes, contacts)
+        next_by_z, next_by_q = slopes
+        return MapAt(z, following, factors, by_q, next_by_z, next_by_q, contacts)
 
     def consistent(self, x: np.ndarray, t: float) -> MapAt:
         """Projection to the nearest speeds that satisfy the joints."""

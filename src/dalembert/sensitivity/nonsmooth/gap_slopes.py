@@ -143,13 +143,13 @@ class SourceGaps:
         changes, wrench = GapChanges.zero(self.rows.size, *self.shape, c), np.zeros((count, c))
         for part in self.kinds:
             local, place = geometry[part.entries], part.kind.velocities
-            turned = part.before @ local, part.after @ local
-            moved = (
-                turn + part.blocks @ speeds[place]
-                for turn, speeds in zip(turned, (before, after), strict=True)
+            own = GapChanges(
+                (part.distance[:, None] @ local)[:, 0],
+                part.before @ local + part.blocks @ before[place],
+                part.after @ local + part.blocks @ after[place],
+                geometry[part.kind.laws],
             )
-            distance = (part.distance[:, None] @ local)[:, 0]
-            changes.add(part.kind.row, GapChanges(distance, *moved, geometry[part.kind.laws]))
+            changes.add(part.kind.row, own)
             _scatter(wrench, place, part.wrenches @ local)
         return changes, self.moving.T @ wrench + self.momenta @ dq
 
