@@ -9,8 +9,9 @@ from dalembert import planar, spatial
 from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.planar_features import PARALLEL
 from dalembert.integrators.contact.contact_laws import FIRST
-from dalembert.sensitivity.nonsmooth.active_contacts import Gaps
-from dalembert.sensitivity.nonsmooth.gap_slopes import GapChanges, SourceSlopes, StepState
+from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
+from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
+from dalembert.sensitivity.nonsmooth.source_slopes import SourceSlopes, StepState
 from dalembert.sensitivity.nonsmooth.step_equations import step_equations
 from dalembert.symbolic.evaluation.kernel import dense_array
 from tests.registry.collision_shapes import PAIRS, SHAPES, WALLS

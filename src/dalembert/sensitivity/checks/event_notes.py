@@ -16,21 +16,16 @@ import numpy as np
 from dalembert.analysis.contact.change import ContactChange
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.transition import Transition
-from dalembert.errors import AnalysisError, SingularityError
+from dalembert.errors import AnalysisError
 from dalembert.model.graph.model import Model
 from dalembert.responses.base import Response
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.results.recording import Recording
 from dalembert.results.result import Result
+from dalembert.sensitivity.checks.nonsmooth_notes import nonsmooth_notes
 from dalembert.sensitivity.checks.stencils import parameter_scales
 from dalembert.sensitivity.marching.stable_steps import in_halves, with_stable_steps
 from dalembert.sensitivity.methods import Automatic
-from dalembert.sensitivity.nonsmooth.contact_steps import (
-    ContactChanges,
-    ContactSteps,
-    contact_steps,
-)
-from dalembert.sensitivity.nonsmooth.moving_impacts import step_tangent
 from dalembert.symbolic.once import once
 
 GRAZING_RATE = 1e-6
@@ -135,69 +130,6 @@ def _grazed_gaps(motion: Recording, changes: list[tuple[int, ContactChange]]) ->
         for closed in change.closes:
             slow.pop(closed, None)
     return slow
-
-
-def nonsmooth_notes(motion: NonsmoothMotion) -> list[str]:
-    """Notes on contacts whose state changes at nearby parameters."""
-    steps = contact_steps(motion)
-    changes = [_changes(steps, k) for k in range(steps.count)]
-    impacts = sum(change.impacts for change in changes)
-    first = {
-        name: [
-            f"t = {t:.6g} s"
-            for t, change in zip(steps.record.t, changes, strict=False)
-            if getattr(change, name)
-        ]
-        for name in ("simultaneous", "successive", "grazing", "changing", "redundant")
-    }
-    notes = []
-    if impacts:
-        notes.append(
-            f"{impacts} impact{'s move' if impacts > 1 else ' moves'} in time with the parameters: "
-            "the gradient includes this to the order of the step; the run has impacts at the ends "
-            "of steps, so that its differences jump and do not confirm the gradient"
-        )
-    if first["simultaneous"]:
-        notes.append(
-            f"gaps on the same bodies close in one instant at {first['simultaneous'][0]}: "
-            "parameters that separate them make successive impacts, so the derivative is that of a "
-            "simultaneous impact"
-        )
-    if first["successive"]:
-        count = sum(change.successive for change in changes)
-        notes.append(
-            f"{count} impacts come one after the other on connected bodies within a step, first at "
-            f"{first['successive'][0]}, and remain closed: the derivative leaves them at the time "
-            "of the step; shorter steps separate them"
-        )
-    if first["grazing"]:
-        notes.append(
-            f"an impact is close to the threshold of resting contact at {first['grazing'][0]}: "
-            "with other parameters it is no impact, so the derivative is one-sided"
-        )
-    if first["changing"]:
-        notes.append(
-            f"a contact is about to slip or to stick at {first['changing'][0]}: with other "
-            "parameters it does so in another step, so derivatives change there"
-        )
-    if first["redundant"]:
-        notes.append(
-            f"contacts are redundant in {len(first['redundant'])} steps, first at "
-            f"{first['redundant'][0]}: which of them opens or slips after a change depends on its "
-            "direction, so that there is no derivative; that of speeds that satisfy all of them on "
-            "average is taken"
-        )
-    return notes
-
-
-def _changes(steps: ContactSteps, k: int) -> ContactChanges:
-    """Changes of contact states in a step, also where it has no derivative."""
-    try:
-        if k not in steps.changes:
-            step_tangent(steps, k)
-        return steps.changes[k]
-    except SingularityError:  # which gradients refuse
-        return ContactChanges()
 
 
 TIGHT = 1e-7

@@ -19,7 +19,7 @@ from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.integrators.contact.offset_slopes import OffsetSlopes
 from dalembert.integrators.contact.schemes import Approach
 from dalembert.integrators.contact.semismooth_newton import pieces
-from dalembert.sensitivity.nonsmooth.gap_slopes import GapChanges, SourceGaps
+from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 
 STICK_MARGIN = 1e-6
@@ -47,50 +47,6 @@ class ActiveContacts:
     def pressing(self, impulses: np.ndarray) -> ActiveContacts:
         """The same contacts with other impulses."""
         return ActiveContacts(self.keys, impulses.reshape(self.impulses.shape), self.offsets)
-
-
-@dataclass(frozen=True, eq=False)
-class Gaps:
-    """Gaps of all sources at a state.
-
-    Attributes
-    ----------
-    parts : gaps of each source
-    values : GapChanges
-    directions : (n k, n_v) ``W``
-    """
-
-    parts: list[SourceGaps]
-    values: GapChanges
-    directions: Sparse
-
-    @classmethod
-    def of(cls, parts: list[SourceGaps]) -> Gaps:
-        """Gaps of several sources, in the order of their keys."""
-        count = sum(part.rows.size for part in parts)
-        values = GapChanges.zero(count, *parts[0].shape)
-        for part in parts:
-            for kind in part.kinds:
-                values.add(part.rows[kind.kind.row], kind.values)
-        directions = [part.directions() for part in parts]
-        joined = directions[0] if len(parts) == 1 else scipy.sparse.vstack(directions)
-        across = scipy.sparse.csr_array(joined)
-        across.sort_indices()
-        return cls(parts, values, across)
-
-    def push(self, dq: np.ndarray) -> tuple[GapChanges, np.ndarray]:
-        """Changes of the gaps and of ``Wᵀ P`` by those of ``q`` (n_q, c)."""
-        changes, momentum = self.values.like(dq.shape[1]), np.zeros(0)
-        for part in self.parts:
-            change, own = part.push(dq)
-            changes.add(part.rows, change)
-            momentum = own if not momentum.size else momentum + own
-        return changes, momentum
-
-    def pull(self, weights: GapChanges, momentum: np.ndarray) -> np.ndarray:
-        """Weights of ``q`` from those of the gaps and of ``Wᵀ P``."""
-        pulled = [part.pull(weights.some(part.rows), momentum) for part in self.parts]
-        return np.asarray(sum(pulled[1:], pulled[0]))
 
 
 @dataclass(frozen=True, eq=False)

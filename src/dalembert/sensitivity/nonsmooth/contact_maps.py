@@ -12,10 +12,12 @@ import numpy as np
 import scipy
 
 from dalembert.analysis.nonsmooth.contact_step import AHEAD, APART, ContactStep
+from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.contact_laws import FIRST
-from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations, Gaps
-from dalembert.sensitivity.nonsmooth.gap_slopes import StepState, source_slopes
+from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations
+from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
 from dalembert.sensitivity.nonsmooth.linear_map import Block, ForcedChange, MapAt, ProximalFactors
+from dalembert.sensitivity.nonsmooth.source_slopes import StepState, source_slopes
 from dalembert.sensitivity.nonsmooth.step_equations import step_equations
 
 MAX_ITERATIONS, SOLVED = 20, 1e-8
@@ -81,13 +83,23 @@ class ContactMaps:
             if _negligible(right, matrix, z):
                 break
             z = z - factors.solve(right)
-        depends = contacts is not None and contacts.slopes.forced.any()
-        forced = self._forced(y, v, t, h) if depends else None
+        forced = None
+        if contacts is not None and contacts.slopes.forced.any():
+            offsets = active.offsets[contacts.slopes.forced > 0]
+            forced = self._forced(y, v, t, h, offsets)
         next_by_z, next_by_q = slopes
         return MapAt(z, following, factors, by_q, next_by_z, next_by_q, contacts, forced)
 
-    def _forced(self, y: np.ndarray, v: np.ndarray, t: float, h: float) -> ForcedChange:
-        """The largest change of a normal speed by forces in a step."""
+    def _forced(
+        self, y: np.ndarray, v: np.ndarray, t: float, h: float, offsets: np.ndarray
+    ) -> ForcedChange:
+        """The largest change of a normal speed by forces in a step.
+
+        Raises
+        ------
+        AnalysisError
+            It is not the offset of the contacts that take none of the other branches.
+        """
         step, still = self.contact_step, np.zeros(self.smooth)
         state = y, v, t, self.p, h
         value, (by_z, _), *_ = self.equations.step(still, *state)
@@ -98,6 +110,11 @@ class ContactMaps:
         contacts = step.near(t, y, AHEAD * h * np.column_stack([v, free]))
         changes = (contacts.speeds(free) - contacts.speeds(v))[:, 0]
         row = int(np.argmax(np.abs(changes)))
+        if not np.allclose(offsets[:, 0], abs(changes[row]), rtol=SOLVED, atol=0):
+            raise AnalysisError(
+                f"the speed of a contact in the step at t = {t:.9g} s follows no branch of "
+                f"{type(step.scheme).__name__} with a derivative; use integrator=da.MoreauJean()"
+            )
         own = contacts.key[row : row + 1]
         none = np.zeros((1, 1 + sum(step.groups)))
         gaps = self.gaps(StepState(t, y, self.p, v, free), own, none)

@@ -93,6 +93,7 @@ class ContactAdjoint(ContactPass, BackwardWalk[np.ndarray]):
     def pull(self, begin: int, end: int, weights: np.ndarray) -> np.ndarray:
         weights, p_bar = step_tangent(self.steps, begin).pull(weights)
         self.p_bar += p_bar
+        self.steps.observe_growth(weights)
         return weights + self._add_parameters(begin)
 
     def pull_start(self, weights: np.ndarray) -> None:
@@ -130,7 +131,9 @@ class ContactDirect(ContactPass, ForwardWalk[np.ndarray]):
 
     def push(self, begin: int, end: int, change: np.ndarray) -> np.ndarray:
         self._evaluate(begin, change)
-        return step_tangent(self.steps, begin).push(change, self.directions)
+        change = step_tangent(self.steps, begin).push(change, self.directions)
+        self.steps.observe_growth(change)
+        return change
 
     def arrive(self, change: np.ndarray) -> None:
         self._evaluate(self.count, change)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -22,34 +21,13 @@ from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.schemes import Approach
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.sensitivity.nonsmooth.active_contacts import STICK_MARGIN, ActiveContacts
+from dalembert.sensitivity.nonsmooth.contact_changes import ContactChanges
 from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
 from dalembert.sensitivity.nonsmooth.linear_map import MapAt
 from dalembert.symbolic.equations import newton
 
 SAME = 1e-6
 """Permitted difference of a repeated state from the recorded one, relative to its size [-]."""
-
-
-@dataclass(frozen=True)
-class ContactChanges:
-    """Changes of contact states in a step, and at nearby parameters.
-
-    Attributes
-    ----------
-    impacts : number of moving impacts
-    simultaneous : some impacts on the same bodies come at one instant
-    successive : number of impacts that come one after the other on the same bodies
-    grazing : a gap closes close to the threshold of an impact
-    changing : a contact is about to slip or to stick
-    redundant : contacts contradict each other after most changes
-    """
-
-    impacts: int = 0
-    simultaneous: bool = False
-    successive: int = 0
-    grazing: bool = False
-    changing: bool = False
-    redundant: bool = False
 
 
 class ContactSteps:
@@ -62,6 +40,7 @@ class ContactSteps:
     Attributes
     ----------
     changes : step → ContactChanges of the linearised steps
+    growth : largest entry of a change of the state, or of its weights, in the marches so far
     """
 
     def __init__(self, motion: NonsmoothMotion):
@@ -73,6 +52,7 @@ class ContactSteps:
         self.x = np.vstack([self.record.ends.y, self.record.ends.v])
         self.size = self.record.ends.y.shape[0]
         self.changes: dict[int, ContactChanges] = {}
+        self.growth = 0.0
         self._starts = np.searchsorted(self.record.step, np.arange(self.count + 1))
 
     @property
@@ -86,6 +66,10 @@ class ContactSteps:
         rows = rows[np.argsort(self.record.key[rows])]
         record = self.record
         return ActiveContacts(record.key[rows], record.impulse[rows], record.offset[rows])
+
+    def observe_growth(self, columns: np.ndarray) -> None:
+        """Include changes of a state, or weights, in the largest growth."""
+        self.growth = max(self.growth, float(np.abs(columns).max(initial=0.0)))
 
     def refuse_break_away(self) -> None:
         """Raise if a contact with higher static friction begins to slip.

@@ -18,7 +18,8 @@ import numpy as np
 import scipy
 
 from dalembert.errors import SingularityError
-from dalembert.sensitivity.nonsmooth.active_contacts import ContactEquations, Gaps
+from dalembert.sensitivity.nonsmooth.active_contacts import ContactEquations
+from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sparse.factorise import SuperLUFactors
 

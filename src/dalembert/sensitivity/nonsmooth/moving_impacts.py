@@ -14,27 +14,18 @@ shifts: exact for all changes that keep them simultaneous.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import scipy
 
-from dalembert.errors import SingularityError
 from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations
-from dalembert.sensitivity.nonsmooth.contact_steps import ContactChanges, ContactSteps
+from dalembert.sensitivity.nonsmooth.contact_changes import MARGIN, ContactChanges, near_change
+from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
+from dalembert.sensitivity.nonsmooth.impact_groups import moving_parts, remain_closed
 from dalembert.sensitivity.nonsmooth.linear_map import MapAt
 
 SLOW = 2.0
 """Threshold of the approach speed of an impact, relative to the change by forces in a step [-]."""
-RESTING = 1e-8
-"""Threshold of the speed of a closed contact after an impact, relative to that before [-]."""
-SIMULTANEOUS = 1e-6
-"""Threshold of the distance of simultaneous impacts, relative to the step [-]."""
-MOVED = 1e-9
-"""Threshold of a change of speed by an impulse, relative to the largest change [-]."""
-MARGIN = 0.01
-"""Threshold of the reserve of friction, slip or resting speed near a change of state [-]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,29 +152,16 @@ def contact_changes(
         return ContactChanges()
     moving = [rows.size for rows in impacts.groups] if impacts else []
     margin = np.abs(closing.speed - SLOW * closing.forced)
+    impulses, v = steps.active(k).impulses, steps.x[steps.size :, k : k + 2]
+    change = float(np.abs(v[:, 1] - v[:, 0]).max())
     return ContactChanges(
         sum(moving),
         max(moving, default=0) > 1,
         closing.impacting.size - sum(moving),
         bool((margin <= MARGIN * closing.speed).any()),
-        bool(_near_change(steps, k, contacts).any()),
+        bool(near_change(contacts, impulses, steps.step.groups, change).any()),
         not step_map.consistent,
     )
-
-
-def _near_change(steps: ContactSteps, k: int, contacts: ContactEquations) -> np.ndarray:
-    """Mask of the contacts close to the change between sticking and slipping."""
-    values, impulses = contacts.gaps.values, steps.active(k).impulses
-    v = steps.x[steps.size :, k : k + 2]
-    change, near = float(np.abs(v[:, 1] - v[:, 0]).max()), np.zeros(impulses.shape[0], dtype=bool)
-    starts, row = np.cumsum([1, *steps.step.groups]), np.arange(near.size)
-    for begin, end in pairwise(starts):
-        push, slip = (np.linalg.norm(u[:, begin:end], axis=1) for u in (impulses, values.after))
-        limit = values.laws[row, contacts.column[:, begin]] * impulses[:, 0]
-        slips = contacts.own[:, begin:end].any(axis=(1, 2))
-        close = np.where(slips, slip <= MARGIN * change, push > (1 - MARGIN) * limit)
-        near |= (limit > 0) & close
-    return near
 
 
 def _persistent(steps: ContactSteps, k: int) -> ActiveContacts:
@@ -220,7 +198,7 @@ def _impacts(
     parts = moving_parts(steps, k, contacts, closing.impacting)
     if not parts:
         return MovingImpacts(contacts, [], np.zeros((begin.size, 0)))
-    closed = _remain_closed(steps, k, contacts)
+    closed = remain_closed(steps, k, contacts)
     after = steps.acceleration(end, t + h, h, active.some(closed))
     rates = steps.maps.equations.rates
     rate_after = np.concatenate([rates(end[:size], end[size:])[0], after])
@@ -231,62 +209,3 @@ def _impacts(
     return MovingImpacts(
         contacts, [rows for rows, _ in parts], masks * (jump - rate_after)[:, None]
     )
-
-
-def _remain_closed(steps: ContactSteps, k: int, contacts: ContactEquations) -> np.ndarray:
-    """Mask of the contacts that remain closed after step ``k``: at rest, or without restitution."""
-    values = contacts.gaps.values
-    fastest = float(np.abs(steps.x[steps.size :, k : k + 2]).max())
-    limit = RESTING * np.maximum(np.abs(values.before[:, 0]), fastest)
-    closed: np.ndarray = (np.abs(values.after[:, 0]) <= limit) | (values.laws[:, 0] == 0)
-    return closed
-
-
-def simultaneous(steps: ContactSteps, k: int, keys: np.ndarray) -> bool:
-    """True if gaps close at one instant, extrapolated from the step before their correction."""
-    before = max(k - 1, 0)
-    t, h = steps.span(before)
-    values = steps.maps.gaps_at(steps.x[:, before], t, keys).values
-    return bool(np.ptp(-values.distance / values.before[:, 0]) <= SIMULTANEOUS * h)
-
-
-def moving_parts(
-    steps: ContactSteps, k: int, contacts: ContactEquations, impacting: np.ndarray
-) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Rows of the contacts of each impact of step ``k``, and a mask of the entries of the state
-    that it changes, as ones and zeros.
-
-    Gaps that change the same entries and close simultaneously make one impact. Successive ones that
-    remain closed stay at the time of the step.
-
-    Raises
-    ------
-    SingularityError
-        Two successive impacts change the same entries.
-    """
-    (t, _), (y, _) = steps.span(k), steps.split(k)
-    if impacting.size == 1:
-        return [(impacting, np.ones(steps.x.shape[0]))]
-    keys, gaps = steps.active(k).keys, contacts.gaps
-    mobility = steps.step.smooth.at(t, y, steps.p)[0]
-    normals = gaps.directions[np.arange(keys.size) * gaps.values.before.shape[1]]
-    speeds = scipy.sparse.csr_array(abs(mobility.responses(normals)))
-    largest = np.repeat(speeds.max(axis=1).toarray().ravel(), np.diff(speeds.indptr))
-    speeds.data = (speeds.data > MOVED * largest).astype(float)
-    speeds.eliminate_zeros()
-    labels = scipy.sparse.csgraph.connected_components(speeds @ speeds.T, directed=False)[1]
-    matrix: Any = abs(steps.maps.equations.rates(y, np.zeros(steps.maps.speeds))[1][0])
-    closed, parts = _remain_closed(steps, k, contacts), []
-    for label in np.unique(labels[impacting]):
-        rows = impacting[labels[impacting] == label]
-        if rows.size > 1 and not simultaneous(steps, k, keys[rows]):
-            if closed[rows].all():
-                continue
-            raise SingularityError(
-                f"impacts on the same bodies come within one step at t = {t:.9g} s: which is "
-                "first depends on parameters, and so does the motion after them; take shorter "
-                "steps"
-            )
-        moved = speeds[labels == label].sum(axis=0) > 0
-        parts.append((rows, np.concatenate([matrix @ moved > 0, moved]).astype(float)))
-    return parts
