@@ -8,13 +8,16 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from dalembert.analysis.nonsmooth.gaps import GapSource
+from dalembert.analysis.nonsmooth.gaps import FormulaGaps, GapSource
 from dalembert.analysis.nonsmooth.mobility import Mobility
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
+from dalembert.elements.contact.impact_law import ImpactLaw
+from dalembert.errors import UnsupportedError
 from dalembert.integrators.contact.contact_laws import widest_groups
 from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
+from dalembert.integrators.contact.impact_path import impact_impulses, in_succession
 from dalembert.integrators.contact.impulses import Impulses
 from dalembert.integrators.contact.schemes import Approach, ContactScheme
 from dalembert.integrators.contact.static_friction import (
@@ -93,6 +96,27 @@ class ContactStep:
         """Widths of the groups of tangential components of the relative velocities."""
         return widest_groups([source.groups for source in self.sources])
 
+    @cached_property
+    def law(self) -> ImpactLaw:
+        """Law of restitution of all gaps.
+
+        Raises
+        ------
+        UnsupportedError
+            Gaps have several laws, or the scheme has not this law.
+        """
+        names = {source.law: source.elements[0].name for source in self.sources}
+        if len(names) > 1:
+            laws = " and ".join(f"{name} ({law.value})" for law, name in names.items())
+            raise UnsupportedError(f"contacts have several laws of impact: {laws}; give one law")
+        ((law, name),) = names.items()
+        if law not in self.scheme.impact_laws:
+            raise UnsupportedError(
+                f"{name}: {type(self.scheme).__name__} has no {law.value} law of impact; use "
+                f"integrator=da.MoreauJean(), or leave out {_keyword(self.sources, law)}"
+            )
+        return law
+
     def near(self, t: float, y: np.ndarray, travels: np.ndarray) -> Contacts:
         """Gaps of all sources within reach of the displacements ``travels``."""
         parts, elements = [], 0
@@ -163,14 +187,20 @@ class ContactStep:
         if not contacts.count:
             return Impulses(np.zeros(shape), 0.0, True), np.zeros(shape), contacts.key[:0]
         matrix = delassus(contacts.directions, mobility)
-        offsets = self.scheme.first(approach)
+        offsets, free = self.scheme.first(approach), approach.free
         laws, none = contacts.laws, contacts.key[:0]
         scale = approach.fastest or 1.0
         rounding = STILL * self.solver.tolerance * scale
         static = may_stick(contacts, approach.before, before.stuck if before else none, rounding)
         start, rounds = warm_start(contacts, before, shape), 0
+        impact = None
+        if self.law is not ImpactLaw.NEWTON and approach.is_impact:
+            friction = laws.friction, contacts.groups, scale
+            instant = FrictionProblem(matrix, approach.before, *friction)
+            impact, at_end = impact_impulses(instant, laws.restitution, self.law, self.solver)
+            free, offsets = free + at_end - approach.before, approach.held(at_end)
         for _ in range(ROUNDS):
-            velocity = approach.free + offsets
+            velocity = free + offsets
             problem = FrictionProblem(matrix, velocity, laws.friction, contacts.groups, scale)
             solution, static = solve_with_static_friction(
                 self.solver, problem, start, laws, static, approach.before
@@ -178,14 +208,22 @@ class ContactStep:
             start, rounds = solution.impulses, rounds + solution.rounds
             after = problem.speeds(solution.impulses) - offsets
             changed = self.scheme.again(approach, offsets, solution.impulses, after)
-            if changed is None or not solution.converged:
+            if changed is None or not solution.accepted:
                 break
             offsets = changed
         solution = replace(solution, rounds=rounds)
+        if impact is not None:
+            solution = in_succession(impact, solution)
         if not laws.higher_at_rest.any():
             return solution, offsets, none
         stuck = (start[:, 0] > 0) & sticks(self.solver, problem, start)
         return solution, offsets, contacts.key[stuck]
+
+
+def _keyword(sources: list[GapSource], law: ImpactLaw) -> str:
+    """Argument of the element that requests a law."""
+    formulas = any(isinstance(source, FormulaGaps) for source in sources)
+    return "poisson=True" if formulas else f"impact_law={law.value!r}"
 
 
 def delassus(directions: Matrix, mobility: Mobility) -> np.ndarray | Delassus:

@@ -10,9 +10,10 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.base import Element, Rate
+from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.elements.coordinates import rate_of
-from dalembert.errors import ModelError, UnsupportedError
+from dalembert.errors import ModelError
 from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
@@ -61,11 +62,13 @@ class GapSource(ABC):
     Attributes
     ----------
     elements : owners of the gaps
+    law : of restitution
     groups : widths of the groups of tangential components of the relative velocity at a gap
     formulas : GapFormulas of all shapes, from which derivatives follow
     """
 
     elements: list[Element]
+    law: ImpactLaw
     groups: tuple[int, ...]
     formulas: GapFormulas
 
@@ -118,7 +121,6 @@ class FormulaGaps(GapSource):
 
     def __init__(self, model: Model, elements: list[Unilateral]):
         self.elements = list(elements)
-        _refuse_poisson(elements)
         e = model.all_equations
         gaps = [
             (k, gap)
@@ -140,12 +142,12 @@ class FormulaGaps(GapSource):
             raise ModelError("velocities of a gap must be linear in speeds", elements[0].name)
         drift = ca.substitute(speeds, e.v, ca.SX.zeros(e.speed_count))
         distances = model.at_ground(ca.vertcat(*(gap.distance for _, gap in gaps)))
-        laws = [element.impact() for element in elements]
+        laws = [law for element in elements if (law := element.impact())]
+        self.law = laws[0].law  # equal, as checked by the model
         coefficients = ca.horzcat(
             *(
                 ca.vertcat(law.restitution, law.tangential, law.friction, law.friction)
                 for law in laws
-                if law
             )
         )
         coefficients = model.at_ground(ca.densify(coefficients))
@@ -197,16 +199,6 @@ def _stated_gap(width: int) -> ca.Function:
     """``g → g, ∂u/∂u``."""
     distance = ca.SX.sym("g")
     return ca.Function("gap", [distance], [distance, ca.densify(ca.SX.eye(width))])
-
-
-def _refuse_poisson(elements: list[Unilateral]) -> None:
-    for element in elements:
-        law = element.impact()
-        if law is not None and law.poisson:
-            raise UnsupportedError(
-                f"{element.name}: time stepping resolves no end of compression, which Poisson's "
-                "law requires; leave out poisson=True, or use solve_dynamics"
-            )
 
 
 def _rate(model: Model, element: Unilateral) -> Rate:

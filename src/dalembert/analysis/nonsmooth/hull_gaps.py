@@ -67,6 +67,7 @@ class HullGaps(GapSource):
     def __init__(self, model: Model, element: Collisions):
         self.elements, self.groups = [element], element.friction_groups
         self.dimension: int = element.dimension
+        self.law = element.law
         self.geometry = geometry = HullGeometry(model, element)
         self.formulas = geometry.formulas
         self._groups, self._laws = element.group_of(geometry.shapes), element.laws

@@ -13,6 +13,7 @@ from dalembert.elements.base import Condition, Element, Look, Scalar, option, qu
 from dalembert.elements.body import BodyElement
 from dalembert.elements.component import Component
 from dalembert.elements.contact.hull import Hull
+from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.elements.contact.pairs import COEFFICIENTS, Pair, checked_pairs, law_numbers
 from dalembert.elements.contact.shapes import Flat, Round, Shape, Vertex
 from dalembert.elements.coordinates import Coordinates
@@ -21,6 +22,7 @@ from dalembert.elements.pair import need_point
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import Expression
+from dalembert.text.wording import unknown
 
 EXAMPLE = "contact.Circle(ball.center, 0.1), contact.HalfPlane(ground)"
 
@@ -29,7 +31,7 @@ EXAMPLE = "contact.Circle(ball.center, 0.1), contact.HalfPlane(ground)"
 class Collisions(Element):
     """Unilateral contacts ``g ≥ 0`` among all shapes of different bodies.
 
-    Newton's restitution and Coulomb's friction, as in ``Impact``. Two shapes touch at one point, or
+    Restitution and Coulomb's friction. Two shapes touch at one point, or
     at several where edges or faces are parallel. ``solve_nonsmooth`` detects near pairs in every
     step.
 
@@ -43,6 +45,8 @@ class Collisions(Element):
     static_friction : ``μ_s ≥ μ`` of contacts without slip; ``friction`` by default
     rolling : coefficient ``c`` of rolling friction, a moment up to ``c N`` across the normal
     spinning : the same about the normal, in space
+    impact_law : meaning of ``restitution``: a ratio of speeds, "newton"; of impulses, "poisson"; or
+        its square of work, "energetic"
     pairs : other coefficients between two groups, or groups that do not touch: ``contact.Pair``
 
     Raises
@@ -75,6 +79,7 @@ class Collisions(Element):
     static_friction: Scalar = quantity(
         "", "coefficient of friction without slip", default=None, minimum=0.0
     )
+    impact_law: str = option("`newton`, `poisson` or `energetic`", default="newton")
     pairs: tuple[Pair, ...] = option("laws between two groups", default=())
 
     def __post_init__(self) -> None:
@@ -86,7 +91,7 @@ class Collisions(Element):
         self._check_shapes()
         self.dimension: int = self.members[0].dimension
         self.pairs = checked_pairs(self.pairs, list(self.groups), self.name)
-        self._check_spinning()
+        self._check_laws()
 
     def _label(self, group: str) -> str:
         return f"{self.name}.shapes.{group}" if group else f"{self.name}.shapes"
@@ -128,11 +133,27 @@ class Collisions(Element):
                     self.name,
                 )
 
-    def _check_spinning(self) -> None:
+    def _check_laws(self) -> None:
+        names = [law.value for law in ImpactLaw]
+        if self.impact_law not in names:
+            text = unknown("law", self.impact_law, names)
+            raise ModelError(text, f"{self.name}.impact_law")
         for place, law in self._completed_laws.items():
+            entity = f"{self.name}.{place}" if place else self.name
             if self.dimension == 2 and not law["spinning"].sx.is_zero():
                 text = "nothing spins about a normal in the plane; leave out spinning="
-                raise ModelError(text, ".".join(filter(None, (self.name, place, "spinning"))))
+                raise ModelError(text, f"{entity}.spinning")
+            if self.law is not ImpactLaw.NEWTON and not law["tangential"].sx.is_zero():
+                raise ModelError(
+                    f"the {self.impact_law} law of impact has no restitution of the slip; leave "
+                    "out tangential=, or impact_law=",
+                    f"{entity}.tangential",
+                )
+
+    @property
+    def law(self) -> ImpactLaw:
+        """Law of restitution."""
+        return ImpactLaw(self.impact_law)
 
     @cached_property
     def members(self) -> tuple[Shape, ...]:

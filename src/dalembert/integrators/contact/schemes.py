@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.integrators.contact.offset_slopes import (
@@ -19,6 +20,9 @@ from dalembert.options import options
 
 Offsets = np.ndarray
 """(n, k) offsets of the velocities after a step: ``u⁺ + offset`` satisfies the conditions."""
+SLOW, CLOSING = 2.0, 0.5
+"""Threshold of the approach speed of a resting contact, relative to the change of speed by forces
+in a step, and the fraction of a gap that a resting contact closes per step [-]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +59,25 @@ class Approach:
         offsets[:, 1:linear] = laws.tangential[:, None] * self.before[:, 1:linear]
         return offsets
 
+    @property
+    def forced(self) -> float:
+        """The largest change of a normal velocity by forces in the step [m/s]."""
+        return float(np.abs(self.free[:, 0] - self.before[:, 0]).max(initial=0.0))
+
+    @property
+    def is_impact(self) -> bool:
+        """Whether a gap closes faster than forces change speeds."""
+        return bool((self.before[:, 0] < -SLOW * self.forced).any())
+
+    def held(self, at_end: np.ndarray) -> Offsets:
+        """Forces in the step do not reduce the speeds ``at_end`` of an impact, up to those before.
+
+        So contacts do no work, and a central impact is that of Newton's law.
+        """
+        offsets = np.zeros_like(self.before)
+        offsets[:, 0] = -np.clip(at_end[:, 0], 0.0, np.maximum(-self.before[:, 0], 0.0))
+        return offsets
+
 
 class ContactScheme(ABC):
     """Treatment of contacts in a step.
@@ -66,6 +89,7 @@ class ContactScheme(ABC):
 
     theta: float
     projection: bool
+    impact_laws: ClassVar[tuple[ImpactLaw, ...]] = (ImpactLaw.NEWTON,)
     anticipates: ClassVar[bool] = False
     """True if the scheme keeps gaps open, so that no position correction is needed."""
 
@@ -75,7 +99,7 @@ class ContactScheme(ABC):
 
     @abstractmethod
     def first(self, approach: Approach) -> Offsets:
-        """Velocity offsets of the active contacts."""
+        """Velocity offsets of the active contacts, by Newton's law of impact."""
 
     def again(
         self, approach: Approach, offsets: Offsets, impulses: np.ndarray, after: np.ndarray
@@ -126,6 +150,7 @@ class MoreauJean(ContactScheme):
     theta: float = 0.5
     gamma: float = 0.5
     projection: bool = True
+    impact_laws: ClassVar[tuple[ImpactLaw, ...]] = tuple(ImpactLaw)
 
     def __post_init__(self) -> None:
         check_share("MoreauJean", "theta", self.theta)
@@ -142,9 +167,6 @@ class MoreauJean(ContactScheme):
         return newton_slopes(approach.contacts, approach.before)
 
 
-SLOW, CLOSING = 2.0, 0.5
-"""Threshold of the approach speed of a resting contact, relative to the change of speed by forces
-in a step, and the fraction of a gap that a resting contact closes per step [-]."""
 ROUNDING = 1e-10
 """Tolerance of the total work of contacts, relative to the sum of its magnitudes [-]."""
 
@@ -233,7 +255,7 @@ def _margin(approach: Approach, restitution: np.ndarray | float) -> np.ndarray:
 def _bounce(approach: Approach) -> np.ndarray:
     """Minimum speed of contacts under pressure: impacting, resting or separating."""
     before, e = approach.before[:, 0], approach.contacts.laws.restitution
-    forced = float(np.abs(approach.free[:, 0] - before).max(initial=0.0))
+    forced = approach.forced
     closing = CLOSING * np.maximum(approach.contacts.distance, 0) / approach.h
     resting = np.where(before > 0, _margin(approach, 0.0), -np.minimum(closing, forced))
     impact = before < -SLOW * forced

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dalembert.errors import SingularityError
+from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.sensitivity.nonsmooth.contact_changes import ContactChanges
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps, contact_steps
@@ -14,7 +14,10 @@ CHAOTIC = 1e9
 
 def nonsmooth_notes(motion: NonsmoothMotion) -> list[str]:
     """Notes on contacts whose state changes at nearby parameters."""
-    steps = contact_steps(motion)
+    try:
+        steps = contact_steps(motion)
+    except UnsupportedError:  # of a law of impact that has only differences
+        return []
     changes = [_changes(steps, k) for k in range(steps.count)]
     impacts = sum(change.impacts for change in changes)
     first = {

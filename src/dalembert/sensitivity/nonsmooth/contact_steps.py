@@ -15,6 +15,7 @@ from dalembert.analysis.nonsmooth.correction import (
     normals_of,
 )
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
+from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.integrators.contact.contacts import FrictionProblem
@@ -41,6 +42,11 @@ class ContactSteps:
     ----------
     changes : step → ContactChanges of the linearised steps
     growth : largest entry of a change of the state, or of its weights, in the marches so far
+
+    Raises
+    ------
+    UnsupportedError
+        The law of impact is not Newton's.
     """
 
     def __init__(self, motion: NonsmoothMotion):
@@ -48,6 +54,11 @@ class ContactSteps:
         self.record, self.p = motion.record, motion.parameters
         run = NonsmoothRun(analysis, motion.model, motion.parameters)
         self.step: ContactStep = run.step
+        if self.step.law is not ImpactLaw.NEWTON:
+            raise UnsupportedError(
+                f"gradients of impacts by the {self.step.law.value} law are not available in "
+                "solve_nonsmooth; use Newton's law, or solve_dynamics"
+            )
         self.maps = ContactMaps(self.step)
         self.x = np.vstack([self.record.ends.y, self.record.ends.v])
         self.size = self.record.ends.y.shape[0]
