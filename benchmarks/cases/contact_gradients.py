@@ -7,35 +7,25 @@ from collections.abc import Iterator
 
 import dalembert as da
 from benchmarks.cases.base import Case, Effort
-from benchmarks.cases.discs import FRICTION, GRAVITY, MASS, RADIUS, STEP, Box
+from benchmarks.falling_bodies import FRICTION, GRAVITY, MASS, SIZE, STEP, FallingBodies
 from benchmarks.sample import Row, Sample
 from dalembert import planar
 
 COUNTS, PARAMETERS = (10, 30, 100), ("radius", "friction")
 
 
-def model(box: Box) -> da.Model:
+def model(bodies: FallingBodies) -> da.Model:
     """The discs, with parameters."""
     system = da.System("discs", gravity=(0.0, -GRAVITY))
-    radius, friction = (
-        system.parameter("radius", RADIUS, "m"),
-        system.parameter("friction", FRICTION),
-    )
-    speed, mass = system.parameter("speed", 0.0, "m/s"), system.parameter("mass", MASS, "kg")
+    size, friction = system.parameter("radius", SIZE, "m"), system.parameter("friction", FRICTION)
+    push, mass = system.parameter("push", 0.0, "m/s"), system.parameter("mass", MASS, "kg")
     shapes: list[planar.contact.Shape] = []
-    for k, (position, velocity) in enumerate(zip(box.positions, box.velocities, strict=True)):
-        disc = planar.Body(
-            f"disc{k}",
-            mass=mass,
-            inertia=mass * radius**2 / 2,
-            position=tuple(position),
-            angle=0.0,
-            velocity=(velocity[0] + speed, velocity[1]),
-        )
-        shapes.append(planar.contact.Circle(system.add(disc), radius))
-    left, right = (system.ground.point(x, 0.0) for x in (-box.width / 2, box.width / 2))
-    for point, normal in ((left, (0.0, 1.0)), (left, (1.0, 0.0)), (right, (-1.0, 0.0))):
-        shapes.append(planar.contact.HalfPlane(point, normal))
+    for k, (place, speed) in enumerate(zip(bodies.positions, bodies.velocities, strict=True)):
+        start = {"position": tuple(place), "angle": 0.0, "velocity": (speed[0] + push, speed[1])}
+        disc = planar.Body(f"disc{k}", mass=mass, inertia=mass * size**2 / 2, **start)
+        shapes.append(planar.contact.Circle(system.add(disc), size))
+    for point, normal in bodies.walls():
+        shapes.append(planar.contact.HalfPlane(system.ground.point(*point), tuple(normal)))
     system.add(planar.Collisions("contacts", shapes, friction=friction))
     return system.build()
 
@@ -43,7 +33,7 @@ def model(box: Box) -> da.Model:
 def measure(effort: Effort) -> Iterator[Row]:
     steps, response = 50 if effort.quick else 1000, da.final("disc3.x")
     for count in COUNTS[: 1 if effort.quick else None]:
-        discs = model(Box.of(count))
+        discs = model(FallingBodies.of("disc", count))
         analysis = da.Nonsmooth(steps * STEP, step=STEP, outputs=2)
         warm = da.Nonsmooth(2 * STEP, step=STEP).run(discs)
         da.sensitivity(warm, response, method="adjoint")  # compiles
