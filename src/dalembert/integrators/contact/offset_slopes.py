@@ -29,11 +29,12 @@ class OffsetSlopes:
     bounces: np.ndarray
 
 
-def newton_slopes(contacts: Contacts, before: np.ndarray) -> OffsetSlopes:
-    """Derivatives of Newton's law, ``e u_N⁻`` and ``e_T u_T⁻``."""
-    zero, bounces = np.zeros(contacts.count), np.ones(contacts.count, dtype=bool)
-    speeds = contacts.laws.restitution, before[:, 0]
-    return OffsetSlopes(zero, *speeds, zero, ~bounces, bounces)
+def newton_slopes(contacts: Contacts, before: np.ndarray, offsets: np.ndarray) -> OffsetSlopes:
+    """Derivatives of Newton's law, ``e u_N⁻`` and ``e_T u_T⁻``, or ``u_N⁻`` if the offset is."""
+    zero, u, e = np.zeros(contacts.count), before[:, 0], contacts.laws.restitution
+    parts = np.abs(offsets[:, 0] - u) < np.abs(offsets[:, 0] - e * u)
+    speed, restitution = np.where(parts, 1.0, e), np.where(parts, 0.0, u)
+    return OffsetSlopes(zero, speed, restitution, zero, zero > 0, ~parts)
 
 
 def anticipated_slopes(

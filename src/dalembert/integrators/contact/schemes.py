@@ -164,7 +164,7 @@ class MoreauJean(ContactScheme):
         return approach.newton()
 
     def slopes(self, approach: Approach, offsets: Offsets, rounding: float) -> OffsetSlopes:
-        return newton_slopes(approach.contacts, approach.before)
+        return newton_slopes(approach.contacts, approach.before, offsets)
 
 
 ROUNDING = 1e-10
