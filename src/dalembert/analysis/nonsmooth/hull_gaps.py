@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import partial
 
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.nonsmooth.bounding_balls import bounding_balls, near_balls
+from dalembert.analysis.nonsmooth.feature_pairs import Pairs, some_pairs
 from dalembert.analysis.nonsmooth.gap_functions import Feature, gap_function
 from dalembert.analysis.nonsmooth.gaps import GapKind, GapSource
-from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Pairs, Positions
-from dalembert.analysis.nonsmooth.planar_features import planar_features
+from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Positions
+from dalembert.analysis.nonsmooth.hull_search import HullSearch
 from dalembert.analysis.nonsmooth.shape_velocities import TWIST
-from dalembert.analysis.nonsmooth.spatial_features import spatial_features
 from dalembert.elements.contact.collisions import Collisions
-from dalembert.elements.contact.pairs import APART
-from dalembert.elements.contact.shapes import Round
 from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
@@ -71,9 +69,8 @@ class HullGaps(GapSource):
         self.geometry = geometry = HullGeometry(model, element)
         self.formulas = geometry.formulas
         self._groups, self._laws = element.group_of(geometry.shapes), element.laws
-        self._round = np.array([isinstance(shape, Round) for shape in geometry.shapes])
-        features = [max(len(h.corners), 2 * len(h.edges), len(h.faces)) for h in geometry.hulls]
-        self._radix = max(features), len(geometry.shapes)
+        self._search = HullSearch(geometry, self._groups, self._laws)
+        self._first = np.cumsum([0, *geometry.feature_counts])
         self._speeds = model.all_equations.speed_count
         self._last: LastPosition | None = None
         self._kernels: dict[tuple[Feature, int], Kernel] = {}
@@ -99,14 +96,14 @@ class HullGaps(GapSource):
             last.reach = max(last.reach, reach)
             parts = [
                 self._contacts(pairs, last, groups)
-                for pairs in [*self._walls(last.at, last.reach), *self._hulls(last.at, last.reach)]
+                for pairs in self._search(last.at, last.reach, partial(self._normals, last.at))
             ]
             last.contacts = Contacts.joined(parts or [self._none(groups)])
         last.requested = max(last.requested, reach)
         return last.contacts.some(last.contacts.distance <= reach)
 
     def kinds(self, keys: np.ndarray) -> list[GapKind]:
-        numbers, kinds = keys // self._first_key(Feature(1)), []
+        numbers, kinds = keys // self._first[-1] ** 2, []
         for number in np.unique(numbers):
             rows = np.flatnonzero(numbers == number)
             pairs = self._pairs_of(keys[rows])
@@ -123,13 +120,12 @@ class HullGaps(GapSource):
         at = self.geometry.positions(time, y, p)
         places = np.zeros((keys.size, 3))
         directions = np.zeros((keys.size, 3, self.dimension))
-        kinds = keys // self._first_key(Feature(1))
+        kinds = keys // self._first[-1] ** 2
         for kind in np.unique(kinds):
             own = kinds == kind
             places[own], directions[own] = self._evaluate(self._pairs_of(keys[own]), at)[2:]
         return places, directions
 
-    # search --------------------------------------------------------------------------------------
     def _reach(self, at: Positions, velocities: np.ndarray, travels: np.ndarray) -> float:
         """Largest distance that two shapes cover by displacements of their twists."""
         moved = self.geometry.velocities.displacements(velocities, travels)
@@ -140,51 +136,12 @@ class HullGaps(GapSource):
         straight, turned = (np.linalg.norm(moved[:, s], axis=1) for s in (slice(3), slice(3, 6)))
         return 2 * float((straight + arm[:, None] * turned).max(initial=0.0))
 
-    def _may_touch(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-        """Mask of pairs of shapes of different bodies, whose groups touch, not both of balls."""
-        groups = self._groups[first], self._groups[second]
-        apart = self.geometry.owner[first] != self.geometry.owner[second]
-        solid = ~(self._round[first] & self._round[second])
-        return apart & solid & (self._laws[groups] != APART)
-
-    def _walls(self, at: Positions, reach: float) -> list[Pairs]:
-        """Corners near walls."""
-        starts, count = self.geometry.starts, len(self.geometry.hulls)
-        hull = np.repeat(np.arange(count), np.diff(starts))
-        normals, points = at.walls[:, 1], at.walls[:, 0]
-        heights = normals @ at.corners.T - (normals * points).sum(axis=1)[:, None]
-        wall, corner = np.nonzero(heights - at.radii[hull] <= reach)
-        first, second = wall + count, hull[corner]
-        touching = self._may_touch(first, second) & ~self._round[second]
-        pairs = Pairs(Feature.WALL, first, second, 0 * first, corner - starts[second])
-        return [_some(pairs, touching)] if touching.any() else []
-
-    def _hulls(self, at: Positions, reach: float) -> list[Pairs]:
-        """Near features of hulls."""
-        starts = self.geometry.starts
-        centers, radii = bounding_balls(at.corners, starts)
-        first, second = near_balls(centers, radii + at.radii[: radii.size], reach)
-        touching = self._may_touch(first, second)
-        first, second = first[touching], second[touching]
-        if not first.size:
-            return []
-        rounded = self.geometry.rounded[first] | self.geometry.rounded[second]
-        search = planar_features if self.dimension == 2 else spatial_features
-        tables: dict[Feature, list[np.ndarray]] = {}
-        for pairs, one, another in self.geometry.batches(first, second, at):
-            i, j = first[pairs], second[pairs]
-            for feature, row, swapped, own, other in search(one, another, rounded[pairs]):
-                a, b = np.where(swapped, j[row], i[row]), np.where(swapped, i[row], j[row])
-                tables.setdefault(feature, []).append(np.stack([a, b, own, other]))
-        joined = ((feature, np.hstack(parts)) for feature, parts in tables.items())
-        return [Pairs(feature, *table) for feature, table in joined if table.size]
-
     # gaps of pairs -------------------------------------------------------------------------------
     def _contacts(self, pairs: Pairs, last: LastPosition, groups: tuple[int, ...]) -> Contacts:
         """Gaps of pairs within reach."""
         distance, blocks, *_ = self._evaluate(pairs, last.at)
         near = distance <= last.reach
-        pairs, count = _some(pairs, near), int(near.sum())
+        pairs, count = some_pairs(pairs, near), int(near.sum())
         laws, width = last.at.coefficients[:, self._law(pairs)], 1 + sum(groups)
         directions = self.geometry.velocities.gap_derivatives(
             blocks[near], pairs.first, pairs.second, last.velocities
@@ -216,6 +173,11 @@ class HullGaps(GapSource):
             directions.T.reshape(size, k, 3)[:count].swapaxes(1, 2),
         ]
 
+    def _normals(self, at: Positions, pairs: Pairs) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(n,) distances, (n, 3) places and (n, 3) normals."""
+        gap, _, place, directions = self._evaluate(pairs, at)
+        return gap, place, directions[:, :, 0]
+
     def _kernel(self, feature: Feature, size: int) -> Kernel:
         """Gap function mapped over ``size`` pairs."""
         if (feature, size) not in self._kernels:
@@ -234,23 +196,17 @@ class HullGaps(GapSource):
     def _law(self, pairs: Pairs) -> np.ndarray:
         return self._laws[self._groups[pairs.first], self._groups[pairs.second]]
 
-    def _first_key(self, feature: Feature) -> int:
-        """The smallest key of a kind of features."""
-        features, shapes = self._radix
-        return int(feature) * (shapes * features) ** 2
-
     def _keys(self, pairs: Pairs) -> np.ndarray:
-        features, shapes = self._radix
-        numbers = (pairs.first * shapes + pairs.second) * features + pairs.own
-        return self._first_key(pairs.feature) + numbers * features + pairs.other
+        own, other = self._first[pairs.first] + pairs.own, self._first[pairs.second] + pairs.other
+        keys: np.ndarray = (int(pairs.feature) * self._first[-1] + own) * self._first[-1] + other
+        return keys
 
     def _pairs_of(self, keys: np.ndarray) -> Pairs:
         """The pairs of keys of one kind of features."""
-        features, shapes = self._radix
-        rest, other = np.divmod(keys, features)
-        rest, own = np.divmod(rest, features)
-        rest, second = np.divmod(rest, shapes)
-        kind, first = np.divmod(rest, shapes)
+        rest, other = np.divmod(keys, self._first[-1])
+        kind, own = np.divmod(rest, self._first[-1])
+        first, second = (np.searchsorted(self._first, n, side="right") - 1 for n in (own, other))
+        own, other = own - self._first[first], other - self._first[second]
         return Pairs(Feature(int(kind[0])), first, second, own, other)
 
     def _none(self, groups: tuple[int, ...]) -> Contacts:
@@ -258,8 +214,3 @@ class HullGaps(GapSource):
         rows = np.zeros((0, self._speeds)), np.zeros((0, 1 + sum(groups)))
         laws = ContactLaws.of(np.zeros((FIRST + len(groups), 0)), groups)
         return Contacts(empty, *rows, laws, groups, numbers, numbers)
-
-
-def _some(pairs: Pairs, selected: np.ndarray) -> Pairs:
-    names = ("first", "second", "own", "other")
-    return replace(pairs, **{name: getattr(pairs, name)[selected] for name in names})

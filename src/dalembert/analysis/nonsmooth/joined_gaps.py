@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.analysis.nonsmooth.gaps import GapFormulas, GapKind, GapSource
 from dalembert.integrators.contact.contacts import Contacts
 
-SOURCE = 2**38
+SOURCE = 2**50
 """Offset between the keys of gaps of different sources of an element."""
 PARTS = "geometry", "velocities"
 

@@ -12,7 +12,7 @@ import numpy as np
 from dalembert.elements.base import Condition, Element, Look, Scalar, option, quantity
 from dalembert.elements.body import BodyElement
 from dalembert.elements.component import Component
-from dalembert.elements.contact.hull import Hull
+from dalembert.elements.contact.hull import Solid
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.elements.contact.pairs import COEFFICIENTS, Pair, checked_pairs, law_numbers
 from dalembert.elements.contact.shapes import Flat, Round, Shape, Vertex
@@ -37,8 +37,8 @@ class Collisions(Element):
 
     Parameters
     ----------
-    shapes : convex shapes of ``contact``, half-planes, points of bodies; or lists of these by the
-        names of groups
+    shapes : convex shapes of ``contact``, meshes as hulls, half-planes, terrain, points of bodies;
+        or lists of these by the names of groups
     restitution : ``e`` along the normal, 0 to 1
     tangential : restitution of the slip, 0 to 1
     friction : ``μ``
@@ -110,7 +110,7 @@ class Collisions(Element):
                 _ = shape.outward
             except ModelError as error:  # a zero normal
                 raise ModelError(error.message, f"{entity}.normal") from None
-        elif shape.hull() is None:
+        elif not takes(type(shape)):
             raise ModelError(
                 f"a {type(shape).__name__} is not available here, only convex shapes; give shapes "
                 f"such as {EXAMPLE}, or use Contact",
@@ -161,10 +161,9 @@ class Collisions(Element):
         return tuple(shape for shapes in self.groups.values() for shape in shapes)
 
     @cached_property
-    def hulls(self) -> list[tuple[Shape, Hull]]:
-        """Convex shapes, and their hulls."""
-        hulls = ((shape, shape.hull()) for shape in self.members if not isinstance(shape, Flat))
-        return [(shape, hull) for shape, hull in hulls if hull is not None]
+    def hulls(self) -> list[tuple[Shape, Solid]]:
+        """Shapes, and their convex parts."""
+        return [(shape, solid) for shape in self.members for solid in shape.solids()]
 
     @property
     def balls(self) -> list[Round]:
@@ -252,11 +251,13 @@ class Collisions(Element):
         return list(bodies.values())
 
     def look(self) -> list[Look]:
-        places = [s.carrier.locate(corner) for s, hull in self.hulls for corner in hull.corners]
-        parts = [part for shape, _ in self.hulls for part in shape.look(places[0])]
+        places = [s.carrier.locate(corner) for _, s in self.hulls for corner in s.hull.corners]
+        shapes = [shape for shape in self.members if not isinstance(shape, Flat)]
+        parts = [part for shape in shapes for part in shape.look(places[0])]
         if self.dimension == 2:
             return parts + [self._floor(wall, places) for wall in self.walls]
-        return parts + [part for wall in self.walls for part in wall.look(places[0])]
+        near = ca.horzcat(*(s.carrier.locate(s.hull.corners[0]) for _, s in self.hulls))
+        return parts + [part for wall in self.walls for part in wall.look(near)]
 
     def _floor(self, wall: Flat, places: list[ca.SX]) -> Rail:
         """A wall whose length follows from the motion of the shapes along it."""
@@ -264,6 +265,12 @@ class Collisions(Element):
         inertial, origin = wall.carrier.turned(tangent), wall.point.position.sx
         travels = [ca.dot(inertial, (place - origin)[:2]) for place in places]
         return Rail(wall.point, tangent, ca.vertcat(*travels))
+
+
+def takes(kind: type[Shape]) -> bool:
+    """Whether shapes of a class take part in collisions."""
+    solid = kind.hull is not Shape.hull or kind.solids is not Shape.solids
+    return solid or issubclass(kind, Flat)
 
 
 def _placed(condition: Condition, place: str) -> Condition:

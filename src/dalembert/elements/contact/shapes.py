@@ -5,7 +5,7 @@ position from its surface, or both. The contact of two shapes is that of the spo
 surface of the other.
 
 A new shape states ``carrier``, ``spots`` if it is ``Spotted``, ``distance`` if it ``feels``,
-``hull`` if it takes part in ``Collisions``.
+``hull`` or ``solids`` if it takes part in ``Collisions``.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import casadi as ca
 from dalembert.elements.base import Look, Scalar, option, quantity
 from dalembert.elements.component import Component
 from dalembert.elements.contact.contact_point import ContactPoint
-from dalembert.elements.contact.hull import Hull
+from dalembert.elements.contact.hull import Hull, Solid
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.look import Ball as Dot, Rail
 from dalembert.elements.pair import need_point
@@ -105,6 +105,11 @@ class Shape(Component):
     def hull(self) -> Hull | None:
         """Its form in collisions; None for shapes that are not convex or without corners."""
         return None
+
+    def solids(self) -> list[Solid]:
+        """Its convex parts in collisions."""
+        hull = self.hull()
+        return [] if hull is None else [Solid(self.carrier, hull)]
 
     def look(self, near: ca.SX) -> list[Look]:
         """Primitives that represent it in pictures, given (d, m) inertial contact points."""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dalembert.integrators.contact.contacts import Contacts
+if TYPE_CHECKING:
+    from dalembert.integrators.contact.contacts import Contacts
 
 
 @dataclass(frozen=True, eq=False)
