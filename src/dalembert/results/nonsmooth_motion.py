@@ -29,6 +29,7 @@ class ContactRecord:
     names : elements that have gaps
     step, owner, key : (c,) step, element and gap of each impulse
     impulse : (c, k) [N s], the normal component first, those of rotations last [N m s]
+    offset : (c, k) velocity offset of the condition at the end of the step [m/s]
     linear : number of components that are not rotations
     loss : (K,) energy dissipated by contacts [J]
     penetration : (K+1,) maximum penetration of the gaps [m]
@@ -43,6 +44,7 @@ class ContactRecord:
     owner: np.ndarray
     key: np.ndarray
     impulse: np.ndarray
+    offset: np.ndarray
     linear: int
     loss: np.ndarray
     penetration: np.ndarray
