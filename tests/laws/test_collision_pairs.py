@@ -1,6 +1,5 @@
 """Laws of the gaps of all pairs of shapes: distance, rate, formula, symmetry, frame."""
 
-import casadi as ca
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -9,6 +8,12 @@ import dalembert as da
 from dalembert import planar, spatial
 from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.planar_features import PARALLEL
+from dalembert.integrators.contact.contact_laws import FIRST
+from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
+from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
+from dalembert.sensitivity.nonsmooth.source_slopes import SourceSlopes, StepState
+from dalembert.sensitivity.nonsmooth.step_equations import step_equations
+from dalembert.symbolic.evaluation.kernel import dense_array
 from tests.registry.collision_shapes import PAIRS, SHAPES, WALLS
 
 SEEDS = range(6)
@@ -153,19 +158,52 @@ def test_velocities_of_gaps_are_rates_of_distances(meetings, dimension, i, j):
 
 
 @pairs
-def test_formulas_are_the_numbers(meetings, dimension, i, j):
+def test_derivatives_of_gaps_are_those_of_the_numbers(meetings, dimension, i, j):
+    """Distances, velocities and momenta change by the position as the numbers do."""
     meeting = meeting_of(meetings, dimension, i, j)
-    e, p = meeting.model.equations, meeting.model.nominal
-    v = np.random.default_rng(4).normal(size=e.speed_count)
+    e, p, go = meeting.model.equations, meeting.model.nominal, meeting.model.equations.manifold.go
+    slopes, rng = SourceSlopes(meeting.source, e), np.random.default_rng(4)
+    v, way = rng.normal(size=(2, e.speed_count))
+    rates = step_equations(meeting.model, 0.5).rates
     for seed in SEEDS:
         y = meeting.state(meeting.poses(seed, 0.3))
         gaps = meeting.gaps(y)
-        for k, key in enumerate(gaps.key):
-            gap = meeting.source.symbolic(int(key))
-            function = ca.Function("gap", [e.t, e.y, e.v, e.p], [gap.distance, gap.speeds])
-            distance, speeds = function(0.0, y, v, p)
-            assert float(distance) == pytest.approx(gaps.distance[k], abs=1e-12)
-            assert speeds.full().ravel() == pytest.approx(gaps.speeds(v)[k], abs=1e-12)
+        impulses = rng.normal(size=gaps.drift.shape)
+
+        def at(position, gaps=gaps, impulses=impulses):
+            state = StepState(0.0, position, p, v, v)
+            return slopes.at(state, np.arange(gaps.count), gaps.key, impulses, FIRST + 1)
+
+        here = Gaps.of([at(y)])
+        np.testing.assert_allclose(here.values.distance, gaps.distance, atol=1e-12)
+        np.testing.assert_allclose(here.values.before, gaps.speeds(v), atol=1e-12)
+        directions = dense_array(here.directions), dense_array(gaps.directions)
+        np.testing.assert_allclose(*directions, atol=1e-12)
+        dq = np.zeros((y.size + v.size + 1 + p.size, 1))
+        dq[: y.size, 0] = rates(y, way)[0]
+        change, momentum = here.push(dq)
+        ends = [Gaps.of([at(go(y, step * way))]) for step in (1e-6, -1e-6)]
+        distances, speeds, momenta = (
+            [pick(end) for end in ends]
+            for pick in (
+                lambda end: end.values.distance,
+                lambda end: end.values.before,
+                lambda end, impulses=impulses: end.directions.T @ impulses.ravel(),
+            )
+        )
+        for exact, values in (
+            (change.distance, distances),
+            (change.before, speeds),
+            (change.after, speeds),
+            (momentum, momenta),
+        ):
+            difference = (values[0] - values[1]) / 2e-6
+            scale = 1 + np.abs(difference).max(initial=0.0)
+            np.testing.assert_allclose(exact[..., 0], difference, atol=1e-6 * scale)
+        weights = GapChanges(*(rng.normal(size=part.shape) for part in vars(change).values()))
+        back = rng.normal(size=momentum.shape)
+        forward = sum((getattr(weights, name) * part).sum() for name, part in vars(change).items())
+        assert here.pull(weights, back).T @ dq == pytest.approx(forward + (back * momentum).sum())
 
 
 @pairs

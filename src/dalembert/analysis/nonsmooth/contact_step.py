@@ -1,4 +1,4 @@
-"""One time step with contacts: velocities, impulses, positions."""
+"""Solution of one time step with some contacts: velocities, impulses, positions."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from dalembert.analysis.nonsmooth.gaps import FormulaGaps, GapSource, Instant, SymbolicGap
-from dalembert.analysis.nonsmooth.joined_gaps import selected_of, separating_of
-from dalembert.analysis.nonsmooth.mean_gaps import mean_gaps
+from dalembert.analysis.nonsmooth.gaps import FormulaGaps, GapSource
+from dalembert.analysis.nonsmooth.joined_gaps import selected_of
 from dalembert.analysis.nonsmooth.mobility import Mobility
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
 from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart, warm_start
@@ -34,15 +33,9 @@ from dalembert.symbolic.evaluation.kernel import Matrix
 
 ROUNDS = 50
 """Upper limit of the changes of the contact offsets in one step."""
-AHEAD = 2.0
-"""Search distance for gaps in motions of a step; those beyond it are added where they close."""
-REPETITIONS = 12
-"""Upper limit of the solutions of a step that open gaps at its end."""
 JAMMED = 1e-6
 """Upper limit of the residual relative to the speeds before the impulses, which may be large
 without any effect where contacts jam [-]."""
-GAIN = 1e-10
-"""Work of contacts that counts as rounding, relative to that of their impulses alone [-]."""
 CLOSED = 1e-12
 """Penetration that counts as rounding, by the natural length."""
 APART = 2**54
@@ -113,11 +106,6 @@ class ContactStep:
         elements = np.cumsum([0, *(len(source.elements) for source in self.sources)])
         return replace(gaps, owner=gaps.owner + elements[keys // APART])
 
-    def symbolic_gap(self, key: int) -> SymbolicGap:
-        """The gap with a key, as formulas."""
-        number, own = divmod(int(key), APART)
-        return self.sources[number].symbolic(own)
-
     def deepest(self, t: float, y: np.ndarray) -> float:
         """The smallest gap if it is negative, else 0 [m]."""
         speeds = self.model.equations.speed_count
@@ -133,29 +121,11 @@ class ContactStep:
         """Penetration that counts as rounding [m]."""
         return CLOSED * self.model.scales.length
 
-    def advance(
-        self, t: float, h: float, y: np.ndarray, v: np.ndarray, before: StepResult | None
-    ) -> StepResult:
-        """A step of length ``h``; impulses of the step ``before`` are the starting point."""
-        smooth = self.smooth.step(t, y, v, self.p, h, self.scheme.theta)
-        start = StepStart(t, h, y, v, *smooth, before is None)
-        contacts = self.near(t, y, AHEAD * h * np.column_stack([v, start.free]))
-        if self.scheme.anticipates:
-            return self._open(start, contacts, before)
-        approach = start.approach(contacts, self.rounding)
-        some = contacts.some(self.scheme.acting(approach))
-        lifts = approach.forced > self.solver.tolerance * approach.fastest  # against forces
-        if self.scheme.projection and lifts:
-            return self._closed(start, some, before)
-        return self._solved(start, some, before)
-
-    def _solved(
-        self, start: StepStart, contacts: Contacts, before: StepResult | None
-    ) -> StepResult:
-        """Solution for some contacts."""
+    def solved(self, start: StepStart, contacts: Contacts, before: StepResult | None) -> StepResult:
+        """A step with some contacts; impulses of the step ``before`` are the starting point."""
         v, theta = start.v, self.scheme.theta
         approach = start.approach(contacts, self.rounding)
-        impulses, stuck = self._impulses(approach, start.mobility, before)
+        impulses, offsets, stuck = self._impulses(approach, start.mobility, before)
         push = impulses.impulses.ravel()
         change, reactions = start.mobility(contacts.directions.T @ push)
         after = start.free + change
@@ -163,104 +133,16 @@ class ContactStep:
         position = self.model.equations.manifold.go(start.y, displacement)
         loss = -0.5 * float(push @ (contacts.directions @ (after + v)))
         multiplier = start.multiplier + reactions
-        return StepResult(position, after, multiplier, contacts, impulses, stuck, loss)
-
-    def _closed(
-        self, start: StepStart, contacts: Contacts, before: StepResult | None
-    ) -> StepResult:
-        """Solution in which the gaps that a correction would open have their impact, too."""
-        result, end = self._solved(start, contacts, before), start.t + start.h
-        for _ in range(REPETITIONS):
-            if not np.isfinite(result.y).all() or self.deepest(end, result.y) >= -self.rounding:
-                break
-            keys = self.closed(end, result.y).key
-            keys = keys[~np.isin(keys, contacts.key)]
-            added = self.selected(start.t, start.y, keys)
-            joined = start.approach(Contacts.joined([contacts, added]), self.rounding)
-            if joined.is_impact:
-                added = added.some(added.speeds(start.v)[:, 0] <= 0)
-            if not added.count:
-                break
-            contacts = Contacts.joined([contacts, added])
-            again = self._solved(start, contacts, result)
-            push = again.impulses.impulses.ravel()
-            exchanged = float(push @ (again.contacts.directions @ (again.v - start.free)))
-            gains = again.loss < min(result.loss, -GAIN * exchanged)
-            if gains or not again.impulses.accepted:
-                break
-            result = again
-        return result
-
-    def _open(self, start: StepStart, contacts: Contacts, before: StepResult | None) -> StepResult:
-        """Solution whose gaps are open at the end of the step.
-
-        Gaps that are closed there though their linear parts are open are replaced by their means
-        over the path, and gaps that were beyond reach or of other features are added.
-        """
-        end, depth = start.t + start.h, np.inf
-        overlaps = contacts.distance < -self.rounding
-        contacts = replace(contacts, distance=np.maximum(contacts.distance, 0.0))
-        result, curved = self._solved(start, contacts, before), np.zeros_like(overlaps)
-        for _ in range(REPETITIONS):
-            if not np.isfinite(result.y).all():
-                break
-            last, depth = depth, -self.deepest(end, result.y)
-            if depth <= self.rounding:
-                break
-            added = self._added(start, (end, result.y), contacts)
-            if start.begins and depth >= last and not added.count:
-                break  # an impact, which has no earlier step to prepare for it
-            contacts = Contacts.joined([contacts, added])
-            none = np.zeros(added.count, dtype=bool)
-            overlaps, curved = np.append(overlaps, none), np.append(curved, none)
-            curved |= self.selected(end, result.y, contacts.key).distance < -self.rounding
-            curved &= ~overlaps
-            again = self._solved_on_path(start, contacts, curved, result)
-            if not again.impulses.accepted:
-                break
-            result = again
-        return result
-
-    def _added(self, start: StepStart, end: Instant, contacts: Contacts) -> Contacts:
-        """Gaps in addition to ``contacts`` of shapes that overlap at the end.
-
-        Features may change within the step. The gaps that are closed at its start are replaced by
-        those that separate the shapes there, or, without any, count if forces can open them.
-        """
-        keys, at = self.closed(*end).key, (start.t, start.y)
-        gaps = self.selected(*at, keys[~np.isin(keys, contacts.key)])
-        closed = gaps.distance < -self.rounding
-        own = self.p, gaps.key[closed], self.rounding
-        separating = separating_of(self.sources, APART, at, end, *own)
-        if not separating.size:
-            approach = start.approach(Contacts.joined([contacts, gaps]), self.rounding)
-            closed &= gaps.distance < -start.h * approach.forced / 2
-        joined = Contacts.joined([gaps.some(~closed), self.selected(*at, separating)])
-        return joined.some(~np.isin(joined.key, contacts.key))
-
-    def _solved_on_path(
-        self, start: StepStart, contacts: Contacts, curved: np.ndarray, last: StepResult
-    ) -> StepResult:
-        """Solution with means over the path of the last one for curved gaps."""
-        keys = contacts.key[curved]
-        mean = mean_gaps(
-            lambda t, y: self.selected(t, y, keys),
-            self.model.equations.manifold,
-            (start.t, start.h),
-            start.y,
-            start.h * (last.v + start.v) / 2,
-        )
-        path = Contacts.joined([contacts.some(~curved), mean])
-        return replace(self._solved(start, path, last), curved=np.sort(keys))
+        return StepResult(position, after, multiplier, contacts, impulses, offsets, stuck, loss)
 
     def _impulses(
         self, approach: Approach, mobility: Mobility, before: StepResult | None
-    ) -> tuple[Impulses, np.ndarray]:
-        """Impulses of the contacts, and keys of the sticking ones with static friction; offsets are
-        updated until they no longer change."""
+    ) -> tuple[Impulses, np.ndarray, np.ndarray]:
+        """Impulses of the contacts, their offsets, which are updated until they no longer change,
+        and keys of the sticking contacts with static friction."""
         contacts, shape = approach.contacts, approach.before.shape
         if not contacts.count:
-            return Impulses(np.zeros(shape), 0.0, True), contacts.key[:0]
+            return Impulses(np.zeros(shape), 0.0, True), np.zeros(shape), contacts.key[:0]
         matrix = delassus(contacts.directions, mobility)
         offsets, free = self.scheme.first(approach), approach.free
         laws, none = contacts.laws, contacts.key[:0]
@@ -298,7 +180,8 @@ class ContactStep:
         if laws.higher_at_rest.any():
             stuck = contacts.key[(start[:, 0] > 0) & sticks(self.solver, problem, solution)]
         solution = replace(solution, rounds=rounds)
-        return solution if impact is None else in_succession(impact, solution), stuck
+        solution = solution if impact is None else in_succession(impact, solution)
+        return solution, offsets, stuck
 
 
 def _keyword(sources: list[GapSource], law: ImpactLaw) -> str:

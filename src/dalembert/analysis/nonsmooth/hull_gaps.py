@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.feature_pairs import Pairs, some_pairs
 from dalembert.analysis.nonsmooth.gap_functions import Feature, gap_function
-from dalembert.analysis.nonsmooth.gaps import GapSource, Instant, SymbolicGap
+from dalembert.analysis.nonsmooth.gaps import GapKind, GapSource, Instant
 from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Positions
 from dalembert.analysis.nonsmooth.hull_search import HullSearch
 from dalembert.analysis.nonsmooth.shape_velocities import TWIST
@@ -67,6 +67,7 @@ class HullGaps(GapSource):
         self.dimension: int = element.dimension
         self.law = element.law
         self.geometry = geometry = HullGeometry(model, element)
+        self.formulas = geometry.formulas
         self._groups, self._laws = element.group_of(geometry.shapes), element.laws
         self._search = HullSearch(geometry, self._groups, self._laws)
         self._first = np.cumsum([0, *geometry.feature_counts])
@@ -140,16 +141,17 @@ class HullGaps(GapSource):
         np.minimum.at(lowest, face, opened)
         return self._keys(some_pairs(faces, (lowest[face] >= -rounding) & (closed < -rounding)))
 
-    def symbolic(self, key: int) -> SymbolicGap:
-        pairs = self._pairs_of(np.array([key]))
-        columns = self.geometry.symbolic_columns(pairs)
-        distance, blocks, *_ = gap_function(pairs.feature, self.dimension, self._turns)(*columns)
-        shapes = int(pairs.first[0]), int(pairs.second[0])
-        twists = [self.geometry.twists[k * TWIST : (k + 1) * TWIST] for k in shapes]
-        speeds = ca.mtimes(blocks, ca.vertcat(*twists))
-        law = int(self._law(pairs)[0])
-        coefficients = self.geometry.symbols[4][: FIRST + len(self.groups), law]
-        return SymbolicGap(distance, speeds, self.groups, coefficients)
+    def kinds(self, keys: np.ndarray) -> list[GapKind]:
+        numbers, kinds = keys // self._first[-1] ** 2, []
+        for number in np.unique(numbers):
+            rows = np.flatnonzero(numbers == number)
+            pairs = self._pairs_of(keys[rows])
+            shapes = np.stack([pairs.first, pairs.second], 1)[..., None]
+            velocities = (TWIST * shapes + np.arange(TWIST)).reshape(rows.size, -1)
+            laws = self.geometry.law_entries(self._law(pairs), FIRST + len(self.groups))
+            function, entries = self._function(pairs.feature), self.geometry.entries
+            kinds.append(GapKind(function, rows, entries(pairs), velocities, laws))
+        return kinds
 
     def points(
         self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
@@ -220,7 +222,7 @@ class HullGaps(GapSource):
     def _kernel(self, feature: Feature, size: int) -> Kernel:
         """Gap function mapped over ``size`` pairs."""
         if (feature, size) not in self._kernels:
-            function = gap_function(feature, self.dimension, self._turns)
+            function = self._function(feature)
             self._kernels[feature, size] = Kernel(function.map(size))
         return self._kernels[feature, size]
 
@@ -228,6 +230,9 @@ class HullGaps(GapSource):
     def _turns(self) -> bool:
         """Whether there is friction of rotations."""
         return len(self.groups) > 1
+
+    def _function(self, feature: Feature) -> ca.Function:
+        return gap_function(feature, self.dimension, self._turns)
 
     def _law(self, pairs: Pairs) -> np.ndarray:
         return self._laws[self._groups[pairs.first], self._groups[pairs.second]]

@@ -12,12 +12,14 @@ import numpy as np
 from dalembert.analysis.nonsmooth.cylinders import SECTORS, Cylinders, sector_directions
 from dalembert.analysis.nonsmooth.feature_pairs import Pairs
 from dalembert.analysis.nonsmooth.gap_functions import RIM_POINTS, WALLS, point_counts
+from dalembert.analysis.nonsmooth.gaps import GapFormulas
 from dalembert.analysis.nonsmooth.planar_features import Polygons
 from dalembert.analysis.nonsmooth.polyhedra import Form, Polyhedra
 from dalembert.analysis.nonsmooth.shape_velocities import ShapeVelocities
 from dalembert.analysis.nonsmooth.terrain import Terrain, TerrainForm
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.hull import MARKS
+from dalembert.elements.contact.pairs import COEFFICIENTS
 from dalembert.elements.contact.shapes import Shape
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
@@ -128,10 +130,14 @@ class HullGeometry:
             element.coefficients,
         ]
         outputs = [model.at_ground(ca.densify(s)) if s.numel() else s for s in outputs]
-        self.twists = model.at_ground(ca.vertcat(*twists))
-        self.symbols, inputs = outputs, [e.t, e.y, e.p]
+        moving = model.at_ground(ca.vertcat(*twists))
+        sectors = ca.vec(ca.SX(sector_directions(np.arange(SECTORS)).T))
+        columns = [*(ca.vec(out) for out in outputs), ca.vertcat(0, sectors)]  # constants last
+        self.formulas = GapFormulas(ca.vertcat(*columns), moving)
+        self._starts = np.cumsum([0, *(column.numel() for column in columns[:-1])])
+        inputs = [e.t, e.y, e.p]
         self._positions = Kernel(ca.Function("positions", inputs, outputs))
-        self.velocities = ShapeVelocities(self.twists, e.v, inputs)
+        self.velocities = ShapeVelocities(moving, e.v, inputs)
 
     def positions(self, time: float, y: np.ndarray, p: np.ndarray) -> Positions:
         """Positions at an instant."""
@@ -200,22 +206,33 @@ class HullGeometry:
             columns.append(np.vstack([points, radii, at.origins[shape].T]))
         return columns
 
-    def symbolic_columns(self, pairs: Pairs) -> list[ca.SX]:
-        """The same for a single pair, as formulas."""
-        corners, walls, radii, origins, _ = self.symbols
-        counts = point_counts(pairs.feature, self.dimension)
-        columns = []
-        for count, shape, feature in self._sides(pairs, counts):
-            s = int(shape[0])
+    def entries(self, pairs: Pairs) -> list[np.ndarray]:
+        """Numbers of the same entries in the formulas."""
+        corners, walls, radii, origins, _, constants = self._starts
+        place, columns = np.arange(3), []
+        for count, shape, feature in self._sides(
+            pairs, point_counts(pairs.feature, self.dimension)
+        ):
             if shape is pairs.first and pairs.feature in WALLS:
-                points = walls[:, s - len(self.hulls)]
+                points = walls + 6 * (shape - len(self.hulls))[:, None] + np.arange(6)
             else:
-                points = _column(corners, self._corners_of(count, shape, feature)[0])
+                numbers = self._corners_of(count, shape, feature)[..., None]
+                points = (corners + 3 * numbers + place).reshape(shape.size, -1)
             if count == RIM_POINTS:
-                points = ca.vertcat(points, ca.DM(sector_directions(feature % SECTORS)[0]))
-            radius = 0 if self.flat_ends[s] and count == 1 else radii[s]
-            columns.append(ca.vertcat(points, radius, origins[:, s]))
+                sector = constants + 1 + 3 * (feature % SECTORS)[:, None] + place
+                points = np.hstack([points, sector])
+            radius = radii + shape
+            if count == 1:
+                radius = np.where(self.flat_ends[shape], constants, radius)
+            columns.append(
+                np.hstack([points, radius[:, None], origins + 3 * shape[:, None] + place])
+            )
         return columns
+
+    def law_entries(self, laws: np.ndarray, count: int) -> np.ndarray:
+        """(n, count) numbers of the first coefficients of laws in the formulas."""
+        first = self._starts[-2] + len(COEFFICIENTS) * laws
+        return np.asarray(first[:, None] + np.arange(count))
 
     @staticmethod
     def _sides(pairs: Pairs, counts: tuple[int, int]) -> list[tuple[int, np.ndarray, np.ndarray]]:
@@ -259,7 +276,3 @@ def _first_equal(keys: list[Any]) -> np.ndarray:
 
 def _in_space(vector: ca.SX) -> ca.SX:
     return vector if vector.numel() == 3 else ca.vertcat(vector, 0)
-
-
-def _column(corners: ca.SX, numbers: np.ndarray) -> ca.SX:
-    return ca.vertcat(*(corners[:, int(k)] for k in numbers))

@@ -13,6 +13,7 @@ from dalembert.analysis.contact.gap_checks import ROUNDED, touching_model
 from dalembert.analysis.dynamics.residual_check import DRIFT, DRIFT_WARNING, EnergyBalance
 from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.model_residuals import Violation
+from dalembert.analysis.nonsmooth.advance import advance
 from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import consistent_speeds, correct_position
@@ -103,7 +104,7 @@ class NonsmoothRun:
         try:
             for k in range(grid.size - 1):
                 t, h = float(grid[k]), float(grid[k + 1] - grid[k])
-                result = self.step.advance(t, h, log.y, log.v, result)
+                result = advance(self.step, t, h, log.y, log.v, result)
                 if failure := self.failure(t, result):
                     return failure
                 position = self.corrected(t + h, h, result)
@@ -245,6 +246,16 @@ class ContactCheck(ResidualCheck):
             warnings.append(
                 f"{self.deepest.text}: positions are not corrected; use a shorter step, "
                 "or projection=True"
+            )
+        record = self.record
+        missed = np.flatnonzero(~record.converged)
+        if missed.size:
+            worst = missed[np.argmax(record.residual[missed])]
+            warnings.append(
+                f"in {missed.size} of {record.converged.size} steps the impulses have residuals "
+                f"above the tolerance, at most {record.residual[worst]:.2g} m/s at "
+                f"t = {record.t[worst]:.9g} s; give ContactSolver a larger tolerance, or a smaller "
+                "value of acceptable to end such runs"
             )
         return warnings
 

@@ -22,6 +22,7 @@ class StepResult:
     multiplier : of the joints, times the step
     contacts : contacts of the friction problem
     impulses : solution of the friction problem
+    offsets : (n, k) velocity offsets of the conditions
     stuck : keys of the contacts with static friction at the end
     loss : energy dissipated by the contacts
     curved : keys of the contacts with means over the path; others have the values of the start
@@ -32,6 +33,7 @@ class StepResult:
     multiplier: np.ndarray
     contacts: Contacts
     impulses: Impulses
+    offsets: np.ndarray
     stuck: np.ndarray
     loss: float
     curved: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))

@@ -1,0 +1,132 @@
+"""One time step with contacts: those that act, and repetitions where gaps are closed at its end."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from dalembert.analysis.nonsmooth.contact_step import APART, ContactStep
+from dalembert.analysis.nonsmooth.gaps import Instant
+from dalembert.analysis.nonsmooth.joined_gaps import separating_of
+from dalembert.analysis.nonsmooth.mean_gaps import mean_gaps
+from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart
+from dalembert.integrators.contact.contacts import Contacts
+
+AHEAD = 2.0
+"""Search distance for gaps in motions of a step; those beyond it are added where they close."""
+REPETITIONS = 12
+"""Upper limit of the solutions of a step that open gaps at its end."""
+GAIN = 1e-10
+"""Work of contacts that counts as rounding, relative to that of their impulses alone [-]."""
+
+
+def advance(
+    step: ContactStep, t: float, h: float, y: np.ndarray, v: np.ndarray, before: StepResult | None
+) -> StepResult:
+    """A step of length ``h``; impulses of the step ``before`` are the starting point."""
+    smooth = step.smooth.step(t, y, v, step.p, h, step.scheme.theta)
+    start = StepStart(t, h, y, v, *smooth, before is None)
+    contacts = step.near(t, y, AHEAD * h * np.column_stack([v, start.free]))
+    if step.scheme.anticipates:
+        return _opened(step, start, contacts, before)
+    approach = start.approach(contacts, step.rounding)
+    some = contacts.some(step.scheme.acting(approach))
+    lifts = approach.forced > step.solver.tolerance * approach.fastest  # against forces
+    if step.scheme.projection and lifts:
+        return _closed(step, start, some, before)
+    return step.solved(start, some, before)
+
+
+def _closed(
+    step: ContactStep, start: StepStart, contacts: Contacts, before: StepResult | None
+) -> StepResult:
+    """Solution in which the gaps that a correction would open have their impact, too."""
+    result, end = step.solved(start, contacts, before), start.t + start.h
+    for _ in range(REPETITIONS):
+        if not np.isfinite(result.y).all() or step.deepest(end, result.y) >= -step.rounding:
+            break
+        keys = step.closed(end, result.y).key
+        keys = keys[~np.isin(keys, contacts.key)]
+        added = step.selected(start.t, start.y, keys)
+        joined = start.approach(Contacts.joined([contacts, added]), step.rounding)
+        if joined.is_impact:
+            added = added.some(added.speeds(start.v)[:, 0] <= 0)
+        if not added.count:
+            break
+        contacts = Contacts.joined([contacts, added])
+        again = step.solved(start, contacts, result)
+        push = again.impulses.impulses.ravel()
+        exchanged = float(push @ (again.contacts.directions @ (again.v - start.free)))
+        gains = again.loss < min(result.loss, -GAIN * exchanged)
+        if gains or not again.impulses.accepted:
+            break
+        result = again
+    return result
+
+
+def _opened(
+    step: ContactStep, start: StepStart, contacts: Contacts, before: StepResult | None
+) -> StepResult:
+    """Solution whose gaps are open at the end of the step.
+
+    Gaps that are closed there though their linear parts are open are replaced by their means
+    over the path, and gaps that were beyond reach or of other features are added.
+    """
+    end, depth = start.t + start.h, np.inf
+    overlaps = contacts.distance < -step.rounding
+    contacts = replace(contacts, distance=np.maximum(contacts.distance, 0.0))
+    result, curved = step.solved(start, contacts, before), np.zeros_like(overlaps)
+    for _ in range(REPETITIONS):
+        if not np.isfinite(result.y).all():
+            break
+        last, depth = depth, -step.deepest(end, result.y)
+        if depth <= step.rounding:
+            break
+        added = _added(step, start, (end, result.y), contacts)
+        if start.begins and depth >= last and not added.count:
+            break  # an impact, which has no earlier step to prepare for it
+        contacts = Contacts.joined([contacts, added])
+        none = np.zeros(added.count, dtype=bool)
+        overlaps, curved = np.append(overlaps, none), np.append(curved, none)
+        curved |= step.selected(end, result.y, contacts.key).distance < -step.rounding
+        curved &= ~overlaps
+        again = _solved_on_path(step, start, contacts, curved, result)
+        if not again.impulses.accepted:
+            break
+        result = again
+    return result
+
+
+def _added(step: ContactStep, start: StepStart, end: Instant, contacts: Contacts) -> Contacts:
+    """Gaps in addition to ``contacts`` of shapes that overlap at the end.
+
+    Features may change within the step. The gaps that are closed at its start are replaced by
+    those that separate the shapes there, or, without any, count if forces can open them.
+    """
+    keys, at = step.closed(*end).key, (start.t, start.y)
+    gaps = step.selected(*at, keys[~np.isin(keys, contacts.key)])
+    closed = gaps.distance < -step.rounding
+    own = step.p, gaps.key[closed], step.rounding
+    separating = separating_of(step.sources, APART, at, end, *own)
+    if not separating.size:
+        approach = start.approach(Contacts.joined([contacts, gaps]), step.rounding)
+        closed &= gaps.distance < -start.h * approach.forced / 2
+    joined = Contacts.joined([gaps.some(~closed), step.selected(*at, separating)])
+    return joined.some(~np.isin(joined.key, contacts.key))
+
+
+def _solved_on_path(
+    step: ContactStep, start: StepStart, contacts: Contacts, curved: np.ndarray, last: StepResult
+) -> StepResult:
+    """Solution with means over the path of the last one for curved gaps."""
+    keys = contacts.key[curved]
+    mean = mean_gaps(
+        lambda t, y: step.selected(t, y, keys),
+        step.model.equations.manifold,
+        (start.t, start.h),
+        start.y,
+        start.h * (last.v + start.v) / 2,
+    )
+    path = Contacts.joined([contacts.some(~curved), mean])
+    return replace(step.solved(start, path, last), curved=np.sort(keys))
