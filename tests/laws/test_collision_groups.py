@@ -75,8 +75,9 @@ def test_files_have_groups_and_pairs(tmp_path, schema):
         ("touching = false", "friction = -1", r"pairs\[1\].friction: is -1"),
         ("touching = false", "restitution = 1.5", r"pairs\[1\]: restitution is above 1: 1.5"),
         ("radius = 0.1", "radius = 0", r"shapes.discs\[0\].radius: is 0 m"),
-        ('"Rectangle", point = "crate", size = [0.2, 0.1]', '"Bore", point = "crate", radius = 1',
-         r"shapes.crates\[0\]: a Bore is not available here"),
+        ('"Rectangle", point = "crate", size = [0.2, 0.1]',
+         '"Sprocket", point = "crate", teeth = 9, pitch = 0.1, roller = 0.05',
+         r"shapes.crates\[0\]: a Sprocket is not available here"),
         ('"Rectangle", point = "crate", size = [0.2, 0.1]',
          '"Polygon", body = "crate", vertices = [[0, 0], [0, 1], [1, 0]]',
          r"shapes.crates\[0\]: its vertices are no convex polygon"),
@@ -151,6 +152,6 @@ def test_wrong_shapes_are_refused():
         planar.Collisions("c", [disc], pairs=[contact.Pair(("a", "b"))])
     with pytest.raises(ModelError, match="touching is 3"):
         contact.Pair(("a", "b"), touching=3)
-    profile = contact.Profile(body, da.FormulaCurve(da.cos(da.curves.u), da.sin(da.curves.u)))
-    with pytest.raises(ModelError, match="Profile is not available here"):
-        planar.Collisions("c", [profile])
+    sprocket = contact.Sprocket(body.center, 9, 0.1, 0.05)
+    with pytest.raises(ModelError, match="Sprocket is not available here"):
+        planar.Collisions("c", [sprocket])

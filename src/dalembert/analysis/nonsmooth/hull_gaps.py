@@ -2,57 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-import casadi as ca
 import numpy as np
 
 from dalembert.analysis.nonsmooth.bounding_balls import bounding_balls, near_balls
-from dalembert.analysis.nonsmooth.gap_functions import Feature, gap_function
-from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
-from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Pairs, Positions
+from dalembert.analysis.nonsmooth.gap_functions import Feature
+from dalembert.analysis.nonsmooth.gaps import SymbolicGap
+from dalembert.analysis.nonsmooth.hull_geometry import Pairs, Positions
 from dalembert.analysis.nonsmooth.planar_features import planar_features
-from dalembert.analysis.nonsmooth.shape_velocities import TWIST
+from dalembert.analysis.nonsmooth.searched_gaps import LastPosition, SearchedGaps
 from dalembert.analysis.nonsmooth.spatial_features import spatial_features
 from dalembert.elements.contact.collisions import Collisions
-from dalembert.elements.contact.pairs import APART
 from dalembert.elements.contact.shapes import Round
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
-from dalembert.symbolic.evaluation.kernel import Kernel
-
-SMALLEST = 16
-"""Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
 
 
-@dataclass(eq=False)
-class LastPosition:
-    """Gaps at one position, which a step evaluates several times.
-
-    Attributes
-    ----------
-    time, y, p : position and parameters
-    at, velocities : positions and velocities of the shapes
-    reach : distance within which gaps are evaluated; at first that of the position before
-    requested : largest distance of a request
-    contacts : the gaps; None before the first request
-    """
-
-    time: float
-    y: np.ndarray
-    p: np.ndarray
-    at: Positions
-    velocities: np.ndarray
-    reach: float
-    requested: float = 0.0
-    contacts: Contacts | None = None
-
-    def is_at(self, time: float, y: np.ndarray, p: np.ndarray) -> bool:
-        """Whether this is the position."""
-        return time == self.time and np.array_equal(y, self.y) and np.array_equal(p, self.p)
-
-
-class HullGaps(GapSource):
+class HullGaps(SearchedGaps):
     """Gaps of one ``Collisions`` element, except those of balls with balls and walls.
 
     A numerical search selects features of near hulls; the gap of two features is a smooth function.
@@ -64,47 +31,24 @@ class HullGaps(GapSource):
     """
 
     def __init__(self, model: Model, element: Collisions):
-        self.elements, self.width = [element], element.dimension
-        self.geometry = geometry = HullGeometry(model, element)
-        self._groups, self._laws = element.group_of(geometry.shapes), element.laws
+        super().__init__(model, element)
+        geometry = self.geometry
         self._round = np.array([isinstance(shape, Round) for shape in geometry.shapes])
+        points = [len(hull.corners) == 1 and hull.is_sharp for hull in geometry.hulls]
+        self._point = np.pad(points, (0, len(geometry.shapes) - len(points)))
+        self._end = np.array([shape.boundary() is not None for shape in geometry.shapes])
         features = [max(len(h.corners), 2 * len(h.edges), len(h.faces)) for h in geometry.hulls]
         self._radix = max(features), len(geometry.shapes)
-        self._speeds = model.all_equations.speed_count
-        self._last: LastPosition | None = None
-        self._kernels: dict[tuple[Feature, int], Kernel] = {}
 
-    def near(
-        self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
-    ) -> Contacts:
-        last = self._last
-        if last is None or not last.is_at(time, y, p):
-            at, velocities = (
-                self.geometry.positions(time, y, p),
-                self.geometry.velocities(time, y, p),
-            )
-            ahead = 0.0 if last is None else last.requested
-            last = self._last = LastPosition(time, y.copy(), p.copy(), at, velocities, ahead)
-        reach = self._reach(last.at, last.velocities, travels)
-        if last.contacts is None or reach > last.reach or last.contacts.drift.shape[1] != width:
-            last.reach = max(last.reach, reach)
-            parts = [
-                self._contacts(pairs, last, width)
-                for pairs in [*self._walls(last.at, last.reach), *self._hulls(last.at, last.reach)]
-            ]
-            last.contacts = Contacts.joined(parts or [self._none(width)])
-        last.requested = max(last.requested, reach)
-        return last.contacts.some(last.contacts.distance <= reach)
+    def within(self, last: LastPosition, width: int) -> list[Contacts]:
+        at, reach = last.at, last.reach
+        pairs = [*self._walls(at, reach), *self._hulls(at, reach)]
+        return [self._contacts(part, last, width) for part in pairs]
 
     def symbolic(self, key: int) -> SymbolicGap:
         pairs = self._pairs_of(np.array([key]))
         columns = self.geometry.symbolic_columns(pairs)
-        distance, blocks, *_ = gap_function(pairs.feature, self.width)(*columns)
-        shapes = int(pairs.first[0]), int(pairs.second[0])
-        twists = [self.geometry.twists[k * TWIST : (k + 1) * TWIST] for k in shapes]
-        speeds = ca.mtimes(blocks, ca.vertcat(*twists))
-        law = int(self._law(pairs)[0])
-        return SymbolicGap(distance, speeds, *ca.vertsplit(self.geometry.symbols[4][:, law]))
+        return self.formula(pairs.feature, columns, int(pairs.first[0]), int(pairs.second[0]))
 
     def points(
         self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
@@ -119,22 +63,14 @@ class HullGaps(GapSource):
         return places, directions
 
     # search --------------------------------------------------------------------------------------
-    def _reach(self, at: Positions, velocities: np.ndarray, travels: np.ndarray) -> float:
-        """Largest distance that two shapes cover by displacements of their twists."""
-        moved = self.geometry.velocities.displacements(velocities, travels)
-        hulls, starts = len(self.geometry.hulls), self.geometry.starts
-        arms = at.corners - np.repeat(at.origins[:hulls], np.diff(starts), axis=0)
-        arm = np.zeros(at.radii.size)
-        arm[:hulls] = np.maximum.reduceat(np.linalg.norm(arms, axis=1), starts[:-1])
-        straight, turned = (np.linalg.norm(moved[:, s], axis=1) for s in (slice(3), slice(3, 6)))
-        return 2 * float((straight + arm[:, None] * turned).max(initial=0.0))
-
     def _may_touch(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-        """Mask of pairs of shapes of different bodies, whose groups touch, not both of balls."""
-        groups = self._groups[first], self._groups[second]
-        apart = self.geometry.owner[first] != self.geometry.owner[second]
+        """Mask of pairs of shapes that may touch, not both of balls, nor corners of boundaries and
+        points, which do not hit each other."""
         solid = ~(self._round[first] & self._round[second])
-        return apart & solid & (self._laws[groups] != APART)
+        solid &= ~(self._end[first] & self._point[second]) & ~(
+            self._point[first] & self._end[second]
+        )
+        return solid & self.geometry.may_touch(first, second)
 
     def _walls(self, at: Positions, reach: float) -> list[Pairs]:
         """Corners near walls."""
@@ -171,50 +107,13 @@ class HullGaps(GapSource):
     # gaps of pairs -------------------------------------------------------------------------------
     def _contacts(self, pairs: Pairs, last: LastPosition, width: int) -> Contacts:
         """Gaps of pairs within reach."""
-        distance, blocks, *_ = self._evaluate(pairs, last.at)
-        near = distance <= last.reach
-        pairs, count = _some(pairs, near), int(near.sum())
-        restitution, tangential, friction = last.at.coefficients[:, self._law(pairs)]
-        directions = self.geometry.velocities.gap_derivatives(
-            blocks[near], pairs.first, pairs.second, last.velocities
-        )
-        return Contacts(
-            distance[near],
-            directions.rows(np.arange(count), width),
-            np.zeros((count, width)),
-            restitution,
-            tangential,
-            friction,
-            self._keys(pairs),
-            np.zeros(count, dtype=int),
-        )
+        gaps = self._evaluate(pairs, last.at)
+        near = gaps[0] <= last.reach
+        pairs, gaps = _some(pairs, near), [part[near] for part in gaps]
+        return self.contacts(last, pairs.first, pairs.second, gaps, self._keys(pairs), width)
 
     def _evaluate(self, pairs: Pairs, at: Positions) -> list[np.ndarray]:
-        """(n,) distances, (n, k, 12) derivatives of gap velocities by twists, (n, 3) places and
-        (n, 3, k) directions."""
-        count, k = pairs.first.size, self.width
-        size = SMALLEST << max(0, int(np.ceil(np.log2(count / SMALLEST))))
-        padded = np.arange(size) % count
-        kernel = self._kernel(pairs.feature, size)
-        distance, blocks, place, directions = kernel(
-            *(column[:, padded] for column in self.geometry.columns(pairs, at))
-        )
-        return [
-            distance.ravel()[:count],
-            blocks.T.reshape(size, 2 * TWIST, k)[:count].swapaxes(1, 2),
-            place.T[:count],
-            directions.T.reshape(size, k, 3)[:count].swapaxes(1, 2),
-        ]
-
-    def _kernel(self, feature: Feature, size: int) -> Kernel:
-        """Gap function mapped over ``size`` pairs."""
-        if (feature, size) not in self._kernels:
-            function = gap_function(feature, self.width)
-            self._kernels[feature, size] = Kernel(function.map(size))
-        return self._kernels[feature, size]
-
-    def _law(self, pairs: Pairs) -> np.ndarray:
-        return self._laws[self._groups[pairs.first], self._groups[pairs.second]]
+        return self.evaluate(pairs.feature, self.geometry.columns(pairs, at))
 
     def _first_key(self, feature: Feature) -> int:
         """The smallest key of a kind of features."""
@@ -234,11 +133,6 @@ class HullGaps(GapSource):
         rest, second = np.divmod(rest, shapes)
         kind, first = np.divmod(rest, shapes)
         return Pairs(Feature(int(kind[0])), first, second, own, other)
-
-    def _none(self, width: int) -> Contacts:
-        empty, numbers = np.zeros(0), np.zeros(0, dtype=int)
-        rows = np.zeros((0, self._speeds)), np.zeros((0, width))
-        return Contacts(empty, *rows, empty, empty, empty, numbers, numbers)
 
 
 def _some(pairs: Pairs, selected: np.ndarray) -> Pairs:

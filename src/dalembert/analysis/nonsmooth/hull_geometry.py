@@ -14,6 +14,7 @@ from dalembert.analysis.nonsmooth.planar_features import Polygons
 from dalembert.analysis.nonsmooth.polyhedra import Form, Polyhedra
 from dalembert.analysis.nonsmooth.shape_velocities import ShapeVelocities
 from dalembert.elements.contact.collisions import Collisions
+from dalembert.elements.contact.pairs import APART
 from dalembert.elements.contact.shapes import Shape
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
@@ -45,9 +46,10 @@ class Positions:
     ----------
     corners : (n, 3) of all hulls
     walls : (f, 2, 3) point and normal
-    radii : (s,) of hulls and walls; a wall has none
+    radii : (s,) of all shapes; walls and boundaries have none
     origins : (s, 3) reference points of the bodies
     coefficients : (3, l) restitution, tangential restitution and friction of each law
+    axes : (b, 2) first axis of the body of each boundary
     """
 
     corners: np.ndarray
@@ -55,10 +57,11 @@ class Positions:
     radii: np.ndarray
     origins: np.ndarray
     coefficients: np.ndarray
+    axes: np.ndarray
 
 
 class HullGeometry:
-    """Shapes of one ``Collisions`` element: hulls, then walls.
+    """Shapes of one ``Collisions`` element: hulls, then walls, then boundaries.
 
     Parameters
     ----------
@@ -67,16 +70,21 @@ class HullGeometry:
 
     Attributes
     ----------
-    shapes, hulls : all shapes; forms of those before the walls
+    shapes, hulls, boundaries : all shapes; forms of the first and the last ones
     starts : (h + 1,) number of the first corner of each hull
     owner : (s,) number of the body of each shape
     velocities : twists of all shapes by the speeds
     """
 
     def __init__(self, model: Model, element: Collisions):
-        walls = element.walls
-        self.shapes: list[Shape] = [*(shape for shape, _ in element.hulls), *walls]
-        self.hulls, self.dimension = [hull for _, hull in element.hulls], element.dimension
+        hulls, walls, boundaries = element.hulls, element.walls, element.boundaries
+        surroundings = [*walls, *(shape for shape, _ in boundaries)]
+        self.shapes: list[Shape] = [*(shape for shape, _ in hulls), *surroundings]
+        self.carriers = [solid.carrier for _, solid in hulls]
+        self.carriers += [shape.carrier for shape in surroundings]
+        self.hulls, self.dimension = [solid.hull for _, solid in hulls], element.dimension
+        self.boundaries = [boundary for _, boundary in boundaries]
+        self._groups, self._laws = element.group_of(self.shapes), element.laws
         self.starts = np.cumsum([0, *(len(hull.corners) for hull in self.hulls)])
         self._edge_starts = np.cumsum([0, *(len(hull.edges) for hull in self.hulls)])
         self._face_starts = np.cumsum([0, *(len(hull.faces) for hull in self.hulls)])
@@ -85,8 +93,7 @@ class HullGeometry:
         forms = [(len(h.corners), h.edges, h.faces, h.parallel) for h in self.hulls]
         self._form = _first_equal(forms)
         self._forms = {int(k): Form(self.hulls[k]) for k in np.unique(self._form)}
-        owners = [id(shape.carrier.owner) for shape in self.shapes]
-        self.owner = _first_equal(owners)
+        self.owner = _first_equal([id(carrier.owner) for carrier in self.carriers])
         sharp = [hull.is_sharp for hull in self.hulls]
         self.rounded = ~np.array(sharp, dtype=bool)
         self._symbols(model, element)
@@ -102,41 +109,72 @@ class HullGeometry:
 
     def _symbols(self, model: Model, element: Collisions) -> None:
         e = model.all_equations
-        origins = [_in_space(s.carrier.locate(ca.SX.zeros(s.dimension))) for s in self.shapes]
-        carriers = [shape.carrier for shape in self.shapes]
+        carriers, d = self.carriers, self.dimension
+        origins = [_in_space(carrier.locate(ca.SX.zeros(d))) for carrier in carriers]
         twists = [
             ca.vertcat(carrier.velocity_at(origin), carrier.turning)
             for carrier, origin in zip(carriers, origins, strict=True)
         ]
         corners = [
-            _in_space(shape.carrier.locate(corner))
-            for shape, hull in zip(self.shapes, self.hulls, strict=False)
+            _in_space(carrier.locate(corner))
+            for carrier, hull in zip(carriers, self.hulls, strict=False)
             for corner in hull.corners
         ]
         walls = [
             ca.vertcat(_in_space(wall.point.position.sx), _in_space(wall.outward))
             for wall in element.walls
         ]
-        radii = ca.vertcat(*(hull.radius for hull in self.hulls), ca.SX.zeros(len(walls)))
+        others = len(self.shapes) - len(self.hulls)
+        axes = [s.carrier.turned(ca.SX([1, 0])) for s, _ in element.boundaries]
         outputs = [
-            ca.horzcat(*corners),
+            ca.horzcat(*corners) if corners else ca.SX(3, 0),
             ca.horzcat(*walls) if walls else ca.SX(6, 0),
-            radii,
+            ca.vertcat(*(hull.radius for hull in self.hulls), ca.SX.zeros(others)),
             ca.horzcat(*origins),
             element.coefficients,
+            ca.horzcat(*axes) if axes else ca.SX(2, 0),
         ]
         outputs = [model.at_ground(ca.densify(s)) if s.numel() else s for s in outputs]
         self.twists = model.at_ground(ca.vertcat(*twists))
-        self.symbols, inputs = outputs, [e.t, e.y, e.p]
+        self.symbols, self.p, inputs = outputs, e.p, [e.t, e.y, e.p]
         self._positions = Kernel(ca.Function("positions", inputs, outputs))
         self.velocities = ShapeVelocities(self.twists, e.v, inputs)
 
     def positions(self, time: float, y: np.ndarray, p: np.ndarray) -> Positions:
         """Positions at an instant."""
-        corners, walls, radii, origins, coefficients = self._positions(time, y, p)
-        return Positions(
-            corners.T, walls.T.reshape(-1, 2, 3), radii.ravel(), origins.T, coefficients
-        )
+        corners, walls, radii, origins, laws, axes = self._positions(time, y, p)
+        points = walls.T.reshape(-1, 2, 3)
+        return Positions(corners.T, points, radii.ravel(), origins.T, laws, axes.T)
+
+    def may_touch(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """Mask of pairs of shapes of different bodies, whose groups touch."""
+        apart: np.ndarray = self.owner[first] != self.owner[second]
+        return apart & (self.law(first, second) != APART)
+
+    def law(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """(n,) numbers of the laws of pairs of shapes."""
+        numbers: np.ndarray = self._laws[self._groups[first], self._groups[second]]
+        return numbers
+
+    def reach(self, arms: np.ndarray, moved: np.ndarray) -> float:
+        """Largest distance that two shapes cover by displacements of their twists.
+
+        Parameters
+        ----------
+        arms : (s,) largest distances of points of the shapes from the origins of their bodies
+        moved : (s, 6, m) displacements and rotations
+        """
+        straight, turned = (np.linalg.norm(moved[:, s], axis=1) for s in (slice(3), slice(3, 6)))
+        return 2 * float((straight + arms[:, None] * turned).max(initial=0.0))
+
+    def arms(self, at: Positions) -> np.ndarray:
+        """(s,) largest distances of corners from the origins of their bodies."""
+        arms, count = np.zeros(at.radii.size), len(self.hulls)
+        if count:
+            from_origin = at.corners - np.repeat(at.origins[:count], np.diff(self.starts), axis=0)
+            distances = np.linalg.norm(from_origin, axis=1)
+            arms[:count] = np.maximum.reduceat(distances, self.starts[:-1])
+        return arms
 
     def batches(
         self, first: np.ndarray, second: np.ndarray, at: Positions
@@ -176,7 +214,7 @@ class HullGeometry:
 
     def symbolic_columns(self, pairs: Pairs) -> list[ca.SX]:
         """The same for a single pair, as formulas."""
-        corners, walls, radii, origins, _ = self.symbols
+        corners, walls, radii, origins, *_ = self.symbols
         first, second = self.points(pairs)
         i, j = int(pairs.first[0]), int(pairs.second[0])
         own = walls[:, i - len(self.hulls)] if first is None else _column(corners, first[0])

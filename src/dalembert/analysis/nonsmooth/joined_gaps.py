@@ -33,6 +33,9 @@ class JoinedGaps(GapSource):
             [replace(part, key=part.key + k * SOURCE) for k, part in enumerate(parts)]
         )
 
+    def deepest(self, time: float, y: np.ndarray, p: np.ndarray, speeds: int) -> float:
+        return min(source.deepest(time, y, p, speeds) for source in self.sources)
+
     def symbolic(self, key: int) -> SymbolicGap:
         number, own = divmod(int(key), SOURCE)
         return self.sources[number].symbolic(own)

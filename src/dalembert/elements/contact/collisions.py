@@ -12,7 +12,8 @@ import numpy as np
 from dalembert.elements.base import Condition, Element, Look, Scalar, option, quantity
 from dalembert.elements.body import BodyElement
 from dalembert.elements.component import Component
-from dalembert.elements.contact.hull import Hull
+from dalembert.elements.contact.boundary import Boundary
+from dalembert.elements.contact.hull import Solid
 from dalembert.elements.contact.pairs import Pair, checked_pairs, law_numbers
 from dalembert.elements.contact.shapes import Flat, Round, Shape, Vertex
 from dalembert.elements.coordinates import Coordinates
@@ -35,8 +36,7 @@ class Collisions(Element):
 
     Parameters
     ----------
-    shapes : convex shapes of ``contact``, half-planes, points of bodies; or lists of these by the
-        names of groups
+    shapes : shapes of ``contact``, points of bodies; or lists of these by the names of groups
     restitution : ``e`` along the normal, 0 to 1
     tangential : restitution of the slip, 0 to 1
     friction : ``μ``
@@ -45,7 +45,7 @@ class Collisions(Element):
     Raises
     ------
     ModelError
-        No convex shape, another shape, or an unknown group.
+        No shape, a shape that is not available, or an unknown group.
 
     Examples
     --------
@@ -96,17 +96,17 @@ class Collisions(Element):
                 _ = shape.outward
             except ModelError as error:  # a zero normal
                 raise ModelError(error.message, f"{entity}.normal") from None
-        elif shape.hull() is None:
+        elif not shape.solids() and shape.boundary() is None:
             raise ModelError(
-                f"a {type(shape).__name__} is not available here, only convex shapes; give shapes "
-                f"such as {EXAMPLE}, or use Contact",
+                f"a {type(shape).__name__} is not available here; give shapes such as {EXAMPLE}, "
+                "or use Contact",
                 entity,
             )
         return shape
 
     def _check_shapes(self) -> None:
-        if not self.hulls:
-            text = "there is no ball nor another convex shape; give shapes such as "
+        if not self.hulls and not self.boundaries:
+            text = "there is no ball nor another shape; give shapes such as "
             raise ModelError(text + EXAMPLE, self.name)
         first = self.members[0]
         for shape in self.members:
@@ -125,10 +125,15 @@ class Collisions(Element):
         return tuple(shape for shapes in self.groups.values() for shape in shapes)
 
     @cached_property
-    def hulls(self) -> list[tuple[Shape, Hull]]:
-        """Convex shapes, and their hulls."""
-        hulls = ((shape, shape.hull()) for shape in self.members if not isinstance(shape, Flat))
-        return [(shape, hull) for shape, hull in hulls if hull is not None]
+    def hulls(self) -> list[tuple[Shape, Solid]]:
+        """Shapes, and their convex parts."""
+        return [(shape, solid) for shape in self.members for solid in shape.solids()]
+
+    @cached_property
+    def boundaries(self) -> list[tuple[Shape, Boundary]]:
+        """Shapes that may be concave, and their boundaries."""
+        boundaries = ((shape, shape.boundary()) for shape in self.members)
+        return [(shape, boundary) for shape, boundary in boundaries if boundary is not None]
 
     @property
     def balls(self) -> list[Round]:
@@ -139,11 +144,6 @@ class Collisions(Element):
     def walls(self) -> list[Flat]:
         """Half-planes or half-spaces."""
         return [shape for shape in self.members if isinstance(shape, Flat)]
-
-    @property
-    def solids(self) -> list[Shape]:
-        """Convex shapes except circles and spheres."""
-        return [shape for shape in self.members if not isinstance(shape, (Round, Flat))]
 
     @property
     def coefficients(self) -> ca.SX:
@@ -192,12 +192,13 @@ class Collisions(Element):
         return conditions
 
     def parts(self) -> list[Coordinates]:
-        bodies: dict[int, BodyElement] = {id(s.carrier): s.carrier for s in self.members}
-        return list(bodies.values())
+        return list(dict.fromkeys(body for shape in self.members for body in shape.bodies))
 
     def look(self) -> list[Look]:
-        places = [s.carrier.locate(corner) for s, hull in self.hulls for corner in hull.corners]
-        parts = [part for shape, _ in self.hulls for part in shape.look(places[0])]
+        places = [s.carrier.locate(corner) for _, s in self.hulls for corner in s.hull.corners]
+        places += [shape.carrier.locate(ca.SX.zeros(2)) for shape, _ in self.boundaries]
+        shapes = [shape for shape in self.members if not isinstance(shape, Flat)]
+        parts = [part for shape in shapes for part in shape.look(places[0])]
         if self.dimension == 2:
             return parts + [self._floor(wall, places) for wall in self.walls]
         return parts + [part for wall in self.walls for part in wall.look(places[0])]

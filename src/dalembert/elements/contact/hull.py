@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import casadi as ca
 
@@ -45,3 +46,17 @@ class Hull:
         n = len(corners)
         edges = tuple((k, (k + 1) % n) for k in range(n)) if n > 1 else ()
         return cls(tuple(corners), radius, edges)
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A convex part of a shape.
+
+    Attributes
+    ----------
+    carrier : the body, or the part of a beam, that it moves with
+    hull : its form in the axes of the carrier
+    """
+
+    carrier: Any
+    hull: Hull

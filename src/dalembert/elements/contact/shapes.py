@@ -5,7 +5,7 @@ position from its surface, or both. The contact of two shapes is that of the spo
 surface of the other.
 
 A new shape states ``carrier``, ``spots`` if it is ``Spotted``, ``distance`` if it ``feels``,
-``hull`` if it takes part in ``Collisions``.
+``hull``, or ``solids`` and ``boundary``, if it takes part in ``Collisions``.
 """
 
 from __future__ import annotations
@@ -17,8 +17,9 @@ import casadi as ca
 
 from dalembert.elements.base import Look, Scalar, option, quantity
 from dalembert.elements.component import Component
+from dalembert.elements.contact.boundary import Boundary
 from dalembert.elements.contact.contact_point import ContactPoint
-from dalembert.elements.contact.hull import Hull
+from dalembert.elements.contact.hull import Hull, Solid
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.look import Ball as Dot, Rail
 from dalembert.elements.pair import need_point
@@ -104,6 +105,15 @@ class Shape(Component):
 
     def hull(self) -> Hull | None:
         """Its form in collisions; None for shapes that are not convex or without corners."""
+        return None
+
+    def solids(self) -> list[Solid]:
+        """Its convex parts in collisions."""
+        hull = self.hull()
+        return [] if hull is None else [Solid(self.carrier, hull)]
+
+    def boundary(self) -> Boundary | None:
+        """Its boundary in collisions, if it may be concave; corners are among the solids."""
         return None
 
     def look(self, near: ca.SX) -> list[Look]:
