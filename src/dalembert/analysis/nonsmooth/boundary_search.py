@@ -86,9 +86,9 @@ class BoundarySearch:
     def feet(self) -> Iterator[Feet]:
         """Contact points of all kinds."""
         hull, b = self._near_hulls()
-        smooth = self.placed.boundaries.curve_of[b] >= 0
-        yield from self._corners(hull[smooth], b[smooth])
-        yield from self._sides(hull[~smooth], b[~smooth])
+        smooth, ends = self.placed.boundaries.curve_of[b] >= 0, ~self.geometry.endless[hull]
+        yield from self._corners(hull[smooth & ends], b[smooth & ends])
+        yield from self._sides(hull[~smooth & ends], b[~smooth & ends])
         yield from self._walls()
         yield from self._edges(hull[smooth], b[smooth])
         yield from self._outlines()

@@ -42,8 +42,18 @@ class HullGaps(SearchedGaps):
 
     def within(self, last: LastPosition, width: int) -> list[Contacts]:
         at, reach = last.at, last.reach
-        pairs = [*self._walls(at, reach), *self._hulls(at, reach)]
-        return [self._contacts(part, last, width) for part in pairs]
+        pairs = [self._with_ends(p) for p in (*self._walls(at, reach), *self._hulls(at, reach))]
+        return [self._contacts(part, last, width) for part in pairs if part.first.size]
+
+    def _with_ends(self, pairs: Pairs) -> Pairs:
+        """The pairs without corners of endless shapes."""
+        endless, feature = self.geometry.endless, pairs.feature
+        if not endless.any() or feature is Feature.EDGES:
+            return pairs
+        corners = endless[pairs.second]
+        if feature is Feature.CORNERS:
+            corners |= endless[pairs.first]
+        return _some(pairs, ~corners)
 
     def symbolic(self, key: int) -> SymbolicGap:
         pairs = self._pairs_of(np.array([key]))

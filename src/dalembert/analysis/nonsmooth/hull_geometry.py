@@ -13,6 +13,8 @@ from dalembert.analysis.nonsmooth.gap_functions import Feature, point_counts
 from dalembert.analysis.nonsmooth.planar_features import Polygons
 from dalembert.analysis.nonsmooth.polyhedra import Form, Polyhedra
 from dalembert.analysis.nonsmooth.shape_velocities import ShapeVelocities
+from dalembert.analysis.nonsmooth.strands import Strands
+from dalembert.elements.contact.beam_parts import Chord
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.pairs import APART
 from dalembert.elements.contact.shapes import Shape
@@ -73,6 +75,7 @@ class HullGeometry:
     shapes, hulls, boundaries : all shapes; forms of the first and the last ones
     starts : (h + 1,) number of the first corner of each hull
     owner : (s,) number of the body of each shape
+    endless : (s,) whether corners of a shape are those of others, which touch instead
     velocities : twists of all shapes by the speeds
     """
 
@@ -94,6 +97,9 @@ class HullGeometry:
         self._form = _first_equal(forms)
         self._forms = {int(k): Form(self.hulls[k]) for k in np.unique(self._form)}
         self.owner = _first_equal([id(carrier.owner) for carrier in self.carriers])
+        self.endless = np.array([isinstance(carrier, Chord) for carrier in self.carriers])
+        beams = self.endless.any()
+        self._strands = Strands(model, self.carriers, self.hulls) if beams else None
         sharp = [hull.is_sharp for hull in self.hulls]
         self.rounded = ~np.array(sharp, dtype=bool)
         self._symbols(model, element)
@@ -147,8 +153,11 @@ class HullGeometry:
         return Positions(corners.T, points, radii.ravel(), origins.T, laws, axes.T)
 
     def may_touch(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-        """Mask of pairs of shapes of different bodies, whose groups touch."""
+        """Mask of pairs of shapes of different bodies, or distant parts of a beam, whose groups
+        touch."""
         apart: np.ndarray = self.owner[first] != self.owner[second]
+        if self._strands is not None:
+            apart = self._strands.apart(first, second, apart)
         return apart & (self.law(first, second) != APART)
 
     def law(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
