@@ -39,7 +39,7 @@ def wound(elements: int) -> da.Model:
 
 
 def test_a_belt_follows_the_capstan_equation():
-    """``e^(μ φ R/(R + r))``: friction acts at the surface, the tension in the middle of the belt."""
+    """``e^(μ φ R/(R + r))``: friction acts at the surface, tension in the middle of the belt."""
     exact = LOAD * math.exp(FRICTION * math.pi * DRUM / (DRUM + HALF))
     errors = []
     for elements in (10, 40):

@@ -29,8 +29,8 @@ class BeamSurface(Shape):
 
     ``g = min |r_P − r(s)| − R − radius``; the force acts on the nodes of the nearest element. It is
     for rollers, pins and rings that are small beside the elements, and for a ``BeamLine`` of
-    another beam. A large drum touches along a length: use a ``BeamLine``. In ``Collisions`` both are
-    the same.
+    another beam. A large drum touches along a length: use a ``BeamLine``. In ``Collisions`` both
+    are the same.
 
     Parameters
     ----------
