@@ -11,13 +11,22 @@ from dalembert.errors import UnsupportedError
 from dalembert.integrators.contact.contacts import FrictionProblem
 
 
-def random_problem(seed: int, count: int, width: int, freedom: int, friction: float):
+def random_problem(
+    seed: int,
+    count: int,
+    groups: tuple[int, ...],
+    freedom: int,
+    friction: float,
+    minimum: float = 0.0,
+):
     """``H = W Wᵀ`` of a body with so many ways to move; without impulses it moves by chance."""
-    rng = np.random.default_rng(seed)
+    rng, width = np.random.default_rng(seed), 1 + sum(groups)
     directions = rng.normal(size=(count * width, freedom))
     velocity = (directions @ rng.normal(size=freedom)).reshape(count, width)
+    coefficients = friction * (1 + np.arange(len(groups))) * np.ones((count, 1))
+    lowest = minimum * rng.choice([0.0, 1.0], count)
     matrix = directions @ directions.T
-    return FrictionProblem(matrix, velocity, np.full(count, friction))
+    return FrictionProblem(matrix, velocity, coefficients, groups, minimum=lowest)
 
 
 def enumerated(matrix: np.ndarray, velocity: np.ndarray) -> list[np.ndarray]:
@@ -41,7 +50,7 @@ def enumerated(matrix: np.ndarray, velocity: np.ndarray) -> list[np.ndarray]:
 @given(st.integers(0, 10**6), st.integers(1, 6), st.integers(2, 8))
 def test_without_friction_it_is_the_enumerated_complementarity(seed, count, freedom):
     """Speeds are unique whatever the impulses are."""
-    problem = random_problem(seed, count, 1, freedom, 0.0)
+    problem = random_problem(seed, count, (), freedom, 0.0)
     expected = enumerated(problem.matrix, problem.velocity.ravel())
     solved = da.ContactSolver().solve(problem)
     assert solved.converged and expected
@@ -49,33 +58,47 @@ def test_without_friction_it_is_the_enumerated_complementarity(seed, count, free
     assert min(np.abs(speeds - other).max() for other in expected) < 1e-7
 
 
-@settings(max_examples=40, deadline=None)
-@given(st.integers(0, 10**6), st.integers(1, 20), st.sampled_from([2, 3]), st.floats(0.0, 0.4))
-def test_impulses_stay_in_their_cones_and_oppose_slip(seed, count, width, friction):
-    problem = random_problem(seed, count, width, count * width, friction)
+GROUPS = (1,), (2,), (1, 1), (2, 2, 1)
+"""Sliding in the plane and in space; the same with rolling, and spinning."""
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.integers(0, 10**6),
+    st.integers(1, 12),
+    st.sampled_from(GROUPS),
+    st.floats(0.0, 0.4),
+    st.floats(0.0, 0.5),
+)
+def test_impulses_stay_in_their_cones_and_oppose_slip(seed, count, groups, friction, minimum):
+    """Each group has its own disc; impulses above the minimum press a closed gap."""
+    problem = random_problem(seed, count, groups, count * (1 + sum(groups)), friction, minimum)
     solved = da.ContactSolver().solve(problem)
     assert solved.converged, solved.residual
     impulses, speeds = solved.impulses, problem.speeds(solved.impulses)
     small = 1e-7 * problem.size(impulses)
-    normal, tangential = impulses[:, 0], np.linalg.norm(impulses[:, 1:], axis=1)
-    assert normal.min() >= 0 and speeds[:, 0].min() >= -small
-    assert np.abs(normal * speeds[:, 0]).max() <= small * (1 + normal.max())
-    assert (tangential <= friction * normal * (1 + 1e-9) + 1e-12).all()
-    slip = np.linalg.norm(speeds[:, 1:], axis=1)
-    power = np.sum(impulses[:, 1:] * speeds[:, 1:], axis=1)
-    assert power == pytest.approx(-friction * normal * slip, abs=small * (1 + normal.max()))
+    normal = impulses[:, 0]
+    excess, size = normal - problem.minimum, 1 + normal.max()
+    assert normal.min() >= 0 and excess.min() >= -1e-12 and speeds[:, 0].min() >= -small
+    assert np.abs(excess * speeds[:, 0]).max() <= small * size
+    for components, coefficients in problem.discs:
+        tangential = np.linalg.norm(impulses[:, components], axis=1)
+        assert (tangential <= coefficients * normal * (1 + 1e-9) + 1e-12).all()
+        slip = np.linalg.norm(speeds[:, components], axis=1)
+        power = np.sum(impulses[:, components] * speeds[:, components], axis=1)
+        assert power == pytest.approx(-coefficients * normal * slip, abs=small * size)
 
 
 def test_more_contacts_than_freedoms():
     """Impulses of a hyperstatic pile are not unique, and are found."""
-    problem = random_problem(3, 30, 2, 20, 0.3)
+    problem = random_problem(3, 30, (1,), 20, 0.3)
     solved = da.ContactSolver().solve(problem)
     assert solved.converged and solved.residual < 1e-8
 
 
 def test_problems_without_solution_are_reported():
     """A wall that cannot move and is moved into: ``u = b < 0`` whatever the impulse."""
-    problem = FrictionProblem(np.zeros((1, 1)), np.array([[-1.0]]), np.zeros(1))
+    problem = FrictionProblem(np.zeros((1, 1)), np.array([[-1.0]]), np.zeros((1, 0)), ())
     solved = da.ContactSolver(max_iterations=10).solve(problem)
     assert not solved.converged and solved.residual == pytest.approx(1.0)
 

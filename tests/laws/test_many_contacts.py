@@ -56,10 +56,11 @@ def test_mobility_solves_the_equations_of_free_and_joined_bodies(joints):
 
 
 @pytest.mark.parametrize("joints", [False, True])
-@pytest.mark.parametrize("width", [1, 2, 3])
-def test_sparse_impulses_are_those_of_the_dense_matrix(joints, width):
+@pytest.mark.parametrize("groups", [(), (1,), (2,), (1, 1), (2, 2, 1)])
+@pytest.mark.parametrize("minimum", [0.0, 0.3])
+def test_sparse_impulses_are_those_of_the_dense_matrix(joints, groups, minimum):
     """Operator, its diagonal and shift, sweeps, and Newton steps with eliminated impulses."""
-    rng = np.random.default_rng(5)
+    rng, width = np.random.default_rng(5), 1 + sum(groups)
     mobility, count = random_mobility(rng, 60, joints), 1 + DENSE // width
     directions = random_directions(rng, count * width, mobility.matrix.shape[0])
     responses, shift = mobility.responses(directions), rng.random(count * width)
@@ -69,9 +70,10 @@ def test_sparse_impulses_are_those_of_the_dense_matrix(joints, width):
     assert sparse.dense is None
     assert sparse @ some == pytest.approx(dense @ some)
     assert sparse.diagonal() == pytest.approx(dense.diagonal())
-    velocity, friction = rng.normal(size=(count, width)), rng.random(count)
-    problem = FrictionProblem(sparse, velocity, friction)
-    same = FrictionProblem(dense, velocity, friction)
+    velocity, friction = rng.normal(size=(count, width)), rng.random((count, len(groups)))
+    law = {"friction": friction, "groups": groups, "minimum": minimum * rng.random(count)}
+    problem = FrictionProblem(sparse, velocity, **law)
+    same = FrictionProblem(dense, velocity, **law)
     start = np.zeros(problem.shape)
     expected = semismooth_newton(same, start, 1e-12)
     assert same.residual(expected) < 1e-10

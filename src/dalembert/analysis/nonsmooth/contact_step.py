@@ -154,11 +154,12 @@ class ContactStep:
         matrix = delassus(contacts.directions, mobility)
         offsets = self.scheme.first(approach)
         scale = float(max(np.abs(approach.free).max(), np.abs(approach.before).max()))
+        groups = (shape[1] - 1,) if shape[1] > 1 else ()
+        friction = contacts.friction[:, None][:, : len(groups)]
         start, rounds = warm_start(contacts, before, shape), 0
         for _ in range(ROUNDS):
-            problem = FrictionProblem(
-                matrix, approach.free + offsets, contacts.friction, scale or 1.0
-            )
+            velocity = approach.free + offsets
+            problem = FrictionProblem(matrix, velocity, friction, groups, scale or 1.0)
             solution = self.solver.solve(problem, start)
             start, rounds = solution.impulses, rounds + solution.rounds
             after = problem.speeds(solution.impulses) - offsets

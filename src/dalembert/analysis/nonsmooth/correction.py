@@ -98,7 +98,8 @@ class PositionCorrection(newton.Equations[np.ndarray]):
         open_by = (gaps.distance + normals @ joint_shift)[:, None]
         fine = SHARE * self.step_of.rounding / solver.tolerance
         scale = max(float(-open_by.min(initial=0.0)), fine)
-        problem = FrictionProblem(delassus(normals, mobility), open_by, np.zeros(gaps.count), scale)
+        frictionless = np.zeros((gaps.count, 0)), ()
+        problem = FrictionProblem(delassus(normals, mobility), open_by, *frictionless, scale)
         push = solver.solve(problem).impulses.ravel()
         return push, mobility(normals.T @ push)[0]
 

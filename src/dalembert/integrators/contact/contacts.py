@@ -90,55 +90,88 @@ class Contacts:
 class FrictionProblem:
     """Frictional contact problem; components of each contact are consecutive, normal first.
 
+    The tangential components are divided into consecutive groups of widths ``groups``, each with
+    its own disc ``|P_j| ≤ μ_j P_N``: (1,) slides in the plane, (2,) in space, (1, 1) and (2, 2, 1)
+    also roll and spin. Groups after the first are rotations.
+
     Attributes
     ----------
     matrix : (n k, n k) ``H``, positive semidefinite; an operator for many contacts
     velocity : (n, k) ``b``
-    friction : (n,) ``μ``
+    friction : (n, groups) ``μ`` [-], of rotations [m]
+    groups : widths of the groups, whose sum is k − 1
     scale : lower limit of the speed that residuals are compared with [m/s]
+    minimum : (n,) or one, lower limit of the normal impulses, not negative:
+        ``0 ≤ u_N ⟂ P_N − minimum ≥ 0``
     """
 
     matrix: np.ndarray | Delassus
     velocity: np.ndarray
     friction: np.ndarray
+    groups: tuple[int, ...]
     scale: float = 1.0
+    minimum: float | np.ndarray = 0.0
 
     @property
     def shape(self) -> tuple[int, int]:
         """Number of contacts, components of each."""
         return self.velocity.shape  # type: ignore[return-value]
 
+    @property
+    def linear(self) -> int:
+        """Number of components that are not rotations."""
+        return 1 + sum(self.groups[:1])
+
+    @cached_property
+    def starts(self) -> np.ndarray:
+        """(groups + 1,) first component of each group, and the number of components."""
+        return np.cumsum([1, *self.groups])
+
+    @cached_property
+    def discs(self) -> list[tuple[slice, np.ndarray]]:
+        """Components, and (n,) coefficients of friction, of each group."""
+        limits = zip(self.starts[:-1], self.starts[1:], strict=True)
+        return [(slice(*limit), self.friction[:, j]) for j, limit in enumerate(limits)]
+
     def speeds(self, impulses: np.ndarray) -> np.ndarray:
         """(n, k) ``u``."""
         return (self.matrix @ impulses.ravel()).reshape(self.shape) + self.velocity
 
     @cached_property
-    def mobility(self) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) change of speed per impulse in normal direction, and its upper bound in tangential
-        directions."""
-        diagonal = self.matrix.diagonal().reshape(self.shape)
-        normal = np.where(diagonal[:, 0] > 0, diagonal[:, 0], 1.0)
-        along = diagonal[:, 1:].sum(axis=1)
-        return normal, np.where(along > 0, along, normal)
+    def mobility(self) -> np.ndarray:
+        """(n, k) ``1/ρ``: change of speed per impulse in normal direction, and its upper bound in
+        the directions of each group."""
+        mobility = self.matrix.diagonal().reshape(self.shape).copy()
+        mobility[:, 0] = normal = np.where(mobility[:, 0] > 0, mobility[:, 0], 1.0)
+        for components, _ in self.discs:
+            along = mobility[:, components].sum(axis=1)
+            mobility[:, components] = np.where(along > 0, along, normal)[:, None]
+        return mobility
+
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """(n, k) residual per violation of an impulse; rotations count by their energy [m/s]."""
+        sliding, turning = np.split(self.mobility, [self.linear], axis=1)
+        return np.hstack([sliding, np.sqrt(turning * sliding[:, :1])])
 
     def size(self, impulses: np.ndarray) -> float:
         """Reference speed: the scale or the largest change of speed of a contact by its impulse."""
-        changes = np.linalg.norm(impulses, axis=1) * self.mobility[0]
+        sliding = impulses[:, : self.linear]
+        changes = np.linalg.norm(sliding, axis=1) * self.mobility[:, 0]
         return max(self.scale, float(np.nan_to_num(changes).max(initial=0.0)))
 
     def project(self, impulses: np.ndarray, speeds: np.ndarray) -> np.ndarray:
-        """``proj(P − ρ u)``: normal part onto ``≥ 0``, tangential part onto the disc ``μ P_N``."""
-        normal, along = self.mobility
-        pressure = np.maximum(0.0, impulses[:, 0] - speeds[:, 0] / normal)
-        tangential = impulses[:, 1:] - speeds[:, 1:] / along[:, None]
-        return np.column_stack([pressure, clip_lengths(tangential, self.friction * pressure)])
+        """``proj(P − ρ u)``: normal part onto ``≥ minimum``, each group onto its disc ``μ P_N``."""
+        projected = impulses - speeds / self.mobility
+        pressure = projected[:, 0] = np.maximum(self.minimum, projected[:, 0])
+        for components, friction in self.discs:
+            projected[:, components] = clip_lengths(projected[:, components], friction * pressure)
+        return projected
 
     def residual(self, impulses: np.ndarray) -> float:
         """Largest violation of the conditions as a speed, ``|P − proj(P − ρ u)| / ρ``."""
         violation = np.abs(impulses - self.project(impulses, self.speeds(impulses)))
-        normal, along = self.mobility
-        worst = (violation[:, 0] * normal).max(initial=0.0)
-        worst = max(worst, (violation[:, 1:] * along[:, None]).max(initial=0.0))
+        worst = (violation * self.weights).max(initial=0.0)
         return float(worst) if np.isfinite(impulses).all() else np.inf
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 import scipy
 
+from dalembert.integrators.contact.system_pattern import SystemPattern
 from dalembert.sparse.factorise import SuperLUFactors
 from dalembert.symbolic.evaluation.kernel import Matrix, dense_array
 
@@ -32,6 +33,7 @@ class Delassus:
     inertia : (n, n) ``A``
     joints : (m, n) constraints on the speeds
     shift : (r,) addition to the diagonal
+    patterns : of Newton's method by the width of contacts, once they are known
     """
 
     directions: scipy.sparse.csr_array
@@ -39,6 +41,7 @@ class Delassus:
     inertia: Matrix
     joints: Matrix
     shift: np.ndarray
+    patterns: dict[int, SystemPattern] = field(default_factory=dict, repr=False)
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -76,6 +79,13 @@ class Delassus:
     def shifted(self, diagonal: np.ndarray) -> Delassus:
         """The operator with an addition to its diagonal."""
         return replace(self, shift=self.shift + diagonal)
+
+    def pattern(self, width: int) -> SystemPattern:
+        """Pattern of the equations of Newton's method for contacts of ``width`` rows."""
+        if width not in self.patterns:
+            joints = self.joints
+            self.patterns[width] = SystemPattern.of(self.directions, self.inertia, joints, width)
+        return self.patterns[width]
 
     def active_impulses(
         self, rows: np.ndarray, own: np.ndarray, coupled: np.ndarray, right: np.ndarray

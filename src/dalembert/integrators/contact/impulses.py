@@ -11,9 +11,9 @@ from dalembert.integrators.contact.delassus import Delassus
 from dalembert.integrators.contact.semismooth_newton import MAX_ITERATIONS, semismooth_newton
 from dalembert.integrators.contact.sweeps import swept
 
-WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN = 0.01, 4.0, 0.3, 1.0, 1e-11
+WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN = 1e-3, 4.0, 0.3, 1.0, 1e-11
 """Proximal weight: initial value, factors after failure and success, upper and lower limit [-]."""
-ALTERNATIONS, NEWTON_ITERATIONS = 20, 5
+ALTERNATIONS, NEWTON_ITERATIONS = 2, 10
 """Upper limits for many contacts: rounds of sweeps and Newton's method; iterations of the latter,
 which without friction is not limited further."""
 SWEEP_SHARE = 0.1
@@ -95,8 +95,7 @@ def _proximal(
     while best[1] > allowed and rounds < max_iterations and np.isfinite(residual):
         proximal = proximal_problem(problem, impulses, weight)
         tolerance = max(RESIDUAL_SHARE * residual, TOLERANCE_SHARE * allowed)
-        start = swept(proximal, impulses, SWEEP_SHARE * tolerance)
-        trial = semismooth_newton(proximal, start, tolerance)
+        trial = semismooth_newton(proximal, impulses, tolerance)
         solved = proximal.residual(trial) <= tolerance
         changed = weight * (DECREASE if solved else INCREASE)
         weight = min(max(changed, WEIGHT_MIN), WEIGHT_MAX)
@@ -123,9 +122,7 @@ def proximal_problem(
     problem: FrictionProblem, impulses: np.ndarray, weight: float
 ) -> FrictionProblem:
     """The problem with a proximal term at ``impulses``."""
-    normal, along = problem.mobility
-    diagonal = weight * np.column_stack([normal, *[along] * (problem.shape[1] - 1)])
-    matrix = problem.matrix
+    diagonal, matrix = weight * problem.mobility, problem.matrix
     if isinstance(matrix, Delassus):
         matrix = matrix.shifted(diagonal.ravel())
     else:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from dalembert.integrators.contact.compiled_newton import compiled_newton
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
+from dalembert.integrators.contact.machine_code import machine_code
 
 MAX_ITERATIONS, STEP_FRACTIONS = 100, (1.0, 0.5, 0.25, 0.125)
 OVERSHOOT = 1e-9
@@ -25,6 +27,10 @@ def semismooth_newton(
     Contacts without pressure are not part of the linear equations. The iteration ends when the
     residual is within the tolerance, or when no step reduces the merit function.
     """
+    operator = problem.matrix
+    if isinstance(operator, Delassus) and machine_code("semismooth_newton.c") is not None:
+        settings = tolerance, REGULARIZATION, OVERSHOOT
+        return compiled_newton(problem, operator, impulses, settings, max_iterations)
     merit = _merit(problem, impulses)
     for _ in range(max_iterations):
         if not problem.residual(impulses) > tolerance:
@@ -59,50 +65,46 @@ def _first_change(problem: FrictionProblem, impulses: np.ndarray, step: np.ndarr
     Up to there the step solves the equations. Steps may be long if impulses are not unique, and
     end there.
     """
-    z = _argument(problem, impulses, problem.speeds(impulses))
-    dz = _argument(problem, step, (problem.matrix @ step.ravel()).reshape(problem.shape))
-    squares = problem.friction**2
-    a = np.sum(dz[:, 1:] ** 2, axis=1) - squares * dz[:, 0] ** 2
-    b = 2 * (np.sum(z[:, 1:] * dz[:, 1:], axis=1) - squares * z[:, 0] * dz[:, 0])
-    c = np.sum(z[:, 1:] ** 2, axis=1) - squares * z[:, 0] ** 2
+    z = impulses - problem.speeds(impulses) / problem.mobility
+    dz = step - (problem.matrix @ step.ravel()).reshape(problem.shape) / problem.mobility
+    minimum = problem.minimum
+    pressed = z[:, 0] > minimum
+    radius, change = np.where(pressed, z[:, 0], minimum), np.where(pressed, dz[:, 0], 0.0)
     with np.errstate(all="ignore"):
-        root = np.sqrt(b**2 - 4 * a * c)
-        roots = [-z[:, 0] / dz[:, 0], (-b - root) / (2 * a), (-b + root) / (2 * a)]
+        roots = [(minimum - z[:, 0]) / dz[:, 0]]
+        for components, friction in problem.discs:
+            x, dx, squares = z[:, components], dz[:, components], friction**2
+            a = np.sum(dx**2, axis=1) - squares * change**2
+            b = 2 * (np.sum(x * dx, axis=1) - squares * radius * change)
+            c = np.sum(x**2, axis=1) - squares * radius**2
+            root = np.sqrt(b**2 - 4 * a * c)
+            roots += [(-b - root) / (2 * a), (-b + root) / (2 * a)]
     fractions = np.concatenate(roots)
     positive = fractions[np.isfinite(fractions) & (fractions > OVERSHOOT)]
     return float(min(positive.min(initial=1.0) * (1 + OVERSHOOT), 1.0))
 
 
-def _argument(problem: FrictionProblem, impulses: np.ndarray, speeds: np.ndarray) -> np.ndarray:
-    """``z = P − ρ u``, the argument of the projection, which selects the piece."""
-    normal, along = problem.mobility
-    sizes = np.column_stack([normal, *[along] * (problem.shape[1] - 1)])
-    return impulses - speeds / sizes
-
-
 def _merit(problem: FrictionProblem, impulses: np.ndarray) -> float:
     """Merit function: norm of the violation of the conditions [J^½]."""
     violation = impulses - problem.project(impulses, problem.speeds(impulses))
-    return float(np.linalg.norm(violation * np.sqrt(problem.mobility[0])[:, None]))
+    return float(np.linalg.norm(violation * np.sqrt(problem.mobility)))
 
 
 def _step(problem: FrictionProblem, impulses: np.ndarray) -> np.ndarray | None:
     """Newton step on the current pieces; None if the matrix is singular."""
-    speeds = problem.speeds(impulses)
-    normal, along = problem.mobility
+    speeds, mobility = problem.speeds(impulses), problem.mobility
     residual = problem.project(impulses, speeds) - impulses
-    step = residual.copy()
-    active = np.flatnonzero(impulses[:, 0] - speeds[:, 0] / normal > 0)
+    step, z = residual.copy(), impulses - speeds / mobility
+    active = np.flatnonzero((z[:, 0] > problem.minimum) | (problem.minimum > 0))
     if not active.size:
         return step
     k = problem.shape[1]
-    own, coupled = _pieces(problem, impulses, speeds, active)
+    own, coupled = _pieces(problem, z, active)
     rows = (active[:, None] * k + np.arange(k)).ravel()
     inactive = step.copy()
     inactive[active] = 0.0
     change = (problem.matrix @ inactive.ravel())[rows].reshape(-1, k)
-    mobility = np.column_stack([normal[active], np.tile(along[active, None], k - 1)])
-    own = own + REGULARIZATION * coupled * mobility[:, None, :]
+    own = own + REGULARIZATION * coupled * mobility[active, None, :]
     right = residual[active] - np.einsum("aij,aj->ai", coupled, change)
     try:
         step[active] = active_impulses(problem.matrix, rows.reshape(-1, k), own, coupled, right)
@@ -112,34 +114,34 @@ def _step(problem: FrictionProblem, impulses: np.ndarray) -> np.ndarray | None:
 
 
 def _pieces(
-    problem: FrictionProblem, impulses: np.ndarray, speeds: np.ndarray, active: np.ndarray
+    problem: FrictionProblem, z: np.ndarray, active: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Derivatives (n, k, k) of ``P − proj(P − ρ u)`` by ``P`` and ``u`` for active contacts.
+    """Derivatives (n, k, k) of ``P − proj z``, ``z = P − ρ u``, by ``P`` and ``u`` for active
+    contacts.
 
-    They stick, ``ρ u``, or slip along ``d = z/|z|`` with ``z = P_T − ρ u_T``: ``P_T − μ z_N d``.
+    Each group sticks, ``ρ u``, or slips along ``d = z_T/|z_T|``: ``P_T − μ z_N d``. Where ``z_N``
+    is below the minimum of ``P_N``, the minimum replaces it.
     """
-    k, (normal, along) = problem.shape[1], problem.mobility
-    size, friction = active.size, problem.friction[active]
+    k, size, mobility = problem.shape[1], active.size, problem.mobility[active]
+    minimum = np.broadcast_to(problem.minimum, z.shape[:1])[active]
+    pressed = z[active, 0] > minimum
+    pressure = np.where(pressed, z[active, 0], minimum)
     own, coupled = np.zeros((size, k, k)), np.zeros((size, k, k))
-    coupled[:, 0, 0] = 1 / normal[active]
-    if k == 1:
-        return own, coupled
-    pressure = impulses[active, 0] - speeds[active, 0] / normal[active]
-    tangential = impulses[active, 1:] - speeds[active, 1:] / along[active, None]
-    length, radius = np.linalg.norm(tangential, axis=1), friction * pressure
-    slips = (length > radius) | (friction == 0)
-    direction = tangential / np.where(length > 0, length, 1.0)[:, None]
-    normal_plane = np.eye(k - 1) - direction[:, :, None] * direction[:, None, :]
-    rotation = (
-        normal_plane
-        * np.where(length > 0, radius / np.where(length > 0, length, 1.0), 0.0)[:, None, None]
-    )
-    slip = np.where(slips[:, None, None], np.eye(k - 1) - rotation, 0.0)
-    own[:, 1:, 1:] = slip
-    coupled[:, 1:, 1:] = (np.eye(k - 1) - slip) / along[active, None, None]
-    limit = np.where(slips, friction, 0.0)[:, None] * direction
-    own[:, 1:, 0] = -limit
-    coupled[:, 1:, 0] = limit / normal[active, None]
+    own[:, 0, 0], coupled[:, 0, 0] = ~pressed, pressed / mobility[:, 0]
+    for components, coefficients in problem.discs:
+        tangential, friction = z[active, components], coefficients[active]
+        length, radius = np.linalg.norm(tangential, axis=1), friction * pressure
+        slips = (length > radius) | (friction == 0)
+        length = np.where(length > 0, length, 1.0)
+        direction, eye = tangential / length[:, None], np.eye(tangential.shape[1])
+        across = eye - direction[:, :, None] * direction[:, None, :]
+        slip = np.where(slips[:, None, None], eye - (radius / length)[:, None, None] * across, 0.0)
+        own[:, components, components] = slip
+        along = mobility[:, components.start]
+        coupled[:, components, components] = (eye - slip) / along[:, None, None]
+        limit = np.where(slips & pressed, friction, 0.0)[:, None] * direction
+        own[:, components, 0] = -limit
+        coupled[:, components, 0] = limit / mobility[:, :1]
     return own, coupled
 
 

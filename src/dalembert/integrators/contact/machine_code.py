@@ -1,0 +1,78 @@
+"""Loops over contacts in machine code."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from importlib import resources
+
+import numpy as np
+
+from dalembert.errors import UnsupportedError
+from dalembert.symbolic.evaluation.switching import best_toolchain
+from dalembert.symbolic.native.code_cache import compiled_loop
+from dalembert.symbolic.native.toolchain import ENTRY, FIRST, LOOP, Call
+
+
+class Loop:
+    """A loop with its arrays, which stay in place from call to call.
+
+    Parameters
+    ----------
+    code : machine code
+    inputs, outputs : contiguous arrays
+    counts : (c,) integers
+    work : memory of the loop
+    """
+
+    def __init__(
+        self,
+        code: Call,
+        inputs: list[np.ndarray],
+        outputs: list[np.ndarray],
+        counts: list[int],
+        work: int,
+    ):
+        self._code, self._sizes = code, (1, len(inputs), len(outputs))
+        self.counts = np.array(counts, dtype=np.int64)
+        source, target = (
+            np.array([array.ctypes.data for array in part], dtype=np.uint64)
+            for part in (inputs, outputs)
+        )
+        steps = np.zeros(len(inputs) + len(outputs), dtype=np.int64)
+        pointers = np.empty((2, steps.size), dtype=np.uint64)
+        memory = source, steps, target, steps, *pointers, self.counts, np.empty(max(work, 1))
+        self._memory = *memory, *inputs, *outputs
+        self._addresses = tuple(array.ctypes.data for array in memory)
+
+    def __call__(self) -> bool:
+        """Run the loop once; false if it failed."""
+        return self._code(*self._sizes, *self._addresses) == 1
+
+
+@lru_cache
+def machine_code(name: str) -> Call | None:
+    """Machine code of a file of this package; None without a toolchain."""
+    toolchain = best_toolchain()
+    if toolchain is None:
+        return None
+    text = (resources.files(__package__) / name).read_text(encoding="utf-8")
+    try:
+        return compiled_loop(text + LOOP.format(entry=ENTRY, function=FIRST), toolchain)
+    except UnsupportedError:  # an optional acceleration
+        return None
+
+
+def problem_arrays(problem) -> list[np.ndarray]:
+    """Contiguous arrays of numbers of a friction problem with a sparse operator."""
+    operator = problem.matrix
+    minimum = np.broadcast_to(problem.minimum, problem.shape[:1])
+    arrays = [operator.directions.data, operator.responses.data, problem.velocity]
+    arrays += [problem.friction, minimum, problem.mobility, problem.weights, operator.shift]
+    return [np.ascontiguousarray(array, dtype=float) for array in arrays]
+
+
+def index_arrays(problem) -> list[np.ndarray]:
+    """Contiguous arrays of rows, columns and groups of a friction problem."""
+    w, x = problem.matrix.directions, problem.matrix.responses
+    arrays = [w.indptr, w.indices, x.indptr, x.indices, problem.starts]
+    return [array.astype(np.int32, copy=False) for array in arrays]

@@ -1,0 +1,173 @@
+/* Projected Gauss-Seidel sweeps over contacts with Anderson acceleration */
+#include <math.h>
+#define casadi_real double
+#define casadi_int long long int
+#ifdef _WIN32
+#define CASADI_SYMBOL_EXPORT __declspec(dllexport)
+#else
+#define CASADI_SYMBOL_EXPORT
+#endif
+static casadi_real casadi_row(const casadi_real* value, const int* column, casadi_int begin,
+    casadi_int end, const casadi_real* speed) {
+  casadi_int j;
+  casadi_real sum = 0;
+  for (j=begin; j<end; ++j) sum += value[j]*speed[column[j]];
+  return sum;
+}
+static void casadi_push(const casadi_real* value, const int* column, casadi_int begin,
+    casadi_int end, casadi_real impulse, casadi_real* speed) {
+  casadi_int j;
+  for (j=begin; j<end; ++j) speed[column[j]] += value[j]*impulse;
+}
+static casadi_real casadi_product(const casadi_real* x, const casadi_real* y, casadi_int size) {
+  casadi_int i;
+  casadi_real sum = 0;
+  for (i=0; i<size; ++i) sum += x[i]*y[i];
+  return sum;
+}
+/* y -= share*x */
+static void casadi_reduce(casadi_real* y, const casadi_real* x, casadi_real share,
+    casadi_int size) {
+  casadi_int i;
+  for (i=0; i<size; ++i) y[i] -= share*x[i];
+}
+/* y = x - y, the change since the last sweep */
+static void casadi_change(const casadi_real* x, casadi_real* y, casadi_int size) {
+  casadi_int i;
+  for (i=0; i<size; ++i) y[i] = x[i] - y[i];
+}
+static void casadi_copy_to(const casadi_real* x, casadi_real* y, casadi_int size) {
+  casadi_int i;
+  for (i=0; i<size; ++i) y[i] = x[i];
+}
+/* Cholesky solution of the scaled normal equations; share holds the right-hand side */
+static void casadi_shares(const casadi_real* gram, casadi_int size, casadi_int stride,
+    casadi_real regularization, casadi_real* factor, casadi_real* share) {
+  casadi_int i, j, k;
+  casadi_real sum;
+  for (i=0; i<size; ++i) {
+    for (j=0; j<=i; ++j) {
+      sum = gram[i*stride+j];
+      if (i==j) sum += sum*regularization;
+      for (k=0; k<j; ++k) sum -= factor[i*stride+k]*factor[j*stride+k];
+      if (i==j) factor[i*stride+i] = sum>0 ? sqrt(sum) : 0.0;
+      else factor[i*stride+j] = factor[j*stride+j]>0 ? sum/factor[j*stride+j] : 0.0;
+    }
+  }
+  for (i=0; i<size; ++i) {
+    for (k=0; k<i; ++k) share[i] -= factor[i*stride+k]*share[k];
+    share[i] = factor[i*stride+i]>0 ? share[i]/factor[i*stride+i] : 0.0;
+  }
+  for (i=size-1; i>=0; --i) {
+    for (k=i+1; k<size; ++k) share[i] -= factor[k*stride+i]*share[k];
+    share[i] = factor[i*stride+i]>0 ? share[i]/factor[i*stride+i] : 0.0;
+  }
+}
+static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w,
+    int mem) {
+  const casadi_real* directions = arg[0];
+  const casadi_real* responses = arg[1];
+  const casadi_real* velocity = arg[2];
+  const casadi_real* friction = arg[3];
+  const casadi_real* minimum = arg[4];
+  const casadi_real* mobility = arg[5];
+  const casadi_real* weight = arg[6];
+  const casadi_real* shift = arg[7];
+  const casadi_real* settings = arg[8];
+  const int* w_row = (const int*) arg[9];
+  const int* w_column = (const int*) arg[10];
+  const int* x_row = (const int*) arg[11];
+  const int* x_column = (const int*) arg[12];
+  const int* group = (const int*) arg[13];
+  casadi_real* impulse = res[0];
+  casadi_real* speed = res[1];
+  casadi_int count = iw[0], width = iw[1], groups = iw[2], sweeps = iw[3], speeds = iw[4];
+  casadi_int depth = iw[5], rows = count*width;
+  casadi_real* change = w + width;
+  casadi_real* old_change = change + rows;
+  casadi_real* old_impulse = old_change + rows;
+  casadi_real* old_speed = old_impulse + rows;
+  casadi_real* share = old_speed + speeds;
+  casadi_real* gram = share + depth;
+  casadi_real* factor = gram + depth*depth;
+  casadi_real* changes = factor + depth*depth;
+  casadi_real* impulses = changes + depth*rows;
+  casadi_real* velocities = impulses + depth*rows;
+  casadi_int sweep, i, g, a, r, slot = 0, stored = 0;
+  casadi_real largest, u, d, length, limit, square, last = 0;
+  for (sweep=0; sweep<sweeps; ++sweep) {
+    largest = 0;
+    casadi_copy_to(impulse, change, rows);
+    for (i=0; i<count; ++i) {
+      r = i*width;
+      u = velocity[r] + shift[r]*impulse[r];
+      u += casadi_row(directions, w_column, w_row[r], w_row[r+1], speed);
+      d = impulse[r] - u/mobility[r];
+      d = (d>minimum[i] ? d : minimum[i]) - impulse[r];
+      if (d!=0) {
+        impulse[r] += d;
+        if (fabs(d)*weight[r]>largest) largest = fabs(d)*weight[r];
+        casadi_push(responses, x_column, x_row[r], x_row[r+1], d, speed);
+      }
+      for (g=0; g<groups; ++g) {
+        limit = friction[i*groups+g]*impulse[i*width];
+        length = 0;
+        for (a=group[g]; a<group[g+1]; ++a) {
+          w[a] = 0;
+          if (!(limit>0)) continue;
+          r = i*width + a;
+          u = velocity[r] + shift[r]*impulse[r];
+          u += casadi_row(directions, w_column, w_row[r], w_row[r+1], speed);
+          w[a] = impulse[r] - u/mobility[r];
+          length += w[a]*w[a];
+        }
+        length = sqrt(length);
+        for (a=group[g]; a<group[g+1]; ++a) {
+          r = i*width + a;
+          d = (length>limit ? w[a]*(limit/length) : w[a]) - impulse[r];
+          if (d!=0) {
+            impulse[r] += d;
+            if (fabs(d)*weight[r]>largest) largest = fabs(d)*weight[r];
+            casadi_push(responses, x_column, x_row[r], x_row[r+1], d, speed);
+          }
+        }
+      }
+    }
+    if (!(largest>settings[0])) return 0;
+    square = 0;
+    for (r=0; r<rows; ++r) {
+      change[r] = (impulse[r] - change[r])*sqrt(mobility[r]);
+      square += change[r]*change[r];
+    }
+    if (sweep==0 || square>settings[1]*last) {
+      stored = 0;
+      slot = 0;
+    } else {
+      casadi_change(change, old_change, rows);
+      casadi_change(impulse, old_impulse, rows);
+      casadi_change(speed, old_speed, speeds);
+      casadi_copy_to(old_change, changes + slot*rows, rows);
+      casadi_copy_to(old_impulse, impulses + slot*rows, rows);
+      casadi_copy_to(old_speed, velocities + slot*speeds, speeds);
+      if (stored<depth) ++stored;
+      for (i=0; i<stored; ++i) {
+        d = casadi_product(changes + slot*rows, changes + i*rows, rows);
+        gram[slot*depth+i] = d;
+        gram[i*depth+slot] = d;
+        share[i] = casadi_product(changes + i*rows, change, rows);
+      }
+      slot = slot+1<depth ? slot+1 : 0;
+      casadi_shares(gram, stored, depth, settings[2], factor, share);
+    }
+    last = square;
+    casadi_copy_to(change, old_change, rows);
+    casadi_copy_to(impulse, old_impulse, rows);
+    casadi_copy_to(speed, old_speed, speeds);
+    if (sweep+1==sweeps) return 0;
+    for (i=0; i<stored; ++i) {
+      casadi_reduce(impulse, impulses + i*rows, share[i], rows);
+      casadi_reduce(speed, velocities + i*speeds, share[i], speeds);
+    }
+  }
+  return 0;
+}
