@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 
 import casadi as ca
@@ -13,6 +14,25 @@ from dalembert.analysis.nonsmooth.smooth_curve import SampledCurve, SmoothCurve
 from dalembert.elements.contact.boundary import Boundary
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
+
+
+@dataclass(frozen=True, eq=False)
+class LocalBoundaries:
+    """Boundaries in the axes of their bodies, with parameter values.
+
+    Attributes
+    ----------
+    p : (np,) parameters
+    curves : different smooth curves
+    vertices : (v, 2) of all polygons
+    centers, radii : (b, 2), (b,) of balls around all boundaries
+    """
+
+    p: np.ndarray
+    curves: list[SampledCurve]
+    vertices: np.ndarray
+    centers: np.ndarray
+    radii: np.ndarray
 
 
 class Boundaries:
@@ -50,14 +70,30 @@ class Boundaries:
         self.vertices = [vertex for b in listed for vertex in b.vertices]
         places = ca.densify(ca.horzcat(*self.vertices)) if self.vertices else ca.SX(2, 0)
         self._vertices = Kernel(ca.Function("vertices", [p], [places]))
-        self._last: tuple[np.ndarray, list[SampledCurve], np.ndarray] | None = None
+        self._last: LocalBoundaries | None = None
 
-    def at(self, p: np.ndarray) -> tuple[list[SampledCurve], np.ndarray]:
-        """Curves with parameter values, and (v, 2) vertices of all polygons."""
-        if self._last is None or not np.array_equal(self._last[0], p):
-            sampled = [SampledCurve(curve, p) for curve in self.curves]
-            self._last = p.copy(), sampled, self._vertices(p)[0].T
-        return self._last[1:]
+    def at(self, p: np.ndarray) -> LocalBoundaries:
+        """Boundaries with parameter values."""
+        if self._last is None or not np.array_equal(self._last.p, p):
+            curves = [SampledCurve(curve, p) for curve in self.curves]
+            vertices = self._vertices(p)[0].T
+            balls = self._balls(curves, vertices)
+            self._last = LocalBoundaries(p.copy(), curves, vertices, *balls)
+        return self._last
+
+    def _balls(
+        self, curves: list[SampledCurve], vertices: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """(b, 2) centres and (b,) radii of balls around all boundaries."""
+        centers, radii = np.zeros((self.counts.size, 2)), np.zeros(self.counts.size)
+        for number, curve in enumerate(curves):
+            own = self.curve_of == number
+            centers[own], radii[own] = curve.center, curve.radius
+        for b in np.flatnonzero(self.counts):
+            own = vertices[self.starts[b] : self.starts[b + 1]]
+            centers[b] = own.mean(axis=0)
+            radii[b] = np.linalg.norm(own - centers[b], axis=1).max()
+        return centers, radii
 
     @property
     def features(self) -> int:
@@ -79,7 +115,7 @@ class PlacedBoundaries:
     def __init__(
         self, boundaries: Boundaries, geometry: HullGeometry, at: Positions, p: np.ndarray
     ):
-        self.boundaries, (self.curves, self._vertices) = boundaries, boundaries.at(p)
+        self.boundaries, self._local = boundaries, boundaries.at(p)
         self.first_shape = len(geometry.shapes) - len(geometry.boundaries)
         self.origins, x = at.origins[self.first_shape :, :2], at.axes
         self.axes = np.stack([x, np.stack([-x[:, 1], x[:, 0]], axis=1)], axis=2)
@@ -101,16 +137,8 @@ class PlacedBoundaries:
     @cached_property
     def balls(self) -> tuple[np.ndarray, np.ndarray]:
         """(b, 2) centres and (b,) radii of balls around all boundaries."""
-        centers, radii = np.zeros((len(self.origins), 2)), np.zeros(len(self.origins))
-        for number, curve in enumerate(self.curves):
-            own = self.boundaries.curve_of == number
-            centers[own], radii[own] = curve.center, curve.radius
-        for b in np.flatnonzero(self.boundaries.counts):
-            vertices = self._vertices[self.boundaries.starts[b] : self.boundaries.starts[b + 1]]
-            centers[b] = vertices.mean(axis=0)
-            radii[b] = np.linalg.norm(vertices - centers[b], axis=1).max()
         every = np.arange(len(self.origins))
-        return self.origins + self.to_world(every, centers), radii
+        return self.origins + self.to_world(every, self._local.centers), self._local.radii
 
     @cached_property
     def arms(self) -> np.ndarray:
@@ -124,7 +152,7 @@ class PlacedBoundaries:
         boundaries = self.boundaries
         counts = boundaries.counts[b]
         number = np.minimum(np.arange(counts.max(initial=1)), counts[:, None] - 1)
-        local = self._vertices[boundaries.starts[b][:, None] + number]
+        local = self._local.vertices[boundaries.starts[b][:, None] + number]
         corners = self.origins[b][:, None] + local @ np.swapaxes(self.axes[b], 1, 2)
         return Polygons(corners, counts)
 
@@ -132,5 +160,6 @@ class PlacedBoundaries:
         """Curves, and the rows of the boundaries that have them."""
         number = self.boundaries.curve_of[b]
         return [
-            (self.curves[k], np.flatnonzero(number == k)) for k in np.unique(number[number >= 0])
+            (self._local.curves[k], np.flatnonzero(number == k))
+            for k in np.unique(number[number >= 0])
         ]

@@ -12,8 +12,9 @@ from dalembert.analysis.nonsmooth.smooth_curve import SmoothCurve
 
 ITERATIONS = 8
 """Newton iterations from the nearest sample; the last one has the exact derivatives."""
-FLAT = 1e-12
-"""Lower limit of the derivatives that Newton's method divides by."""
+FLAT, FAR = 1e-12, 1e300
+"""Lower limit of the derivatives that Newton's method divides by; squared distance of samples that
+do not face each other [m²]."""
 
 Point = tuple[ca.SX, ca.SX]
 """Position, and outward normal, inertial."""
@@ -120,45 +121,48 @@ class BoundaryFormulas:
 
     def _tangency(self, first: int, second: int, own: int, other: int) -> tuple[Point, ca.SX]:
         """Point and normal of the first curve, and the point of the second one."""
-        shapes, curves = (first, second), (self._curve(first), self._curve(second))
-        samples = [c.samples_of(arc) for c, arc in zip(curves, (own, other), strict=True)]
-        frames = [self._frame(shape) for shape in shapes]
-        places, normals = [], []
-        for curve, u, (origin, axes) in zip(curves, samples, frames, strict=True):
-            at = [self._at(curve, ca.SX(v)) for v in u]
-            local = ca.horzcat(*(place for place, *_ in at))
-            places.append(ca.mtimes(axes, local) + ca.repmat(origin, 1, len(u)))
-            normals.append(ca.mtimes(axes, ca.horzcat(*(_outward(slope) for _, slope, _ in at))))
-        count = len(samples[0])
-        nearest, partner = ca.SX(count, 1) + 1e300, ca.SX(count, 1)
-        for k, w in enumerate(samples[1]):
-            away = places[0] - ca.repmat(places[1][:, k], 1, count)
-            facing = ca.mtimes(normals[0].T, normals[1][:, k]) < 0
-            squared = ca.if_else(facing, ca.sum1(away**2).T, 1e300)
-            partner = ca.if_else(squared < nearest, w, partner)
-            nearest = ca.fmin(nearest, squared)
-        number = _smallest(ca.vertsplit(nearest), np.arange(count))
-        u, w = ca.SX(0), ca.SX(0)
-        for k in range(count):
-            u = ca.if_else(number == k, samples[0][k], u)
-            w = ca.if_else(number == k, partner[k], w)
+        u, w = self._nearest_samples((first, second), (own, other))
         for _ in range(ITERATIONS):
-            (c, t, s), (d, q, r) = (
-                (origin + ca.mtimes(axes, place), ca.mtimes(axes, slope), ca.mtimes(axes, bend))
-                for (origin, axes), (place, slope, bend) in zip(
-                    frames, (self._at(curves[0], u), self._at(curves[1], w)), strict=True
-                )
-            )
+            (c, t, s), (d, q, r) = self._placed(first, u), self._placed(second, w)
             between = d - c
             parallel, along = _cross(t, q), ca.dot(between, t)
             a, b = _cross(s, q), _cross(t, r)
             e, f = ca.dot(between, s) - ca.sumsqr(t), ca.dot(t, q)
             divisor = a * f - b * e
-            u, w = (
-                u + (b * along - f * parallel) / divisor,
-                w + (e * parallel - a * along) / divisor,
-            )
+            u += (b * along - f * parallel) / divisor
+            w += (e * parallel - a * along) / divisor
         return self._on_curve(first, u), self._on_curve(second, w)[0]
+
+    def _placed(self, shape: int, u: ca.SX) -> list[ca.SX]:
+        """Inertial position, first and second derivative."""
+        origin, axes = self._frame(shape)
+        place, *slopes = self._at(self._curve(shape), u)
+        return [origin + ca.mtimes(axes, place), *(ca.mtimes(axes, slope) for slope in slopes)]
+
+    def _nearest_samples(
+        self, shapes: tuple[int, int], arcs: tuple[int, int]
+    ) -> tuple[ca.SX, ca.SX]:
+        """Parameters of the nearest samples of two arcs that face each other."""
+        samples, places, normals = [], [], []
+        for shape, arc in zip(shapes, arcs, strict=True):
+            samples.append(self._curve(shape).samples_of(arc))
+            at = [self._placed(shape, ca.SX(v)) for v in samples[-1]]
+            places.append(ca.horzcat(*(place for place, *_ in at)))
+            normals.append(ca.horzcat(*(_outward(slope) for _, slope, _ in at)))
+        count = samples[0].size
+        nearest, partner = ca.SX(count, 1) + FAR, ca.SX(count, 1)
+        for k, v in enumerate(samples[1]):
+            away = places[0] - ca.repmat(places[1][:, k], 1, count)
+            facing = ca.mtimes(normals[0].T, normals[1][:, k]) < 0
+            squared = ca.if_else(facing, ca.sum1(away**2).T, FAR)
+            partner = ca.if_else(squared < nearest, v, partner)
+            nearest = ca.fmin(nearest, squared)
+        number = _smallest(ca.vertsplit(nearest), np.arange(count))
+        u, w = ca.SX(0), ca.SX(0)
+        for k in range(count):
+            u = ca.if_else(number == k, float(samples[0][k]), u)
+            w = ca.if_else(number == k, partner[k], w)
+        return u, w
 
 
 def _smallest(values: list[ca.SX], numbers: np.ndarray) -> ca.SX:

@@ -26,7 +26,8 @@ class Strands:
     """
 
     def __init__(self, model: Model, carriers: list[Any], hulls: list[Hull]):
-        count, owners = len(carriers), {}
+        count = len(carriers)
+        owners: dict[int, int] = {}
         self._owner = np.array([owners.setdefault(id(c.owner), len(owners)) for c in carriers])
         self._nodes, self._clamps = np.zeros((count, 2)), np.full((count, 2), -1)
         self._beside = np.full(count, np.inf)

@@ -50,7 +50,16 @@ class CompiledNewton:
         outputs += [np.zeros(rows) for _ in range(5)]
         outputs += [np.zeros(self.speeds), self.status]
         widest = int(np.diff(pattern.start).max(initial=0))
-        counts = [count, width, len(problem.groups), self.speeds, pattern.rows.size, size, 0, widest]
+        counts = [
+            count,
+            width,
+            len(problem.groups),
+            self.speeds,
+            pattern.rows.size,
+            size,
+            0,
+            widest,
+        ]
         work = 3 * width * (width + 1) + 2 * width + 2 * width * widest
         inputs = [*arrays, *index_arrays(problem), *indices]
         self._loop = Loop(code, inputs, outputs, counts, work)

@@ -12,15 +12,21 @@ from dalembert.elements.base import Condition, Look, Rows, option
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.boundary import Boundary
 from dalembert.elements.contact.hull import Solid
-from dalembert.elements.contact.shapes import Shape
+from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Shape
 from dalembert.elements.look import Path
 from dalembert.elements.pair import need_body
 from dalembert.elements.planar.contact.polygon import checked_vertices, outline
 
+FAR = 1e300
+"""Distance from a side of places that are beyond its ends [m]."""
+
 
 @dataclass(eq=False)
 class Outline(Shape):
-    """Planar polygon that may have dents, for ``Collisions``.
+    """Planar polygon that may have dents.
+
+    In a ``Contact``, a ball touches the nearest side or corner; in ``Collisions`` other shapes
+    touch all sides within reach.
 
     Parameters
     ----------
@@ -45,6 +51,7 @@ class Outline(Shape):
 
     body: BodyElement = option("the body it is fixed in")
     vertices: Rows = option("corners (x, y) in the body frame, anticlockwise around its material")
+    feels = (Ball,)
     space = 2
 
     def __post_init__(self) -> None:
@@ -60,6 +67,23 @@ class Outline(Shape):
     def corners(self) -> tuple[ca.SX, ...]:
         """Its corners in the axes of the body."""
         return tuple(vertex.sx for vertex in self.vertices)
+
+    def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
+        local, nearest, signed = self.local(place), ca.SX(FAR), ca.SX(FAR)
+        before = self.corners[-1]
+        for corner, after in zip(self.corners, self.corners[1:] + self.corners[:1], strict=True):
+            edge, relative = after - corner, local - corner
+            fraction, length = ca.dot(edge, relative), ca.sumsqr(edge)
+            height = -_cross(edge, relative) / ca.sqrt(length)
+            above = ca.logic_and(fraction >= 0, fraction <= length)
+            away = ca.sqrt(ca.sumsqr(relative) + NO_LENGTH**2)
+            convex = ca.if_else(_cross(corner - before, edge) > 0, 1, -1)
+            for size, value in ((ca.if_else(above, ca.fabs(height), FAR), height),
+                                (away, convex * away)):  # fmt: skip
+                signed = ca.if_else(size < nearest, value, signed)
+                nearest = ca.fmin(nearest, size)
+            before = corner
+        return signed
 
     def boundary(self) -> Boundary:
         return Boundary(vertices=self.corners)

@@ -68,8 +68,8 @@ class Bore(Hollow):
     def boundary(self) -> Boundary:
         (x, y), radius = ca.vertsplit(self.point.local.sx), self.radius.sx
         u = curves.u.sx
-        circle = x + radius * ca.cos(u), y - radius * ca.sin(u)
-        return Boundary(FormulaCurve(*(Expression(coordinate) for coordinate in circle)))
+        across, up = Expression(x + radius * ca.cos(u)), Expression(y - radius * ca.sin(u))
+        return Boundary(FormulaCurve(across, up))
 
     def look(self, near: ca.SX) -> list[Look]:
         return [Disc(self.point, self.radius.sx)]
