@@ -2,6 +2,7 @@
 
 import math
 
+import casadi as ca
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -9,11 +10,17 @@ from scipy.optimize import brentq
 
 import dalembert as da
 from dalembert import planar
+from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
 
 contact = planar.contact
 u = da.curves.u
 SCHEMES = [da.AnticipatedImpacts(), da.MoreauJean()]
 G = 9.81
+
+
+def turned(angle: float, vector: np.ndarray) -> np.ndarray:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, -s], [s, c]]) @ vector
 
 
 def turning(system: da.System, name: str, place, speed: float, angle: float = 0.0) -> planar.Body:
@@ -277,3 +284,56 @@ def test_many_profiles_fall_into_a_drum(scheme):
     assert motion.status.success
     assert motion.data["penetration"].max() < 1e-9
     assert motion.statistics["maximum energy gained in contacts [J]"] < 1e-10
+
+
+def test_rollers_touch_the_teeth_of_sprockets_as_in_contact():
+    """Distances of rollers beside the formula of ``Sprocket``."""
+    system = da.System("sprocket")
+    wheel = system.add(planar.Body("wheel", mass=1.0, inertia=1.0, position=(0, 0), angle=0.0))
+    pin = system.add(planar.Body("pin", mass=1.0, inertia=1.0, position=(1, 0), angle=0.0))
+    sprocket = contact.Sprocket(wheel.center, 11, 0.0127, 0.00851)
+    roller = contact.Circle(pin, 0.00851 / 2)
+    system.add(planar.Collisions("seat", [sprocket, roller]))
+    model = system.build()
+    source, e = gap_sources(model)[0], model.equations
+    (point,) = sprocket.contact_points(roller, "seat")
+    distance = ca.Function("d", [e.y, e.p], [point.distance])
+    radius = float(sprocket.pitch_radius)
+    for angle in np.linspace(0, 2 * math.pi / 11, 20):
+        place = (radius + 2e-4) * np.array([math.cos(angle), math.sin(angle)])
+        y = np.array([0, 0, 0.7, *turned(0.7, place), 0])
+        gaps = source.near(0.0, y, model.nominal, np.full((6, 1), 0.01), 2)
+        expected = float(distance(y, model.nominal))
+        if expected > -1e-3:
+            assert gaps.distance.min() == pytest.approx(expected, abs=1e-12)
+
+
+def test_gradients_include_the_form_of_the_curve():
+    """Direct and adjoint gradients beside central differences of the run."""
+    system = da.System("bowl", gravity=(0, -G))
+    bend, friction = system.parameter("bend", 1.0), system.parameter("friction", 0.1)
+    start, radius = -0.4, 0.1
+    length = da.sqrt(1 + 4 * bend**2 * start**2)
+    place = start - 2 * bend * start * radius / length, bend * start**2 + radius / length
+    disc = system.add(planar.Body("disc", mass=1.0, inertia=5e-3, position=place, angle=0.0))
+    bowl = da.FormulaCurve(-u, bend * u * u, -1.0, 1.0, closed=False)
+    shapes = [contact.Profile(system.ground, bowl), contact.Circle(disc, radius)]
+    system.add(planar.Collisions("bowl", shapes, friction=friction))
+    model = system.build()
+    responses = [da.final("disc.x"), da.final("disc.angular_velocity")]
+
+    def run(**values: float) -> da.Motion:
+        options = {"step": 2e-3, "integrator": da.MoreauJean(), "parameters": values or None}
+        return da.solve_nonsmooth(model, 0.1, **options)
+
+    motion = run()
+    direct, adjoint = (
+        da.sensitivity(motion, responses, method=method).values for method in ("direct", "adjoint")
+    )
+    assert direct == pytest.approx(adjoint, rel=1e-9)
+    for k, name in enumerate(model.parameters):
+        value = float(model.parameters[name].value)
+        ends = [run(**{name: value + step}) for step in (1e-5, -1e-5)]
+        for response, row in zip(responses, direct, strict=True):
+            slope = np.diff([end[response.measure].values[-1] for end in ends])[0] / -2e-5
+            assert row[k] == pytest.approx(slope, rel=1e-4, abs=1e-6)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import dalembert as da
-from dalembert import planar
+from dalembert import planar, spatial
 from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
 from dalembert.errors import ModelError
 from dalembert.io import load
@@ -76,8 +76,11 @@ def test_files_have_groups_and_pairs(tmp_path, schema):
         ("touching = false", "restitution = 1.5", r"pairs\[1\]: restitution is above 1: 1.5"),
         ("radius = 0.1", "radius = 0", r"shapes.discs\[0\].radius: is 0 m"),
         ('"Rectangle", point = "crate", size = [0.2, 0.1]',
-         '"Sprocket", point = "crate", teeth = 9, pitch = 0.1, roller = 0.05',
-         r"shapes.crates\[0\]: a Sprocket is not available here"),
+         '"Outline", body = "crate", vertices = [[0, 0], [0, 1], [1, 0]]',
+         r"shapes.crates\[0\]: its vertices run clockwise"),
+        ('"Rectangle", point = "crate", size = [0.2, 0.1]',
+         '"Outline", body = "crate", vertices = [[0, 0], [3, 0], [1, 1], [2, -1]]',
+         r"shapes.crates\[0\]: its edges cross each other"),
         ('"Rectangle", point = "crate", size = [0.2, 0.1]',
          '"Polygon", body = "crate", vertices = [[0, 0], [0, 1], [1, 0]]',
          r"shapes.crates\[0\]: its vertices are no convex polygon"),
@@ -152,6 +155,6 @@ def test_wrong_shapes_are_refused():
         planar.Collisions("c", [disc], pairs=[contact.Pair(("a", "b"))])
     with pytest.raises(ModelError, match="touching is 3"):
         contact.Pair(("a", "b"), touching=3)
-    sprocket = contact.Sprocket(body.center, 9, 0.1, 0.05)
-    with pytest.raises(ModelError, match="Sprocket is not available here"):
-        planar.Collisions("c", [sprocket])
+    ball = spatial.Body("b", mass=1.0, inertia=(1, 1, 1))
+    with pytest.raises(ModelError, match="Socket is not available here"):
+        spatial.Collisions("c", [spatial.contact.Socket(ball.center, 1.0)])

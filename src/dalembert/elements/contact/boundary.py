@@ -16,16 +16,18 @@ class Boundary:
 
     Attributes
     ----------
-    curve : a smooth curve; None for a polygon
+    curve : a curve; None for a polygon
     vertices : of a polygon, anticlockwise around its material
+    tips : convex corners of a curve, which is smooth between them
     """
 
     curve: Curve | None = None
     vertices: tuple[ca.SX, ...] = ()
+    tips: tuple[ca.SX, ...] = ()
 
     def corners(self) -> list[Hull]:
-        """Ends of an open curve, or vertices of a polygon, as hulls of one corner."""
-        places = list(self.vertices)
+        """Tips, ends of an open curve, or vertices of a polygon, as hulls of one corner."""
+        places = [*self.vertices, *self.tips]
         if self.curve is not None and not self.curve.closed:
-            places = [self.curve.position(ca.SX(end)) for end in self.curve.interval()]
+            places += [self.curve.position(ca.SX(end)) for end in self.curve.interval()]
         return [Hull((place,), ca.SX(0)) for place in places]
