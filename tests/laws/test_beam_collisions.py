@@ -87,11 +87,11 @@ def test_gaps_of_beams_are_rates_and_formulas(dimension):
     rng = np.random.default_rng(1)
     y = e.manifold.go(model.start.y, 0.02 * rng.normal(size=e.speed_count))
     v, far = rng.normal(size=e.speed_count), np.full((e.speed_count, 1), 0.3)
-    gaps = source.near(0.0, y, p, far, dimension)
+    gaps = source.near(0.0, y, p, far, source.groups)
     rates = gaps.speeds(v)[:, 0]
     ends = []
     for step in (1e-6, -1e-6):
-        moved = source.near(0.0, e.manifold.go(y, step * v), p, far * 1.1, dimension)
+        moved = source.near(0.0, e.manifold.go(y, step * v), p, far * 1.1, source.groups)
         ends.append(dict(zip(moved.key, moved.distance, strict=True)))
     assert gaps.count > 10
     for k, key in enumerate(gaps.key):

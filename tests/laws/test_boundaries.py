@@ -111,7 +111,7 @@ class Meeting:
 
     def gaps(self, y: np.ndarray, travel: float = 10.0):
         travels = np.full((6, 1), travel)
-        return self.source.near(0.0, y, self.model.nominal, travels, 2)
+        return self.source.near(0.0, y, self.model.nominal, travels, (1,))
 
     def distance(self, y: np.ndarray, every: int = 1) -> float:
         """The distance of the points of both shapes."""

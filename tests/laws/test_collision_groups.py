@@ -52,7 +52,7 @@ def read(tmp_path, text: str) -> da.System:
 
 def gaps_of(model: da.Model, reach: float = 10.0):
     travels = np.full((model.equations.speed_count, 1), reach)
-    return gap_sources(model)[0].near(0.0, model.start.y, model.nominal, travels, 2)
+    return gap_sources(model)[0].near(0.0, model.start.y, model.nominal, travels, (1,))
 
 
 def test_files_have_groups_and_pairs(tmp_path, schema):
@@ -60,9 +60,29 @@ def test_files_have_groups_and_pairs(tmp_path, schema):
     element = system.elements["box"]
     assert list(element.groups) == ["discs", "crates", "walls"]
     gaps = gaps_of(system.build())  # disc on the wall; four corners of the crate on the wall
-    assert sorted(gaps.friction) == [0.2, 0.3, 0.3, 0.3, 0.3]
-    assert gaps.restitution == pytest.approx(0.1)
+    assert sorted(gaps.laws.friction[:, 0]) == [0.2, 0.3, 0.3, 0.3, 0.3]
+    assert gaps.laws.restitution == pytest.approx(0.1)
     schema.validate(tomllib.loads(FILE))
+
+
+def test_laws_in_files_have_units(tmp_path, schema):
+    """Lengths of rolling friction, static friction and the law of impact."""
+    old = "friction = 0.2\n"
+    new = 'friction = 0.2\nstatic_friction = 0.25\nrolling = "2 mm"\nimpact_law = "energetic"\n'
+    pair = 'friction = "mu", static_friction = 0.4, rolling = 0.001'
+    assert old in FILE
+    text = FILE.replace(old, new).replace('friction = "mu"', pair)
+    schema.validate(tomllib.loads(text))
+    model = read(tmp_path, text).build()
+    element = model.parts.elements["box"]
+    assert element.friction_groups == (1, 1) and element.law.value == "energetic"
+    source = gap_sources(model)[0]
+    travels = np.full((model.equations.speed_count, 1), 10.0)
+    laws = source.near(0.0, model.start.y, model.nominal, travels, (1, 1)).laws
+    assert sorted(laws.friction[:, 1]) == [0.001] * 4 + [0.002]
+    assert sorted(laws.static_friction) == [0.25] + [0.4] * 4
+    motion = da.solve_nonsmooth(model, 0.05, step=1e-3, integrator=da.MoreauJean())
+    assert motion.status.success
 
 
 @pytest.mark.parametrize(
@@ -73,6 +93,10 @@ def test_files_have_groups_and_pairs(tmp_path, schema):
         ('"discs", "crates"', '"walls", "crates"', r"box.pairs\[1\]: walls and crates have"),
         ('friction = "mu"', 'fricton = "mu"', r"pairs\[0\].fricton: unknown key"),
         ("touching = false", "friction = -1", r"pairs\[1\].friction: is -1"),
+        ("touching = false", "static_friction = 0.1", r"pairs\[1\]: static_friction is 0.1; it"),
+        ("touching = false", "spinning = 0.1", r"box.pairs\[1\].spinning: nothing spins about"),
+        ("touching = false", 'rolling = "1 s"', r"pairs\[1\]: 1 s does not fit, expected m"),
+        ("friction = 0.2", 'impact_law = "brach"', "box.impact_law: unknown law 'brach'"),
         ("touching = false", "restitution = 1.5", r"pairs\[1\]: restitution is above 1: 1.5"),
         ("radius = 0.1", "radius = 0", r"shapes.discs\[0\].radius: is 0 m"),
         ('"Rectangle", point = "crate", size = [0.2, 0.1]',

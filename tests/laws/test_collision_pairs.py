@@ -58,7 +58,7 @@ class Meeting:
         """All gaps of the pair."""
         count = self.model.equations.speed_count
         travels = np.full((count, 1), travel)
-        return self.source.near(0.0, y, self.model.nominal, travels, self.source.width)
+        return self.source.near(0.0, y, self.model.nominal, travels, self.source.groups)
 
 
 def _rotation(rng: np.random.Generator, dimension: int) -> np.ndarray:

@@ -94,7 +94,7 @@ def test_bodies_of_all_shapes_do_not_overlap(fallen):
     source, p = gap_sources(fallen.model)[0], fallen.model.nominal
     none = np.zeros((fallen.model.equations.speed_count, 1))
     deepest = min(
-        source.near(0.0, y, p, none, 2).distance.min(initial=0.0) for y in fallen.trajectory.y.T
+        source.near(0.0, y, p, none, (1,)).distance.min(initial=0.0) for y in fallen.trajectory.y.T
     )
     assert deepest > -1e-9
 

@@ -52,7 +52,7 @@ def test_faces_touch_at_the_corners_of_their_common_part():
     model = system.build()
     (source,) = gap_sources(model)
     travels = np.full((model.equations.speed_count, 1), 1e-3)
-    gaps = source.near(0.0, model.start.y, model.nominal, travels, 3)
+    gaps = source.near(0.0, model.start.y, model.nominal, travels, (2,))
     assert gaps.count == 8 and abs(gaps.distance).max() < 1e-12
     places = source.points(0.0, model.start.y, model.nominal, gaps.key)[0]
     corners = places[np.argsort(np.arctan2(places[:, 1], places[:, 0]))]

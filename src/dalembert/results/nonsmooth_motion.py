@@ -28,7 +28,8 @@ class ContactRecord:
         multipliers are means over the step before, at the start over the first
     names : elements that have gaps
     step, owner, key : (c,) step, element and gap of each impulse
-    impulse : (c, k) [N s], the normal component first
+    impulse : (c, k) [N s], the normal component first, those of rotations last [N m s]
+    linear : number of components that are not rotations
     loss : (K,) energy dissipated by contacts [J]
     penetration : (K+1,) maximum penetration of the gaps [m]
     residual : (K,) of the contact conditions, as a speed [m/s]
@@ -41,6 +42,7 @@ class ContactRecord:
     owner: np.ndarray
     key: np.ndarray
     impulse: np.ndarray
+    linear: int
     loss: np.ndarray
     penetration: np.ndarray
     residual: np.ndarray
@@ -80,7 +82,8 @@ class NonsmoothMotion(Motion):
 
         record: ContactRecord = self.record
         normal = record.summed(self.time, record.impulse[:, 0])
-        friction = record.summed(self.time, np.linalg.norm(record.impulse[:, 1:], axis=1))
+        sliding = np.linalg.norm(record.impulse[:, 1 : record.linear], axis=1)
+        friction = record.summed(self.time, sliding)
         depth = np.interp(self.time, record.t, record.penetration)
         dims = ("time", "contact")
         variables = {

@@ -164,7 +164,7 @@ def _collisions(model: Model, s: Trajectory, p: np.ndarray) -> Iterator[Smallest
     for source in collision_gaps(model):
         smallest = np.full(s.t.size, np.inf)
         for k, t in enumerate(s.t):
-            gaps = source.near(float(t), s.y[:, k], p, travels, source.width)
+            gaps = source.near(float(t), s.y[:, k], p, travels, source.groups)
             smallest[k] = gaps.distance.min(initial=np.inf)
         k = int(np.argmin(smallest))
         yield source.elements[0].name, k, float(smallest[k]), "solve_nonsmooth"

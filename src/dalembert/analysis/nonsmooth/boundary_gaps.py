@@ -38,7 +38,7 @@ class BoundaryGaps(SearchedGaps):
         self._radix = features, len(geometry.shapes)
         self._placed: tuple[Positions, PlacedBoundaries] | None = None
 
-    def within(self, last: LastPosition, width: int) -> list[Contacts]:
+    def within(self, last: LastPosition, groups: tuple[int, ...]) -> list[Contacts]:
         parts = []
         search = BoundarySearch(self.geometry, self._at(last.at, last.p), last.at, last.reach)
         for feet in search.feet():
@@ -47,7 +47,7 @@ class BoundaryGaps(SearchedGaps):
                 near = gaps[0] <= last.reach
                 feet, gaps = feet.some(near), [part[near] for part in gaps]
                 key = self._keys(feet)
-                parts.append(self.contacts(last, feet.first, feet.second, gaps, key, width))
+                parts.append(self.contacts(last, feet.first, feet.second, gaps, key, groups))
         return parts
 
     def arms(self, at: Positions) -> np.ndarray:

@@ -18,6 +18,7 @@ from dalembert.elements.contact.contact_point import contact_at_wall, contact_of
 from dalembert.elements.contact.pairs import APART
 from dalembert.elements.contact.shapes import Round
 from dalembert.elements.contact.unilateral import Unilateral
+from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
@@ -41,7 +42,9 @@ class CollisionGaps(GapSource):
     """
 
     def __init__(self, model: Model, element: Collisions):
-        self.elements, self.width = [element], element.dimension
+        self.elements, self.groups = [element], element.friction_groups
+        self.dimension: int = element.dimension
+        self.law = element.law
         e, balls, walls = model.all_equations, element.balls, element.walls
         points = [shape.point for shape in (*balls, *walls)]
         positions = [_in_space(p.position.sx) for p in points]
@@ -67,7 +70,12 @@ class CollisionGaps(GapSource):
         self._last: NearPairs | None = None
 
     def near(
-        self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
+        self,
+        time: float,
+        y: np.ndarray,
+        p: np.ndarray,
+        travels: np.ndarray,
+        groups: tuple[int, ...],
     ) -> Contacts:
         pairs = self._pairs(time, y, p)
         reach = 2 * self._velocities.fastest(pairs.shapes.velocities, travels)
@@ -76,13 +84,13 @@ class CollisionGaps(GapSource):
         near = np.flatnonzero(pairs.distance <= reach)
         first, second = pairs.first[near], pairs.second[near]
         laws = pairs.shapes.coefficients[:, self._law(first, second)]
+        width = 1 + sum(groups)
         return Contacts(
             pairs.distance[near],
             pairs.derivatives.rows(near, width),
             np.zeros((near.size, width)),
-            laws[0],
-            laws[1],
-            laws[2],
+            ContactLaws.of(laws, groups),
+            groups,
             first * pairs.shapes.positions.shape[0] + second,
             np.zeros(near.size, dtype=int),
         )
@@ -126,12 +134,13 @@ class CollisionGaps(GapSource):
         wall, balls = here >= radii.numel(), radii.numel()
         own = normals[:, here - balls] if wall else radii[here]
         twists = [moving[k * TWIST : (k + 1) * TWIST] for k in (here, there)]
-        distance, directions = _gap_function(self.width, wall)(
+        distance, directions = _gap_function(self.dimension, wall, self._turns)(
             ca.vertcat(positions[:, here], own), ca.vertcat(positions[:, there], radii[there])
         )
         speeds = ca.mtimes(directions, ca.vertcat(*twists))
         law = int(self._laws[self._groups[here], self._groups[there]])
-        return SymbolicGap(distance, speeds, *ca.vertsplit(coefficients[:, law]))
+        law_of_pair = coefficients[: FIRST + len(self.groups), law]
+        return SymbolicGap(distance, speeds, self.groups, law_of_pair)
 
     def points(
         self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
@@ -146,7 +155,7 @@ class CollisionGaps(GapSource):
                 feature, own = Feature.WALL, [positions[:, here], normals[:, here - balls], [0.0]]
             else:
                 feature, own = Feature.CORNERS, [positions[:, here], radii[here]]
-            function = gap_function(feature, self.width)
+            function = gap_function(feature, self.dimension)
             out = function(np.concatenate([*own, positions[:, here]]), other)
             places[k], directions[k] = out[2].full().ravel(), out[3].full()
         return places, directions
@@ -156,22 +165,29 @@ class CollisionGaps(GapSource):
     ) -> tuple[np.ndarray, np.ndarray]:
         """(n,) distances and (n, k, 12) derivatives of gap velocities by both twists."""
         count, positions, radii = chosen.shape[1], shapes.positions, shapes.radii
+        width = 1 + sum(self.groups)
         if not count:
-            return np.zeros(0), np.zeros((0, self.width, 2 * TWIST))
+            return np.zeros(0), np.zeros((0, width, 2 * TWIST))
         size = SMALLEST << max(0, int(np.ceil(np.log2(count / SMALLEST))))
         first, second = chosen if size == count else chosen[:, np.arange(size) % count]
         own = shapes.normals[first - radii.size].T if wall else radii[None, first]
         here, there = positions[first].T, positions[second].T
         kernel = self._kernel(wall, size)
         distance, blocks = kernel(np.vstack([here, own]), np.vstack([there, radii[second]]))
-        blocks = blocks.reshape(self.width, 2 * TWIST, size, order="F")
+        blocks = blocks.reshape(width, 2 * TWIST, size, order="F")
         return distance.ravel()[:count], np.moveaxis(blocks, 2, 0)[:count]
 
     def _kernel(self, wall: bool, size: int) -> Kernel:
         """Gap function of two balls, or of a wall and a ball, mapped over ``size`` pairs."""
         if (wall, size) not in self._kernels:
-            self._kernels[wall, size] = Kernel(_gap_function(self.width, wall).map(size))
+            function = _gap_function(self.dimension, wall, self._turns)
+            self._kernels[wall, size] = Kernel(function.map(size))
         return self._kernels[wall, size]
+
+    @property
+    def _turns(self) -> bool:
+        """Whether there is friction of rotations."""
+        return len(self.groups) > 1
 
 
 @once
@@ -204,7 +220,7 @@ def _in_space(vector: ca.SX) -> ca.SX:
     return vector if vector.numel() == 3 else ca.vertcat(vector, 0)
 
 
-def _gap_function(dimension: int, wall: bool) -> ca.Function:
+def _gap_function(dimension: int, wall: bool, turns: bool) -> ca.Function:
     """``(place and radius, or place and normal; place and radius) → g, ∂u/∂twists``."""
     first, second = ca.SX.sym("first", 6 if wall else 4), ca.SX.sym("second", 4)
     twist = ca.SX.sym("twist", 2 * TWIST)
@@ -217,5 +233,7 @@ def _gap_function(dimension: int, wall: bool) -> ca.Function:
         lambda point: twist[:3] + ca.cross(twist[3:6], point - first[:3]),
         lambda point: twist[6:9] + ca.cross(twist[9:], point - second[:3]),
     )
+    if turns:
+        speed = ca.vertcat(speed, gap.turning(twist[3:6], twist[9:]))
     directions = ca.densify(ca.jacobian(speed, twist))
     return ca.Function("meeting", [first, second], [gap.distance, directions])

@@ -3,18 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import scipy
 
-from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
+from dalembert.analysis.nonsmooth.gaps import FormulaGaps, GapSource, SymbolicGap
 from dalembert.analysis.nonsmooth.mobility import Mobility
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
+from dalembert.elements.contact.impact_law import ImpactLaw
+from dalembert.errors import UnsupportedError
+from dalembert.integrators.contact.contact_laws import widest_groups
 from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
+from dalembert.integrators.contact.impact_path import impact_impulses, in_succession
 from dalembert.integrators.contact.impulses import Impulses
 from dalembert.integrators.contact.schemes import Approach, ContactScheme
+from dalembert.integrators.contact.static_friction import (
+    STILL,
+    may_stick,
+    solve_with_static_friction,
+    sticks,
+)
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Matrix
 
@@ -39,6 +50,7 @@ class StepResult:
     multiplier : of the joints, times the step
     contacts : contacts of the friction problem
     impulses : solution of the friction problem
+    stuck : keys of the contacts with static friction at the end
     loss : energy dissipated by the contacts
     """
 
@@ -47,6 +59,7 @@ class StepResult:
     multiplier: np.ndarray
     contacts: Contacts
     impulses: Impulses
+    stuck: np.ndarray
     loss: float
 
     @property
@@ -76,16 +89,37 @@ class ContactStep:
     solver: ContactSolver
     p: np.ndarray
 
-    @property
-    def width(self) -> int:
-        """Components of the relative velocities."""
-        return max((source.width for source in self.sources), default=1)
+    @cached_property
+    def groups(self) -> tuple[int, ...]:
+        """Widths of the groups of tangential components of the relative velocities."""
+        return widest_groups([source.groups for source in self.sources])
+
+    @cached_property
+    def law(self) -> ImpactLaw:
+        """Law of restitution of all gaps.
+
+        Raises
+        ------
+        UnsupportedError
+            Gaps have several laws, or the scheme has not this law.
+        """
+        names = {source.law: source.elements[0].name for source in self.sources}
+        if len(names) > 1:
+            laws = " and ".join(f"{name} ({law.value})" for law, name in names.items())
+            raise UnsupportedError(f"contacts have several laws of impact: {laws}; give one law")
+        ((law, name),) = names.items()
+        if law not in self.scheme.impact_laws:
+            raise UnsupportedError(
+                f"{name}: {type(self.scheme).__name__} has no {law.value} law of impact; use "
+                f"integrator=da.MoreauJean(), or leave out {_keyword(self.sources, law)}"
+            )
+        return law
 
     def near(self, t: float, y: np.ndarray, travels: np.ndarray) -> Contacts:
         """Gaps of all sources within reach of the displacements ``travels``."""
         parts, elements = [], 0
         for number, source in enumerate(self.sources):
-            contacts = source.near(t, y, self.p, travels, self.width)
+            contacts = source.near(t, y, self.p, travels, self.groups)
             parts.append(
                 replace(
                     contacts, owner=contacts.owner + elements, key=contacts.key + number * APART
@@ -123,13 +157,15 @@ class ContactStep:
         reach, begins = AHEAD * h, before is None
         for _ in range(WIDENINGS):
             contacts = self.near(t, y, reach * np.column_stack([v, free]))
-            approach = Approach(contacts, contacts.speeds(v), contacts.speeds(free), h, begins)
+            approach = Approach(
+                contacts, contacts.speeds(v), contacts.speeds(free), h, begins, self.rounding
+            )
             acting = self.scheme.acting(approach)
             if not acting.all():
                 contacts = contacts.some(acting)
-                speeds = approach.before[acting], approach.free[acting]
-                approach = Approach(contacts, *speeds, h, begins)
-            impulses = self._impulses(approach, mobility, before)
+                speeds = {"before": approach.before[acting], "free": approach.free[acting]}
+                approach = replace(approach, contacts=contacts, **speeds)
+            impulses, stuck = self._impulses(approach, mobility, before)
             push = impulses.impulses.ravel()
             change, reactions = mobility(contacts.directions.T @ push)
             after = free + change
@@ -142,32 +178,55 @@ class ContactStep:
                 break
             reach *= WIDER
         loss = -0.5 * float(push @ (contacts.directions @ (after + v)))
-        return StepResult(position, after, multiplier + reactions, contacts, impulses, loss)
+        reactions += multiplier
+        return StepResult(position, after, reactions, contacts, impulses, stuck, loss)
 
     def _impulses(
         self, approach: Approach, mobility: Mobility, before: StepResult | None
-    ) -> Impulses:
-        """Impulses of the contacts; offsets are updated until they no longer change."""
+    ) -> tuple[Impulses, np.ndarray]:
+        """Impulses of the contacts, and keys of the sticking ones with static friction; offsets are
+        updated until they no longer change."""
         contacts, shape = approach.contacts, approach.before.shape
         if not contacts.count:
-            return Impulses(np.zeros(shape), 0.0, True)
+            return Impulses(np.zeros(shape), 0.0, True), contacts.key[:0]
         matrix = delassus(contacts.directions, mobility)
-        offsets = self.scheme.first(approach)
-        scale = float(max(np.abs(approach.free).max(), np.abs(approach.before).max()))
-        groups = (shape[1] - 1,) if shape[1] > 1 else ()
-        friction = contacts.friction[:, None][:, : len(groups)]
+        offsets, free = self.scheme.first(approach), approach.free
+        laws, none = contacts.laws, contacts.key[:0]
+        scale = approach.fastest or 1.0
+        rounding = STILL * self.solver.tolerance * scale
+        static = may_stick(contacts, approach.before, before.stuck if before else none, rounding)
         start, rounds = warm_start(contacts, before, shape), 0
+        impact = None
+        if self.law is not ImpactLaw.NEWTON and approach.is_impact:
+            friction = laws.friction, contacts.groups, scale
+            instant = FrictionProblem(matrix, approach.before, *friction)
+            impact, at_end = impact_impulses(instant, laws.restitution, self.law, self.solver)
+            free, offsets = free + at_end - approach.before, approach.held(at_end)
         for _ in range(ROUNDS):
-            velocity = approach.free + offsets
-            problem = FrictionProblem(matrix, velocity, friction, groups, scale or 1.0)
-            solution = self.solver.solve(problem, start)
+            velocity = free + offsets
+            problem = FrictionProblem(matrix, velocity, laws.friction, contacts.groups, scale)
+            solution, static = solve_with_static_friction(
+                self.solver, problem, start, laws, static, approach.before
+            )
             start, rounds = solution.impulses, rounds + solution.rounds
             after = problem.speeds(solution.impulses) - offsets
             changed = self.scheme.again(approach, offsets, solution.impulses, after)
-            if changed is None or not solution.converged:
+            if changed is None or not solution.accepted:
                 break
             offsets = changed
-        return replace(solution, rounds=rounds)
+        solution = replace(solution, rounds=rounds)
+        if impact is not None:
+            solution = in_succession(impact, solution)
+        if not laws.higher_at_rest.any():
+            return solution, none
+        stuck = (start[:, 0] > 0) & sticks(self.solver, problem, start)
+        return solution, contacts.key[stuck]
+
+
+def _keyword(sources: list[GapSource], law: ImpactLaw) -> str:
+    """Argument of the element that requests a law."""
+    formulas = any(isinstance(source, FormulaGaps) for source in sources)
+    return "poisson=True" if formulas else f"impact_law={law.value!r}"
 
 
 def delassus(directions: Matrix, mobility: Mobility) -> np.ndarray | Delassus:

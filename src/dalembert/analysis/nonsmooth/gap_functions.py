@@ -81,11 +81,11 @@ def _contact_of_edges(
 
 
 @cache
-def gap_function(feature: Feature, dimension: int) -> ca.Function:
+def gap_function(feature: Feature, dimension: int, turns: bool = False) -> ca.Function:
     """``(features of both bodies) → g, ∂u/∂twists, place, directions``.
 
     A feature is the column of its points, the radius of its hull and the reference point of its
-    body, whose velocity is in the twist.
+    body, whose velocity is in the twist. With ``turns``, ``u`` includes the relative rotation.
     """
     counts = point_counts(feature, dimension)
     columns = [ca.SX.sym(name, 3 * n + TRAILING) for name, n in zip("ij", counts, strict=True)]
@@ -100,6 +100,8 @@ def gap_function(feature: Feature, dimension: int) -> ca.Function:
         lambda place: twist[:3] + ca.cross(twist[3:6], place - origins[0]),
         lambda place: twist[6:9] + ca.cross(twist[9:], place - origins[1]),
     )
+    if turns:
+        speed = ca.vertcat(speed, point.turning(twist[3:6], twist[9:]))
     blocks = ca.jacobian(speed, twist)
     rest = ca.SX.zeros(3 - dimension)
     place = ca.vertcat(point.place, rest)

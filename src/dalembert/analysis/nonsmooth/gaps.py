@@ -9,9 +9,11 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.base import Element, Rate
+from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.elements.coordinates import rate_of
-from dalembert.errors import ModelError, UnsupportedError
+from dalembert.errors import ModelError
+from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel, Patterned, dense_array
@@ -26,14 +28,14 @@ class SymbolicGap:
     ----------
     distance : ``g``
     speeds : (k,) ``u``, the normal component first
-    restitution, tangential, friction : law of impact
+    groups : widths of the groups of tangential components
+    coefficients : restitution, tangential restitution, static friction, friction of each group
     """
 
     distance: ca.SX
     speeds: ca.SX
-    restitution: ca.SX
-    tangential: ca.SX
-    friction: ca.SX
+    groups: tuple[int, ...]
+    coefficients: ca.SX
 
 
 class GapSource(ABC):
@@ -42,19 +44,31 @@ class GapSource(ABC):
     Attributes
     ----------
     elements : owners of the gaps
-    width : components of the relative velocity at a gap
+    law : of restitution
+    groups : widths of the groups of tangential components of the relative velocity at a gap
     """
 
     elements: list[Element]
-    width: int
+    law: ImpactLaw
+    groups: tuple[int, ...]
+
+    @property
+    def linear(self) -> int:
+        """Number of components of the relative velocity that are not rotations."""
+        return 1 + sum(self.groups[:1])
 
     @abstractmethod
     def near(
-        self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
+        self,
+        time: float,
+        y: np.ndarray,
+        p: np.ndarray,
+        travels: np.ndarray,
+        groups: tuple[int, ...],
     ) -> Contacts:
         """Gaps no wider than the largest motion by the displacements ``travels`` (n_v, m).
 
-        Gap velocities have ``width`` components, padded by zeros.
+        Gap velocities have the components of ``groups``, padded by zeros.
         """
 
     @abstractmethod
@@ -64,15 +78,15 @@ class GapSource(ABC):
     def points(
         self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """(n, 3) contact points and (n, 3, width) directions of velocities at gaps with some keys.
+        """(n, 3) contact points and (n, 3, linear) directions of velocities at gaps with some keys.
 
         Gaps stated by formulas have no position, which is NaN.
         """
-        return np.full((keys.size, 3), np.nan), np.zeros((keys.size, 3, self.width))
+        return np.full((keys.size, 3), np.nan), np.zeros((keys.size, 3, self.linear))
 
     def deepest(self, time: float, y: np.ndarray, p: np.ndarray, speeds: int) -> float:
         """The smallest gap if it is negative, else 0 [m]; ``speeds`` is the number of speeds."""
-        closed = self.near(time, y, p, np.zeros((speeds, 1)), self.width)
+        closed = self.near(time, y, p, np.zeros((speeds, 1)), self.groups)
         return float(closed.distance.min(initial=0.0))
 
 
@@ -87,18 +101,18 @@ class FormulaGaps(GapSource):
 
     def __init__(self, model: Model, elements: list[Unilateral]):
         self.elements = list(elements)
-        _refuse_poisson(elements)
         e = model.all_equations
         gaps = [
             (k, gap)
             for k, element in enumerate(elements)
             for gap in element.gaps(_rate(model, element))
         ]
-        self.width = 1 + max(gap.slip.numel() for _, gap in gaps)
+        slips = max(gap.slip.numel() for _, gap in gaps)
+        self.groups = (slips,) if slips else ()
         self.owner = np.array([k for k, _ in gaps])
         velocities = []
         for k, gap in gaps:
-            padding = ca.SX.zeros(self.width - 1 - gap.slip.numel())
+            padding = ca.SX.zeros(slips - gap.slip.numel())
             velocities.append(
                 ca.vertcat(_rate(model, elements[k])(gap.distance), gap.slip, padding)
             )
@@ -108,9 +122,13 @@ class FormulaGaps(GapSource):
             raise ModelError("velocities of a gap must be linear in speeds", elements[0].name)
         drift = ca.substitute(speeds, e.v, ca.SX.zeros(e.speed_count))
         distances = model.at_ground(ca.vertcat(*(gap.distance for _, gap in gaps)))
-        laws = [element.impact() for element in elements]
+        laws = [law for element in elements if (law := element.impact())]
+        self.law = laws[0].law  # equal, as checked by the model
         coefficients = ca.horzcat(
-            *(ca.vertcat(law.restitution, law.tangential, law.friction) for law in laws if law)
+            *(
+                ca.vertcat(law.restitution, law.tangential, law.friction, law.friction)
+                for law in laws
+            )
         )
         coefficients = model.at_ground(ca.densify(coefficients))
         self._symbolic = distances, speeds, coefficients
@@ -120,21 +138,27 @@ class FormulaGaps(GapSource):
         self._laws = Kernel(ca.Function("laws", inputs, [coefficients]))
 
     def near(
-        self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
+        self,
+        time: float,
+        y: np.ndarray,
+        p: np.ndarray,
+        travels: np.ndarray,
+        groups: tuple[int, ...],
     ) -> Contacts:
         distance, directions, drift = self._gaps(time, y, p)
         reach = np.abs(directions @ travels).max(initial=0.0)
-        count = self.owner.size
-        padding = ((0, 0), (0, width - self.width), (0, 0))
-        rows = np.pad(dense_array(directions).reshape(count, self.width, -1), padding)
-        restitution, tangential, friction = self._laws(time, y, p)[0][:, self.owner]
+        count, width = self.owner.size, 1 + sum(groups)
+        padding = ((0, 0), (0, width - self.linear), (0, 0))
+        rows = np.pad(dense_array(directions).reshape(count, self.linear, -1), padding)
+        laws = self._laws(time, y, p)[0][:, self.owner]
+        coefficients = np.zeros((FIRST + len(groups), count))
+        coefficients[: FIRST + 1] = laws[: FIRST + len(groups)]
         gaps = Contacts(
             distance,
             rows.reshape(count * width, -1),
-            np.pad(drift.reshape(count, self.width), padding[:2]),
-            restitution,
-            tangential,
-            friction,
+            np.pad(drift.reshape(count, self.linear), padding[:2]),
+            ContactLaws.of(coefficients, groups),
+            groups,
             np.arange(count),
             self.owner,
         )
@@ -142,20 +166,9 @@ class FormulaGaps(GapSource):
 
     def symbolic(self, key: int) -> SymbolicGap:
         distances, speeds, coefficients = self._symbolic
-        own = speeds[key * self.width : (key + 1) * self.width]
-        return SymbolicGap(
-            distances[key], own, *ca.vertsplit(coefficients[:, int(self.owner[key])])
-        )
-
-
-def _refuse_poisson(elements: list[Unilateral]) -> None:
-    for element in elements:
-        law = element.impact()
-        if law is not None and law.poisson:
-            raise UnsupportedError(
-                f"{element.name}: time stepping resolves no end of compression, which Poisson's "
-                "law requires; leave out poisson=True, or use solve_dynamics"
-            )
+        own = speeds[key * self.linear : (key + 1) * self.linear]
+        law = coefficients[: FIRST + len(self.groups), int(self.owner[key])]
+        return SymbolicGap(distances[key], own, self.groups, law)
 
 
 def _rate(model: Model, element: Unilateral) -> Rate:

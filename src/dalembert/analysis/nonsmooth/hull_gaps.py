@@ -40,10 +40,10 @@ class HullGaps(SearchedGaps):
         features = [max(len(h.corners), 2 * len(h.edges), len(h.faces)) for h in geometry.hulls]
         self._radix = max(features), len(geometry.shapes)
 
-    def within(self, last: LastPosition, width: int) -> list[Contacts]:
+    def within(self, last: LastPosition, groups: tuple[int, ...]) -> list[Contacts]:
         at, reach = last.at, last.reach
         pairs = [self._with_ends(p) for p in (*self._walls(at, reach), *self._hulls(at, reach))]
-        return [self._contacts(part, last, width) for part in pairs if part.first.size]
+        return [self._contacts(part, last, groups) for part in pairs if part.first.size]
 
     def _with_ends(self, pairs: Pairs) -> Pairs:
         """The pairs without corners of endless shapes."""
@@ -65,7 +65,7 @@ class HullGaps(SearchedGaps):
     ) -> tuple[np.ndarray, np.ndarray]:
         at = self.geometry.positions(time, y, p)
         places = np.zeros((keys.size, 3))
-        directions = np.zeros((keys.size, 3, self.width))
+        directions = np.zeros((keys.size, 3, self.dimension))
         kinds = keys // self._first_key(Feature(1))
         for kind in np.unique(kinds):
             own = kinds == kind
@@ -104,7 +104,7 @@ class HullGaps(SearchedGaps):
         if not first.size:
             return []
         rounded = self.geometry.rounded[first] | self.geometry.rounded[second]
-        search = planar_features if self.width == 2 else spatial_features
+        search = planar_features if self.dimension == 2 else spatial_features
         tables: dict[Feature, list[np.ndarray]] = {}
         for pairs, one, another in self.geometry.batches(first, second, at):
             i, j = first[pairs], second[pairs]
@@ -115,12 +115,12 @@ class HullGaps(SearchedGaps):
         return [Pairs(feature, *table) for feature, table in joined if table.size]
 
     # gaps of pairs -------------------------------------------------------------------------------
-    def _contacts(self, pairs: Pairs, last: LastPosition, width: int) -> Contacts:
+    def _contacts(self, pairs: Pairs, last: LastPosition, groups: tuple[int, ...]) -> Contacts:
         """Gaps of pairs within reach."""
         gaps = self._evaluate(pairs, last.at)
         near = gaps[0] <= last.reach
         pairs, gaps = _some(pairs, near), [part[near] for part in gaps]
-        return self.contacts(last, pairs.first, pairs.second, gaps, self._keys(pairs), width)
+        return self.contacts(last, pairs.first, pairs.second, gaps, self._keys(pairs), groups)
 
     def _evaluate(self, pairs: Pairs, at: Positions) -> list[np.ndarray]:
         return self.evaluate(pairs.feature, self.geometry.columns(pairs, at))

@@ -50,7 +50,7 @@ class Positions:
     walls : (f, 2, 3) point and normal
     radii : (s,) of all shapes; walls and boundaries have none
     origins : (s, 3) reference points of the bodies
-    coefficients : (3, l) restitution, tangential restitution and friction of each law
+    coefficients : (c, l) of each law, as in ``Collisions.coefficients``
     axes : (b, 2) first axis of the body of each boundary
     """
 

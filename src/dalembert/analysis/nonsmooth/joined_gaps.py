@@ -23,12 +23,17 @@ class JoinedGaps(GapSource):
 
     def __init__(self, sources: list[GapSource]):
         self.sources, self.elements = sources, sources[0].elements
-        self.width = max(source.width for source in sources)
+        self.groups, self.law = sources[0].groups, sources[0].law
 
     def near(
-        self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
+        self,
+        time: float,
+        y: np.ndarray,
+        p: np.ndarray,
+        travels: np.ndarray,
+        groups: tuple[int, ...],
     ) -> Contacts:
-        parts = [source.near(time, y, p, travels, width) for source in self.sources]
+        parts = [source.near(time, y, p, travels, groups) for source in self.sources]
         return Contacts.joined(
             [replace(part, key=part.key + k * SOURCE) for k, part in enumerate(parts)]
         )

@@ -19,7 +19,7 @@ class ShapesAt:
     positions : (n, 3) of the balls, then of the walls
     normals : (walls, 3)
     radii : (balls,)
-    coefficients : (3, l) laws of impact
+    coefficients : (c, l) laws of contact
     velocities : (n, 6, c) derivatives of the twists by the own speeds of the shapes
     """
 

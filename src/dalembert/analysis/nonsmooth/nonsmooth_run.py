@@ -69,6 +69,7 @@ class NonsmoothRun:
         self.step = ContactStep(
             model, smooth_motion(model), sources, analysis.integrator, analysis.solver, self.p
         )
+        _ = self.step.law  # raises if it is not available
 
     def execute(self, progress) -> NonsmoothMotion:
         state = self.model.assemble(self.p, self.start)
@@ -143,7 +144,7 @@ class NonsmoothRun:
         if not (np.isfinite(result.y).all() and np.isfinite(result.v).all()):
             text = f"no finite state after t = {t:.9g} s; use a shorter step"
             return Status(Outcome.DIVERGED, text, t, np.inf)
-        if not impulses.converged:
+        if not impulses.accepted:
             text = (
                 f"the impulses of {result.contacts.count} contacts at t = {t:.9g} s did not "
                 f"converge (residual {impulses.residual:.3g} m/s after {impulses.rounds} rounds); "

@@ -13,6 +13,7 @@ from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
 from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Positions
 from dalembert.analysis.nonsmooth.shape_velocities import TWIST
 from dalembert.elements.contact.collisions import Collisions
+from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
@@ -60,14 +61,16 @@ class SearchedGaps(GapSource):
     """
 
     def __init__(self, model: Model, element: Collisions):
-        self.elements, self.width = [element], element.dimension
+        self.elements, self.groups = [element], element.friction_groups
+        self.dimension: int = element.dimension
+        self.law = element.law
         self.geometry = HullGeometry(model, element)
         self._speeds = model.all_equations.speed_count
         self._last: LastPosition | None = None
         self._kernels: dict[tuple[Feature, int], Kernel] = {}
 
     @abstractmethod
-    def within(self, last: LastPosition, width: int) -> list[Contacts]:
+    def within(self, last: LastPosition, groups: tuple[int, ...]) -> list[Contacts]:
         """All gaps within ``last.reach``."""
 
     def arms(self, at: Positions) -> np.ndarray:
@@ -75,7 +78,12 @@ class SearchedGaps(GapSource):
         return self.geometry.arms(at)
 
     def near(
-        self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
+        self,
+        time: float,
+        y: np.ndarray,
+        p: np.ndarray,
+        travels: np.ndarray,
+        groups: tuple[int, ...],
     ) -> Contacts:
         last = self._last
         if last is None or not last.is_at(time, y, p):
@@ -85,23 +93,23 @@ class SearchedGaps(GapSource):
             last = self._last = LastPosition(time, y.copy(), p.copy(), at, velocities, ahead)
         moved = self.geometry.velocities.displacements(last.velocities, travels)
         reach = self.geometry.reach(self.arms(last.at), moved)
-        if last.contacts is None or reach > last.reach or last.contacts.drift.shape[1] != width:
+        if last.contacts is None or reach > last.reach or last.contacts.groups != groups:
             last.reach = max(last.reach, reach)
-            last.contacts = Contacts.joined(self.within(last, width) or [self._none(width)])
+            last.contacts = Contacts.joined(self.within(last, groups) or [self._none(groups)])
         last.requested = max(last.requested, reach)
         return last.contacts.some(last.contacts.distance <= reach)
 
     def evaluate(self, feature: Feature, columns: list[np.ndarray]) -> list[np.ndarray]:
         """(n,) distances, (n, k, 12) derivatives of gap velocities by twists, (n, 3) places and
         (n, 3, k) directions of n pairs of features."""
-        count, k = columns[0].shape[1], self.width
+        count, k = columns[0].shape[1], self.dimension
         size = SMALLEST << max(0, int(np.ceil(np.log2(max(count, 1) / SMALLEST))))
         padded = np.arange(size) % count
         kernel = self._kernel(feature, size)
         distance, blocks, place, directions = kernel(*(column[:, padded] for column in columns))
         return [
             distance.ravel()[:count],
-            blocks.T.reshape(size, 2 * TWIST, k)[:count].swapaxes(1, 2),
+            blocks.T.reshape(size, 2 * TWIST, -1)[:count].swapaxes(1, 2),
             place.T[:count],
             directions.T.reshape(size, k, 3)[:count].swapaxes(1, 2),
         ]
@@ -113,12 +121,11 @@ class SearchedGaps(GapSource):
         second: np.ndarray,
         gaps: list[np.ndarray],
         key: np.ndarray,
-        width: int,
+        groups: tuple[int, ...],
     ) -> Contacts:
         """Contacts of pairs of shapes with evaluated gaps."""
         distance, blocks, *_ = gaps
-        law = self.geometry.law(first, second)
-        restitution, tangential, friction = last.at.coefficients[:, law]
+        laws, width = last.at.coefficients[:, self.geometry.law(first, second)], 1 + sum(groups)
         directions = self.geometry.velocities.gap_derivatives(
             blocks, first, second, last.velocities
         )
@@ -127,9 +134,8 @@ class SearchedGaps(GapSource):
             distance,
             directions.rows(np.arange(count), width),
             np.zeros((count, width)),
-            restitution,
-            tangential,
-            friction,
+            ContactLaws.of(laws, groups),
+            groups,
             key,
             np.zeros(count, dtype=int),
         )
@@ -138,20 +144,27 @@ class SearchedGaps(GapSource):
         self, feature: Feature, columns: list[ca.SX], first: int, second: int
     ) -> SymbolicGap:
         """The gap of two features as formulas."""
-        distance, blocks, *_ = gap_function(feature, self.width)(*columns)
+        distance, blocks, *_ = gap_function(feature, self.dimension, self._turns)(*columns)
         twists = [self.geometry.twists[k * TWIST : (k + 1) * TWIST] for k in (first, second)]
         speeds = ca.mtimes(blocks, ca.vertcat(*twists))
         law = int(self.geometry.law(np.array([first]), np.array([second]))[0])
-        return SymbolicGap(distance, speeds, *ca.vertsplit(self.geometry.symbols[4][:, law]))
+        coefficients = self.geometry.symbols[4][: FIRST + len(self.groups), law]
+        return SymbolicGap(distance, speeds, self.groups, coefficients)
+
+    @property
+    def _turns(self) -> bool:
+        """Whether there is friction of rotations."""
+        return len(self.groups) > 1
 
     def _kernel(self, feature: Feature, size: int) -> Kernel:
         """Gap function mapped over ``size`` pairs."""
         if (feature, size) not in self._kernels:
-            function = gap_function(feature, self.width)
+            function = gap_function(feature, self.dimension, self._turns)
             self._kernels[feature, size] = Kernel(function.map(size))
         return self._kernels[feature, size]
 
-    def _none(self, width: int) -> Contacts:
+    def _none(self, groups: tuple[int, ...]) -> Contacts:
         empty, numbers = np.zeros(0), np.zeros(0, dtype=int)
-        rows = np.zeros((0, self._speeds)), np.zeros((0, width))
-        return Contacts(empty, *rows, empty, empty, empty, numbers, numbers)
+        rows = np.zeros((0, self._speeds)), np.zeros((0, 1 + sum(groups)))
+        laws = ContactLaws.of(np.zeros((FIRST + len(groups), 0)), groups)
+        return Contacts(empty, *rows, laws, groups, numbers, numbers)

@@ -134,19 +134,23 @@ class StepLog:
             step=np.repeat(np.arange(h.size), [own.size for own in keys]),
             owner=np.concatenate([*owners, np.zeros(0, dtype=int)]),
             key=np.concatenate([*keys, np.zeros(0, dtype=int)]),
-            impulse=np.concatenate([*impulses, np.zeros((0, self.step.width))]),
+            impulse=np.concatenate([*impulses, self._no_impulses]),
+            linear=1 + sum(self.step.groups[:1]),
             loss=loss,
             penetration=np.array(self.depths),
             residual=np.array([s.residual for s in entries]),
             rounds=np.array([s.rounds for s in entries], dtype=int),
         )
 
+    @property
+    def _no_impulses(self) -> np.ndarray:
+        return np.zeros((0, 1 + sum(self.step.groups)))
+
     def _contact_forces(self, h: np.ndarray) -> np.ndarray:
         """(n, K) means over the steps of the normal and tangential forces of formula gaps."""
         step = np.repeat(np.arange(h.size), [entry.key.size for entry in self.entries])
         keys = np.concatenate([np.zeros(0, dtype=int), *(entry.key for entry in self.entries)])
-        none = np.zeros((0, self.step.width))
-        impulses = np.concatenate([none, *(entry.impulse for entry in self.entries)])
+        impulses = np.concatenate([self._no_impulses, *(entry.impulse for entry in self.entries)])
         parts = [np.zeros((0, h.size))]
         for key, gap in enumerate(self.step.model.all_equations.contacts):
             forces, own = np.zeros((1 + gap.slip.numel(), h.size)), keys == key

@@ -14,7 +14,8 @@ from dalembert.elements.body import BodyElement
 from dalembert.elements.component import Component
 from dalembert.elements.contact.boundary import Boundary
 from dalembert.elements.contact.hull import Solid
-from dalembert.elements.contact.pairs import Pair, checked_pairs, law_numbers
+from dalembert.elements.contact.impact_law import ImpactLaw
+from dalembert.elements.contact.pairs import COEFFICIENTS, Pair, checked_pairs, law_numbers
 from dalembert.elements.contact.shapes import Flat, Round, Shape, Vertex
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.look import Rail
@@ -22,6 +23,7 @@ from dalembert.elements.pair import need_point
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import Expression
+from dalembert.text.wording import unknown
 
 EXAMPLE = "contact.Circle(ball.center, 0.1), contact.HalfPlane(ground)"
 
@@ -30,7 +32,7 @@ EXAMPLE = "contact.Circle(ball.center, 0.1), contact.HalfPlane(ground)"
 class Collisions(Element):
     """Unilateral contacts ``g ≥ 0`` among all shapes of different bodies.
 
-    Newton's restitution and Coulomb's friction, as in ``Impact``. Two shapes touch at one point, or
+    Restitution and Coulomb's friction. Two shapes touch at one point, or
     at several where edges or faces are parallel. ``solve_nonsmooth`` detects near pairs in every
     step.
 
@@ -40,12 +42,17 @@ class Collisions(Element):
     restitution : ``e`` along the normal, 0 to 1
     tangential : restitution of the slip, 0 to 1
     friction : ``μ``
+    static_friction : ``μ_s ≥ μ`` of contacts without slip; ``friction`` by default
+    rolling : coefficient ``c`` of rolling friction, a moment up to ``c N`` across the normal
+    spinning : the same about the normal, in space
+    impact_law : meaning of ``restitution``: a ratio of speeds, "newton"; of impulses, "poisson"; or
+        its square of work, "energetic"
     pairs : other coefficients between two groups, or groups that do not touch: ``contact.Pair``
 
     Raises
     ------
     ModelError
-        No shape, a shape that is not available, or an unknown group.
+        No shape, a shape that is not available, an unknown group, or spinning in the plane.
 
     Examples
     --------
@@ -67,6 +74,12 @@ class Collisions(Element):
     restitution: Scalar = quantity("", "restitution along the normal", default=0.0, minimum=0.0)
     tangential: Scalar = quantity("", "restitution of the slip", default=0.0, minimum=0.0)
     friction: Scalar = quantity("", "coefficient of friction", default=0.0, minimum=0.0)
+    rolling: Scalar = quantity("m", "coefficient of rolling friction", default=0.0, minimum=0.0)
+    spinning: Scalar = quantity("m", "coefficient of spinning friction", default=0.0, minimum=0.0)
+    static_friction: Scalar = quantity(
+        "", "coefficient of friction without slip", default=None, minimum=0.0
+    )
+    impact_law: str = option("`newton`, `poisson` or `energetic`", default="newton")
     pairs: tuple[Pair, ...] = option("laws between two groups", default=())
 
     def __post_init__(self) -> None:
@@ -78,6 +91,7 @@ class Collisions(Element):
         self._check_shapes()
         self.dimension: int = self.members[0].dimension
         self.pairs = checked_pairs(self.pairs, list(self.groups), self.name)
+        self._check_laws()
 
     def _label(self, group: str) -> str:
         return f"{self.name}.shapes.{group}" if group else f"{self.name}.shapes"
@@ -119,6 +133,28 @@ class Collisions(Element):
                     self.name,
                 )
 
+    def _check_laws(self) -> None:
+        names = [law.value for law in ImpactLaw]
+        if self.impact_law not in names:
+            text = unknown("law", self.impact_law, names)
+            raise ModelError(text, f"{self.name}.impact_law")
+        for place, law in self._completed_laws.items():
+            entity = f"{self.name}.{place}" if place else self.name
+            if self.dimension == 2 and not law["spinning"].sx.is_zero():
+                text = "nothing spins about a normal in the plane; leave out spinning="
+                raise ModelError(text, f"{entity}.spinning")
+            if self.law is not ImpactLaw.NEWTON and not law["tangential"].sx.is_zero():
+                raise ModelError(
+                    f"the {self.impact_law} law of impact has no restitution of the slip; leave "
+                    "out tangential=, or impact_law=",
+                    f"{entity}.tangential",
+                )
+
+    @property
+    def law(self) -> ImpactLaw:
+        """Law of restitution."""
+        return ImpactLaw(self.impact_law)
+
     @cached_property
     def members(self) -> tuple[Shape, ...]:
         """Shapes of all groups."""
@@ -147,10 +183,26 @@ class Collisions(Element):
 
     @property
     def coefficients(self) -> ca.SX:
-        """(3, n) restitution, tangential restitution and friction of each law."""
-        own = self.restitution, self.tangential, self.friction
-        laws = [own, *(pair.completed(*own) for pair in self.pairs)]
-        return ca.horzcat(*(ca.vertcat(*(c.sx for c in law)) for law in laws))
+        """(c, n) ``COEFFICIENTS`` of each law."""
+        laws = self._completed_laws.values()
+        return ca.horzcat(*(ca.vertcat(*(law[c].sx for c in COEFFICIENTS)) for law in laws))
+
+    @property
+    def _completed_laws(self) -> dict[str, dict[str, Scalar]]:
+        """Place of each law in the element → its coefficients by their names."""
+        own = {name: getattr(self, name) for name in COEFFICIENTS}
+        if self.static_friction is None:
+            own["static_friction"] = self.friction
+        pairs = {f"pairs[{k}]": pair.completed(own) for k, pair in enumerate(self.pairs)}
+        return {"": own, **pairs}
+
+    @cached_property
+    def friction_groups(self) -> tuple[int, ...]:
+        """Widths of the groups of tangential components: slip and, if there is friction of
+        rotations, rolling and, in space, spinning."""
+        slip, turns = self.dimension - 1, not self.coefficients[4:, :].is_zero()
+        rotations = (slip, 1)[:slip]
+        return (slip, *rotations) if turns else (slip,)
 
     @cached_property
     def laws(self) -> np.ndarray:
@@ -186,6 +238,10 @@ class Collisions(Element):
             (1 - e, f"{name} is {{}}; it must not be above 1", e)
             for name, e in coefficients.items()
         ]
+        for place, law in self._completed_laws.items():
+            static, sliding = law["static_friction"].sx, law["friction"].sx
+            text = "static_friction is {}; it must not be below friction"
+            conditions.append((static - sliding, f"{place}: {text}" if place else text, static))
         for entity, part in self.components.items():
             place = entity.removeprefix(f"{self.name}.")
             conditions += [_placed(condition, place) for condition in part.conditions()]

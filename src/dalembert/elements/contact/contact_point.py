@@ -53,6 +53,15 @@ class ContactPoint:
         place = ca.vertcat(self.place, ca.SX.zeros(3 - n))
         return ca.mtimes(self.directions.T, (at_j(place) - at_i(place))[:n])
 
+    def turning(self, of_i: ca.SX, of_j: ca.SX) -> ca.SX:
+        """(1,) or (3,) angular velocity (3,) of the second body relative to the first: in the
+        plane; in space about the tangents, then about the normal."""
+        relative = of_j - of_i
+        if self.normal.numel() == 2:
+            return relative[2]
+        directions = self.directions
+        return ca.mtimes(ca.horzcat(directions[:, 1:], directions[:, 0]).T, relative)
+
     @property
     def slip(self) -> ca.SX:
         """(1,) or (2,) velocity of the second body along the surface of the first."""

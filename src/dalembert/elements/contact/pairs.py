@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,15 @@ from dalembert.elements.contact.unilateral import at_most_one
 from dalembert.errors import ModelError
 from dalembert.text.wording import unknown
 
+COEFFICIENTS = (
+    "restitution",
+    "tangential",
+    "static_friction",
+    "friction",
+    "rolling",
+    "spinning",
+)
+"""Coefficients of a law, in the order of the columns of ``Collisions.coefficients``."""
 APART = -1
 """Law number of shapes that pass through each other."""
 
@@ -24,7 +33,8 @@ class Pair(Component):
     Parameters
     ----------
     groups : names of two groups; the same name twice for shapes of one group
-    restitution, tangential, friction : those of ``Collisions`` by default
+    restitution, tangential, friction, rolling, spinning : those of ``Collisions`` by default
+    static_friction : by default ``friction`` of this pair, if it has one
     touching : False if shapes of these groups pass through each other
 
     Examples
@@ -48,6 +58,11 @@ class Pair(Component):
     restitution: Scalar = quantity("", "restitution along the normal", default=None, minimum=0.0)
     tangential: Scalar = quantity("", "restitution of the slip", default=None, minimum=0.0)
     friction: Scalar = quantity("", "coefficient of friction", default=None, minimum=0.0)
+    rolling: Scalar = quantity("m", "coefficient of rolling friction", default=None, minimum=0.0)
+    spinning: Scalar = quantity("m", "coefficient of spinning friction", default=None, minimum=0.0)
+    static_friction: Scalar = quantity(
+        "", "coefficient of friction without slip", default=None, minimum=0.0
+    )
     touching: bool = option("whether shapes of these groups touch each other", default=True)
 
     def __post_init__(self) -> None:
@@ -67,13 +82,12 @@ class Pair(Component):
         coefficients = {"restitution": self.restitution, "tangential": self.tangential}
         return [at_most_one(e.sx, name) for name, e in coefficients.items() if e is not None]
 
-    def completed(self, *defaults: Scalar) -> tuple[Scalar, ...]:
-        """Restitution, tangential restitution and friction, with defaults where it has none."""
-        own = self.restitution, self.tangential, self.friction
-        return tuple(
-            default if coefficient is None else coefficient
-            for coefficient, default in zip(own, defaults, strict=True)
-        )
+    def completed(self, defaults: Mapping[str, Scalar]) -> dict[str, Scalar]:
+        """The coefficients by their names, with defaults where it has none."""
+        own = {name: getattr(self, name) for name in COEFFICIENTS}
+        if own["static_friction"] is None:
+            own["static_friction"] = self.friction
+        return {name: defaults[name] if c is None else c for name, c in own.items()}
 
 
 def checked_pairs(pairs: Pair | Iterable[Pair], groups: list[str], owner: str) -> tuple[Pair, ...]:

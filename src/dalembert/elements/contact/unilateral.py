@@ -18,6 +18,7 @@ from dalembert.elements.base import (
     option,
     quantity,
 )
+from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.look import Limit
 from dalembert.errors import ModelError
@@ -60,6 +61,11 @@ class Impact:
     tangential: ca.SX
     friction: ca.SX
     poisson: bool = False
+
+    @property
+    def law(self) -> ImpactLaw:
+        """Law of restitution."""
+        return ImpactLaw.POISSON if self.poisson else ImpactLaw.NEWTON
 
 
 @dataclass(eq=False)

@@ -15,6 +15,9 @@ from dalembert.integrators.contact.machine_code import (
 )
 from dalembert.sparse.factorise import SuperLUFactors
 
+MODE, ASSEMBLE, SEARCH = 6, 0, 1
+"""Place of the mode of the loop among its counts, and the modes."""
+
 
 class CompiledNewton:
     """Newton steps on one problem.
@@ -71,7 +74,7 @@ class CompiledNewton:
 
     def assemble(self) -> bool:
         """The residual and, above the tolerance, the equations; false if they are singular."""
-        self._loop.counts[6] = 0
+        self._loop.counts[MODE] = ASSEMBLE
         return self._loop()
 
     def advance(self) -> bool:
@@ -79,7 +82,7 @@ class CompiledNewton:
         entries = self.system, self.pattern.rows, self.pattern.pointers
         matrix = scipy.sparse.csc_array(entries, shape=(self.push.size, self.push.size))
         self.solution[:] = SuperLUFactors(matrix, **self.options).solve(self.push)
-        self._loop.counts[6] = 1
+        self._loop.counts[MODE] = SEARCH
         return bool(np.isfinite(self.solution).all()) and self._loop() and self.status[2] > 0
 
 

@@ -28,6 +28,8 @@ class ContactSolver:
     Parameters
     ----------
     tolerance : upper limit of the residual, relative to the largest speed of a contact [-]
+    acceptable : residual, relative to the same speed, with which a run continues, and warns, where
+        the tolerance is out of reach [-]
     max_iterations : upper limit of iterations of the proximal method
 
     Examples
@@ -46,12 +48,14 @@ class ContactSolver:
     """
 
     tolerance: float = 1e-9
+    acceptable: float = 1e-6
     max_iterations: int = 500
 
     def __post_init__(self) -> None:
-        if not 0 < self.tolerance < 1:
-            text = f"ContactSolver(tolerance={self.tolerance}): give a share such as 1e-9"
-            raise UnsupportedError(text)
+        for name in ("tolerance", "acceptable"):
+            if not 0 < getattr(self, name) < 1:
+                text = f"ContactSolver({name}={getattr(self, name)}): give a share such as 1e-9"
+                raise UnsupportedError(text)
         if self.max_iterations < 0:
             text = f"ContactSolver(max_iterations={self.max_iterations}): give 0 or more"
             raise UnsupportedError(text)
@@ -61,4 +65,5 @@ class ContactSolver:
         from dalembert.integrators.contact.impulses import solved_impulses
 
         guess = np.zeros(problem.shape) if start is None else start
-        return solved_impulses(problem, guess, self.tolerance, self.max_iterations)
+        limits = self.tolerance, max(self.tolerance, self.acceptable), self.max_iterations
+        return solved_impulses(problem, guess, *limits)

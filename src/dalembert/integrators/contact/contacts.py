@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
+from dalembert.integrators.contact.contact_laws import ContactLaws
 from dalembert.integrators.contact.delassus import Delassus
 from dalembert.symbolic.evaluation.kernel import Matrix
 
@@ -27,7 +28,8 @@ class Contacts:
     distance : (n,) ``g``
     directions : (n k, n_v) ``W``, so that the relative velocity is ``u = W v + w``
     drift : (n, k) ``w``, from motions prescribed in time [m/s]
-    restitution, tangential, friction : (n,) coefficients of the impact law [-]
+    laws : restitution and friction
+    groups : widths of the groups of tangential components, as in ``FrictionProblem``
     key : (n,) integer that identifies a gap from step to step
     owner : (n,) number of the element of the gap
     """
@@ -35,9 +37,8 @@ class Contacts:
     distance: np.ndarray
     directions: Matrix
     drift: np.ndarray
-    restitution: np.ndarray
-    tangential: np.ndarray
-    friction: np.ndarray
+    laws: ContactLaws
+    groups: tuple[int, ...]
     key: np.ndarray
     owner: np.ndarray
 
@@ -50,6 +51,11 @@ class Contacts:
         """(n, k) ``u`` for speeds ``v`` of the model."""
         return (self.directions @ v).reshape(self.drift.shape) + self.drift
 
+    @property
+    def linear(self) -> int:
+        """Number of components of the velocities that are not rotations."""
+        return 1 + sum(self.groups[:1])
+
     def some(self, selected: np.ndarray) -> Contacts:
         """The selected gaps."""
         k = self.drift.shape[1]
@@ -58,9 +64,8 @@ class Contacts:
             self.distance[selected],
             self.directions[rows],
             self.drift[selected],
-            self.restitution[selected],
-            self.tangential[selected],
-            self.friction[selected],
+            self.laws.some(selected),
+            self.groups,
             self.key[selected],
             self.owner[selected],
         )
@@ -70,20 +75,15 @@ class Contacts:
         """Gaps of several sources."""
         if len(parts) == 1:
             return parts[0]
-        columns = zip(
-            *(
-                (p.distance, p.drift, p.restitution, p.tangential, p.friction, p.key, p.owner)
-                for p in parts
-            ),
-            strict=True,
-        )
-        distance, drift, *coefficients = (np.concatenate(column) for column in columns)
+        columns = zip(*((p.distance, p.drift, p.key, p.owner) for p in parts), strict=True)
+        distance, drift, key, owner = (np.concatenate(column) for column in columns)
+        laws = ContactLaws.joined([p.laws for p in parts])
         rows = [p.directions for p in parts]
         if any(scipy.sparse.issparse(part) for part in rows):
             stacked: Matrix = scipy.sparse.csr_array(scipy.sparse.vstack(rows))
         else:
             stacked = np.vstack(rows)
-        return cls(distance, stacked, drift, *coefficients)
+        return cls(distance, stacked, drift, laws, parts[0].groups, key, owner)
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from dalembert.integrators.contact.sweeps import swept
 
 WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN = 1e-3, 4.0, 0.3, 1.0, 1e-11
 """Proximal weight: initial value, factors after failure and success, upper and lower limit [-]."""
-ALTERNATIONS, NEWTON_ITERATIONS = 2, 10
+ALTERNATIONS, NEWTON_ITERATIONS = 3, 5
 """Upper limits for many contacts: rounds of sweeps and Newton's method; iterations of the latter,
 which without friction is not limited further."""
 SWEEP_SHARE = 0.1
@@ -21,6 +21,9 @@ SWEEP_SHARE = 0.1
 RESIDUAL_SHARE, TOLERANCE_SHARE = 0.01, 0.3
 """Tolerance of a proximal problem relative to the residual and to the tolerance of the original
 problem; the larger one counts [-]."""
+PROGRESS, PATIENCE = 0.9, 40
+"""Factor by which the residual of the proximal method has to fall, and the number of iterations
+within which it has to, as long as the residual is above the tolerance but acceptable."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,23 +36,30 @@ class Impulses:
     residual : largest violation of the conditions [m/s]
     converged : whether the residual is within the tolerance
     rounds : iterations of the proximal method; 0 if Newton's method converged alone
+    accepted : whether the residual is acceptable
     """
 
     impulses: np.ndarray
     residual: float
     converged: bool
     rounds: int = 0
+    accepted: bool = True
 
 
 def solved_impulses(
-    problem: FrictionProblem, guess: np.ndarray, share: float, max_iterations: int
+    problem: FrictionProblem,
+    guess: np.ndarray,
+    share: float,
+    acceptable: float,
+    max_iterations: int,
 ) -> Impulses:
     """Impulses of a problem.
 
     Parameters
     ----------
     guess : (n, k) initial impulses
-    share : tolerance relative to the largest speed of a contact [-]
+    share, acceptable : tolerance, and limit of the residual without progress, relative to the
+        largest speed of a contact [-]
     max_iterations : upper limit of iterations of the proximal method
     """
     allowed = share * problem.size(guess)
@@ -58,7 +68,7 @@ def solved_impulses(
         if residual <= allowed:
             return Impulses(guess, residual, True)
         if problem.matrix.dense is None:
-            return _proximal(problem, guess, share * problem.size(guess), max_iterations)
+            return _proximal(problem, guess, share, acceptable, max_iterations)
     impulses = semismooth_newton(problem, guess, allowed)
     residual = problem.residual(impulses)
     allowed = share * problem.size(impulses)
@@ -68,7 +78,7 @@ def solved_impulses(
     residual = problem.residual(impulses)
     if residual <= share * problem.size(impulses):
         return Impulses(impulses, residual, True)
-    return _proximal(problem, guess, share * problem.size(guess), max_iterations)
+    return _proximal(problem, guess, share, acceptable, max_iterations)
 
 
 def _alternating(
@@ -87,11 +97,17 @@ def _alternating(
 
 
 def _proximal(
-    problem: FrictionProblem, impulses: np.ndarray, allowed: float, max_iterations: int
+    problem: FrictionProblem,
+    impulses: np.ndarray,
+    share: float,
+    acceptable: float,
+    max_iterations: int,
 ) -> Impulses:
     """Impulses by the proximal point method."""
-    weight, residual, rounds = WEIGHT, problem.residual(impulses), 0
-    best = impulses, residual
+    size = problem.size(impulses)
+    allowed, limit = share * size, acceptable * size
+    weight, residual, rounds, progress = WEIGHT, problem.residual(impulses), 0, 0
+    best, least = (impulses, residual), residual
     while best[1] > allowed and rounds < max_iterations and np.isfinite(residual):
         proximal = proximal_problem(problem, impulses, weight)
         tolerance = max(RESIDUAL_SHARE * residual, TOLERANCE_SHARE * allowed)
@@ -103,7 +119,11 @@ def _proximal(
         if solved or weight == WEIGHT_MAX:
             impulses, residual = trial, problem.residual(trial)
             best = min(best, (impulses, residual), key=lambda pair: pair[1])
-    return Impulses(*best, bool(best[1] <= allowed), rounds)
+        if best[1] <= PROGRESS * least:
+            least, progress = best[1], rounds
+        if best[1] <= limit and rounds - progress >= PATIENCE:
+            break
+    return Impulses(*best, bool(best[1] <= allowed), rounds, bool(best[1] <= limit))
 
 
 def sticking_impulses(problem: FrictionProblem) -> np.ndarray:

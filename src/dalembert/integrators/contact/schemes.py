@@ -8,12 +8,16 @@ from typing import ClassVar
 
 import numpy as np
 
+from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.options import options
 
 Offsets = np.ndarray
 """(n, k) offsets of the velocities after a step: ``u⁺ + offset`` satisfies the conditions."""
+SLOW, CLOSING = 2.0, 0.5
+"""Threshold of the approach speed of a resting contact, relative to the change of speed by forces
+in a step, and the fraction of a gap that a resting contact closes per step [-]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +30,7 @@ class Approach:
     before, free : (n, k) relative velocities at the start, and at the end without impulses
     h : step [s]
     begins : True in the first step, which no earlier step could prepare for an impact
+    rounding : gap that counts as closed [m]
     """
 
     contacts: Contacts
@@ -33,11 +38,39 @@ class Approach:
     free: np.ndarray
     h: float
     begins: bool = False
+    rounding: float = 0.0
+
+    @property
+    def fastest(self) -> float:
+        """The largest component of a velocity [m/s]."""
+        linear = self.contacts.linear
+        return float(np.abs([self.before[:, :linear], self.free[:, :linear]]).max(initial=0.0))
 
     def newton(self) -> Offsets:
         """Restitution, ``u_N⁺ ≥ −e u_N⁻`` and ``u_T⁺ + e_T u_T⁻`` (Newton; Moreau 1988)."""
-        offsets = self.contacts.tangential[:, None] * self.before
-        offsets[:, 0] = self.contacts.restitution * self.before[:, 0]
+        laws, linear = self.contacts.laws, self.contacts.linear
+        offsets = np.zeros_like(self.before)
+        offsets[:, 0] = laws.restitution * self.before[:, 0]
+        offsets[:, 1:linear] = laws.tangential[:, None] * self.before[:, 1:linear]
+        return offsets
+
+    @property
+    def forced(self) -> float:
+        """The largest change of a normal velocity by forces in the step [m/s]."""
+        return float(np.abs(self.free[:, 0] - self.before[:, 0]).max(initial=0.0))
+
+    @property
+    def is_impact(self) -> bool:
+        """Whether a gap closes faster than forces change speeds."""
+        return bool((self.before[:, 0] < -SLOW * self.forced).any())
+
+    def held(self, at_end: np.ndarray) -> Offsets:
+        """Forces in the step do not reduce the speeds ``at_end`` of an impact, up to those before.
+
+        So contacts do no work, and a central impact is that of Newton's law.
+        """
+        offsets = np.zeros_like(self.before)
+        offsets[:, 0] = -np.clip(at_end[:, 0], 0.0, np.maximum(-self.before[:, 0], 0.0))
         return offsets
 
 
@@ -50,6 +83,7 @@ class ContactScheme(ABC):
 
     theta: float
     projection: bool
+    impact_laws: ClassVar[tuple[ImpactLaw, ...]] = (ImpactLaw.NEWTON,)
     anticipates: ClassVar[bool] = False
     """True if the scheme keeps gaps open, so that no position correction is needed."""
 
@@ -59,7 +93,7 @@ class ContactScheme(ABC):
 
     @abstractmethod
     def first(self, approach: Approach) -> Offsets:
-        """Velocity offsets of the active contacts."""
+        """Velocity offsets of the active contacts, by Newton's law of impact."""
 
     def again(
         self, approach: Approach, offsets: Offsets, impulses: np.ndarray, after: np.ndarray
@@ -102,6 +136,7 @@ class MoreauJean(ContactScheme):
     theta: float = 0.5
     gamma: float = 0.5
     projection: bool = True
+    impact_laws: ClassVar[tuple[ImpactLaw, ...]] = tuple(ImpactLaw)
 
     def __post_init__(self) -> None:
         check_share("MoreauJean", "theta", self.theta)
@@ -109,15 +144,12 @@ class MoreauJean(ContactScheme):
 
     def acting(self, approach: Approach) -> np.ndarray:
         ahead = self.gamma * approach.h * approach.before[:, 0]
-        return approach.contacts.distance + ahead <= 0
+        return approach.contacts.distance + ahead <= approach.rounding
 
     def first(self, approach: Approach) -> Offsets:
         return approach.newton()
 
 
-SLOW, CLOSING = 2.0, 0.5
-"""Threshold of the approach speed of a resting contact, relative to the change of speed by forces
-in a step, and the fraction of a gap that a resting contact closes per step [-]."""
 ROUNDING = 1e-10
 """Tolerance of the total work of contacts, relative to the sum of its magnitudes [-]."""
 
@@ -137,7 +169,8 @@ class AnticipatedImpacts(ContactScheme):
     step may penetrate; the gap is opened after the step. The work ``P·(u⁺ + u⁻)/2`` of an impact is
     not positive. A contact may do positive work if a force reverses the motion within the step; if
     the work of all contacts is positive, ``u⁺ + u⁻`` replaces ``u⁺`` there, which does no work, so
-    that contacts never create energy.
+    that contacts never create energy. Contacts with static friction above that of sliding stop
+    instead, which may create energy of the order of the squared step.
 
     Examples
     --------
@@ -163,7 +196,7 @@ class AnticipatedImpacts(ContactScheme):
 
     def first(self, approach: Approach) -> Offsets:
         offsets = approach.newton()
-        margin = _margin(approach, approach.contacts.restitution)
+        margin = _margin(approach, approach.contacts.laws.restitution)
         impact = approach.free[:, 0] < margin
         offsets[:, 0] = -np.where(impact, _bounce(approach), margin)
         return offsets
@@ -181,7 +214,8 @@ class AnticipatedImpacts(ContactScheme):
         work = (impulses * (after + approach.before)).sum(axis=1)
         if work.sum() > ROUNDING * magnitude.sum():
             idle = np.maximum(changed, approach.before)
-            idle[:, 1:] = approach.before[:, 1:]
+            slips = ~approach.contacts.laws.higher_at_rest  # the others stop
+            idle[slips, 1:] = approach.before[slips, 1:]
             changed[work > 0] = idle[work > 0]
         return changed if (changed != offsets).any() else None
 
@@ -199,8 +233,8 @@ def _margin(approach: Approach, restitution: np.ndarray | float) -> np.ndarray:
 
 def _bounce(approach: Approach) -> np.ndarray:
     """Minimum speed of contacts under pressure: impacting, resting or separating."""
-    before, e = approach.before[:, 0], approach.contacts.restitution
-    forced = float(np.abs(approach.free[:, 0] - before).max(initial=0.0))
+    before, e = approach.before[:, 0], approach.contacts.laws.restitution
+    forced = approach.forced
     closing = CLOSING * np.maximum(approach.contacts.distance, 0) / approach.h
     resting = np.where(before > 0, _margin(approach, 0.0), -np.minimum(closing, forced))
     impact = before < -SLOW * forced

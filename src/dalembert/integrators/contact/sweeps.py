@@ -23,7 +23,7 @@ from dalembert.integrators.contact.machine_code import (
 DEPTH, GROWTH, REGULARIZATION = 10, 4.0, 1e-12
 """Stored sweeps; growth of the squared changes after which they are forgotten; regularisation of
 the least-squares problem relative to its diagonal [-]."""
-SWEEPS = 150
+SWEEPS = 300
 """Upper limit of sweeps before Newton's method takes over."""
 
 

@@ -193,18 +193,19 @@ def _simultaneous(steps: ContactSteps, k: int, closing: list[int]) -> bool:
 
 def _near_change(steps: ContactSteps, k: int, key: int) -> bool:
     """True if a contact is close to the change between sticking and slipping."""
-    state, impulse = steps.patterns[k][key]
-    if state is Friction.NONE:
-        return False
+    states, impulse = steps.patterns[k][key]
     gap, t, x = steps.maps.gap(key), float(steps.record.t[k]), steps.x[:, k : k + 2]
     y, before, after = x[: steps.size, 0], *x[steps.size :].T
-    _, speeds, *_, friction = (value.full().ravel() for value in gap(t, y, after, steps.p))
-    if state is Friction.STICK:
-        limit = friction[0] * impulse[0]
-        return float(np.linalg.norm(impulse[1:])) > (1 - MARGIN) * limit
-    slip = float(np.linalg.norm(speeds[1:]))
-    change = np.abs(after - before).max()
-    return slip <= MARGIN * float(change)
+    _, speeds, *_, static, friction = (value.full().ravel() for value in gap(t, y, after, steps.p))
+    change = float(np.abs(after - before).max())
+    limits = np.concatenate([static, friction[1:]])[: friction.size]
+    for components, state, mu in zip(steps.maps.groups(key), states, limits, strict=True):
+        push, slip = (float(np.linalg.norm(u[components])) for u in (impulse, speeds))
+        if state is Friction.STICK and push > (1 - MARGIN) * mu * impulse[0]:
+            return True
+        if state is Friction.SLIP and slip <= MARGIN * change:
+            return True
+    return False
 
 
 TIGHT = 1e-7

@@ -1,7 +1,7 @@
 """Smooth maps of a step with contacts, for known pressing and slipping contacts.
 
     (M − h θ D − h² θ² K)(v⁺ − v) + Cᵀ Λ − Wᵀ P = h F,      C (σ v⁺ + (1−σ) v) = −Φ_t,
-    u_N⁺ + e u_N⁻ = 0,      u_T⁺ + e_T u_T⁻ = 0  or  P_T = −μ P_N u_T/|u_T|
+    u_N⁺ + e u_N⁻ = 0,      u_T⁺ + e_T u_T⁻ = 0  or  P_T = −μ P_N u_T/|u_T|  (also of rotations)
 
 then ``y⁺ = y ⊕ h (θ v⁺ + (1−θ) v)``; correction of gaps along ``M⁻¹``; projection of speeds.
 """
@@ -10,25 +10,28 @@ from __future__ import annotations
 
 from enum import Enum
 from functools import cached_property
+from itertools import pairwise
 
 import casadi as ca
+import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.smooth_motion import constrained_fraction
+from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.sensitivity.nonsmooth.implicit_map import ImplicitMap
 from dalembert.symbolic.formulas.expression import stack
 
 
 class Friction(Enum):
-    """Tangential state of a pressing contact."""
+    """State of a group of tangential components of a pressing contact."""
 
     NONE = 0
     STICK = 1
     SLIP = 2
 
 
-Pattern = tuple[tuple[int, Friction], ...]
-"""Keys of the pressing gaps with their tangential states."""
+Pattern = tuple[tuple[int, tuple[Friction, ...]], ...]
+"""Keys of the pressing gaps with the states of their tangential groups."""
 
 
 class ContactMaps:
@@ -65,14 +68,21 @@ class ContactMaps:
         return ca.Function("joints", [e.t, e.y, e.p], [e.jacobian, by_time, e.constraints])
 
     def gap(self, key: int) -> ca.Function:
-        """``(t, y, v, p) → g, u, e, e_T, μ``."""
+        """``(t, y, v, p) → g, u, e, e_T, μ_s, μ``."""
         if key not in self._gaps:
             e, gap = self.e, self.contact_step.symbolic_gap(key)
-            laws = [gap.restitution, gap.tangential, gap.friction]
+            coefficients = gap.coefficients
+            laws = [*ca.vertsplit(coefficients[:FIRST]), coefficients[FIRST:]]
             self._gaps[key] = ca.Function(
                 "gap", [e.t, e.y, e.v, e.p], [gap.distance, gap.speeds, *laws]
             )
         return self._gaps[key]
+
+    def groups(self, key: int) -> list[slice]:
+        """Components of each group of the impulse of a gap."""
+        widths = self.contact_step.symbolic_gap(key).groups
+        ends = np.cumsum([1, *widths])
+        return [slice(*limits) for limits in pairwise(map(int, ends))]
 
     def closing(self, key: int) -> ca.Function:
         """``(t, y, v, p) → ġ, ∂ġ/∂v, ∂g/∂y, ∂g/∂p``."""
@@ -112,22 +122,25 @@ class ContactMaps:
         matrix = mass - h * theta * damping - (h * theta) ** 2 * stiffness
         dynamics = ca.mtimes(matrix, after - e.v) + ca.mtimes(jacobian.T, multiplier) - h * force
         impulses, rows = [], [ca.mtimes(jacobian, part * after + (1 - part) * e.v) + by_time]
-        for key, state in pattern:
+        for key, states in pattern:
             gap = self.gap(key)
-            _, before, restitution, tangential, friction = gap(e.t, e.y, e.v, e.p)
+            _, before, restitution, tangential, _, friction = gap(e.t, e.y, e.v, e.p)
             end = gap(e.t, e.y, after, e.p)[1]
             impulse = ca.SX.sym("P", end.numel())
             impulses.append(impulse)
             dynamics -= ca.mtimes(ca.jacobian(before, e.v).T, impulse)
             rows.append(end[0] + restitution * before[0])
-            along = end[1:] + tangential * before[1:]
-            if state is Friction.NONE:
-                rows.append(impulse[1:])
-            elif state is Friction.STICK:
-                rows.append(along)
-            else:
-                direction = along / ca.norm_2(along)
-                rows.append(impulse[1:] + friction * impulse[0] * direction)
+            for j, (components, state) in enumerate(zip(self.groups(key), states, strict=True)):
+                along, push = end[components], impulse[components]
+                if j == 0:
+                    along += tangential * before[components]
+                if state is Friction.NONE:
+                    rows.append(push)
+                elif state is Friction.STICK:
+                    rows.append(along)
+                else:
+                    direction = along / ca.norm_2(along)
+                    rows.append(push + friction[j] * impulse[0] * direction)
         positions = e.manifold.going(e.y, h * (theta * after + (1 - theta) * e.v))
         z = ca.vertcat(after, multiplier, *impulses)
         equations = ca.vertcat(dynamics, *rows)

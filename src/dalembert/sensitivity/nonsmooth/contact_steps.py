@@ -15,6 +15,7 @@ from dalembert.analysis.nonsmooth.correction import (
     normals_of,
 )
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
+from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.contact.schemes import MoreauJean
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
@@ -38,7 +39,7 @@ class ContactSteps:
     Raises
     ------
     UnsupportedError
-        The integrator is not ``MoreauJean``.
+        The integrator is not ``MoreauJean``, or the law of impact not Newton's.
     """
 
     def __init__(self, motion: NonsmoothMotion):
@@ -52,6 +53,11 @@ class ContactSteps:
         self.record, self.p = motion.record, motion.parameters
         run = NonsmoothRun(analysis, motion.model, motion.parameters)
         self.step: ContactStep = run.step
+        if self.step.law is not ImpactLaw.NEWTON:
+            raise UnsupportedError(
+                f"gradients of impacts by the {self.step.law.value} law are not available in "
+                "solve_nonsmooth; use Newton's law, or solve_dynamics"
+            )
         self.maps = ContactMaps(self.step)
         self.x = np.vstack([self.record.ends.y, self.record.ends.v])
         self.size = self.record.ends.y.shape[0]
@@ -62,20 +68,35 @@ class ContactSteps:
         return self.record.t.size - 1
 
     @cached_property
-    def patterns(self) -> list[dict[int, tuple[Friction, np.ndarray]]]:
-        """Pressing gaps of each step with their tangential states and impulses."""
+    def patterns(self) -> list[dict[int, tuple[tuple[Friction, ...], np.ndarray]]]:
+        """Pressing gaps of each step with their tangential states and impulses.
+
+        Raises
+        ------
+        UnsupportedError
+            A contact with static friction breaks away.
+        """
         patterns: list[dict] = [{} for _ in range(self.count)]
         for k, key, impulse in zip(
             self.record.step, self.record.key, self.record.impulse, strict=True
         ):
             state = self.split(int(k))
-            _, speeds, *_, friction = self.maps.gap(int(key))(self.record.t[k], *state, self.p)
+            _, speeds, *_, static, friction = self.maps.gap(int(key))(
+                self.record.t[k], *state, self.p
+            )
             own = impulse[: speeds.numel()]
-            limit, along = float(friction) * own[0], float(np.linalg.norm(own[1:]))
-            contact = Friction.NONE if limit == 0 or own.size == 1 else Friction.SLIP
-            if along < (1 - STICK_MARGIN) * limit:
-                contact = Friction.STICK
-            patterns[int(k)][int(key)] = contact, own
+            limits = friction.full().ravel() * own[0]
+            discs = zip(self.maps.groups(int(key)), limits, strict=True)
+            states = tuple(_state(own[components], limit) for components, limit in discs)
+            patterns[int(k)][int(key)] = states, own
+            before, _ = patterns[k - 1].get(int(key), (states, own)) if k else (states, own)
+            slips = states[:1] == (Friction.SLIP,) and before[0] is Friction.STICK
+            if slips and float(static) > float(friction[0]):
+                raise UnsupportedError(
+                    f"a contact with static friction breaks away at t = {self.record.t[k]:.9g} s, "
+                    "and gradients do not include the change of this instant; give "
+                    "static_friction equal to friction"
+                )
         return patterns
 
     def split(self, k: int) -> tuple[np.ndarray, np.ndarray]:
@@ -127,6 +148,14 @@ class ContactSteps:
         near = self.x[self.size :, k + 1]
         z = np.concatenate([near, np.zeros(joints), *impulses])
         return step.at(z, x, t, self.p, np.array([h]))
+
+
+def _state(impulse: np.ndarray, limit: float) -> Friction:
+    """State of the components of a group, from its impulse and the friction limit."""
+    if limit == 0:
+        return Friction.NONE
+    slips = abs(float(np.linalg.norm(impulse)) - limit) <= STICK_MARGIN * limit
+    return Friction.SLIP if slips else Friction.STICK  # above the limit by static friction
 
 
 class RecordedOpening(PositionCorrection):

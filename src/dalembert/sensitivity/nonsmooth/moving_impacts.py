@@ -101,7 +101,7 @@ def step_tangent(steps: ContactSteps, k: int) -> StepTangent:
     return StepTangent(maps, _impacts(steps, k, maps, closing) if closing else [])
 
 
-def _persistent(steps: ContactSteps, k: int) -> dict[int, tuple[Friction, np.ndarray]]:
+def _persistent(steps: ContactSteps, k: int) -> dict[int, tuple[tuple[Friction, ...], np.ndarray]]:
     """Contacts that press in step ``k`` and in the step before."""
     earlier = steps.patterns[k - 1] if k else {}
     return {key: contact for key, contact in steps.patterns[k].items() if key in earlier}

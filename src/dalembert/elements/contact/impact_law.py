@@ -1,0 +1,17 @@
+"""Definitions of the coefficient of restitution."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+
+class ImpactLaw(Enum):
+    """Quantity of an impact whose ratio is the coefficient of restitution ``e``.
+
+    NEWTON: speeds, ``u_N⁺ = −e u_N⁻``. POISSON: normal impulses of expansion and compression,
+    ``P_e = e P_c``. ENERGETIC: work of the normal impulse, ``W_e = −e² W_c`` (Stronge 1990).
+    """
+
+    NEWTON = "newton"
+    POISSON = "poisson"
+    ENERGETIC = "energetic"

@@ -1,0 +1,85 @@
+"""Static friction above the friction of sliding contacts.
+
+    |P_T| ≤ μ_s P_N  while u_T = 0,      P_T = −μ P_N u_T/|u_T|  otherwise
+
+A contact that stuck in the step before, or whose slip is below rounding, has ``μ_s``, and so has a
+contact whose slip would turn back within the step. If it slips with ``μ_s``, the step is repeated
+with ``μ`` for this contact.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from dalembert.integrators.contact.contact_laws import ContactLaws
+from dalembert.integrators.contact.contact_solver import ContactSolver
+from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
+from dalembert.integrators.contact.impulses import Impulses
+
+STILL = 10.0
+"""Slip of a sticking contact, relative to the tolerance of the solver [-]."""
+
+
+def may_stick(
+    contacts: Contacts, before: np.ndarray, stuck: np.ndarray, rounding: float
+) -> np.ndarray:
+    """(n,) mask of contacts with static friction.
+
+    Parameters
+    ----------
+    contacts : Contacts
+    before : (n, k) relative velocities before the step
+    stuck : keys of the contacts that stuck in the step before
+    rounding : slip that counts as rounding [m/s]
+    """
+    higher = contacts.laws.higher_at_rest
+    if not higher.any():
+        return higher
+    slow = np.linalg.norm(before[:, 1 : contacts.linear], axis=1) <= rounding
+    static: np.ndarray = higher & (slow | np.isin(contacts.key, stuck))
+    return static
+
+
+def solve_with_static_friction(
+    solver: ContactSolver,
+    problem: FrictionProblem,
+    start: np.ndarray,
+    laws: ContactLaws,
+    static: np.ndarray,
+    before: np.ndarray,
+) -> tuple[Impulses, np.ndarray]:
+    """Impulses, and (n,) mask of the contacts that keep static friction.
+
+    Parameters
+    ----------
+    solver, problem, start : as in ``ContactSolver.solve``, with the friction of sliding contacts
+    laws : ContactLaws
+    static : (n,) mask of contacts with static friction at first
+    before : (n, k) relative velocities before the step
+    """
+    rounds, slips = 0, np.zeros_like(static)
+    higher = laws.higher_at_rest
+    while True:
+        friction = problem.friction.copy()
+        friction[static, :1] = laws.static_friction[static, None]
+        solution = solver.solve(replace(problem, friction=friction), start)
+        start, rounds = solution.impulses, rounds + solution.rounds
+        if not higher.any() or not solution.converged:
+            break
+        after = problem.speeds(start)[:, 1 : problem.linear]
+        turned = (after * before[:, 1 : problem.linear]).sum(axis=1) < 0
+        slips |= static & ~sticks(solver, problem, start)
+        changed = (static | (turned & higher & (start[:, 0] > 0))) & ~slips
+        if (changed == static).all():
+            break
+        static = changed
+    return replace(solution, rounds=rounds), static
+
+
+def sticks(solver: ContactSolver, problem: FrictionProblem, impulses: np.ndarray) -> np.ndarray:
+    """(n,) mask of the contacts without slip."""
+    slip = np.linalg.norm(problem.speeds(impulses)[:, 1 : problem.linear], axis=1)
+    still: np.ndarray = slip <= STILL * solver.tolerance * problem.size(impulses)
+    return still

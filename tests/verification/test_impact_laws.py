@@ -1,0 +1,236 @@
+"""Laws of restitution in time steps: an oblique impact of a rod with a rough plane.
+
+Along an impact the normal impulse ``p`` grows, and velocities of the tip are ``u_N' = a − σ μ b``,
+``u_T' = b − σ μ c`` while it slips in the direction ``σ``, with the inverse inertia ``[[a, b], [b,
+c]]`` of the tip; where slip ends it sticks, ``u_N' = a − b²/c``, if ``|b| ≤ μ c``, or turns back
+(Brach, Mechanical Impact Dynamics, 1991; Stronge, Impact Mechanics, 2000, ch. 3). Poisson's law
+ends it at ``(1 + e) p_c``, the energetic law when the work is ``(1 − e²) W_c``.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar, spatial
+from dalembert.errors import ModelError, UnsupportedError
+
+LENGTH, MASS, STEP = 1.0, 2.0, 1e-4
+
+
+def rod(angle: float, speed, spin: float, mu: float, e: float, law: str) -> da.Model:
+    """Its lower end touches the floor."""
+    half = np.array([np.cos(angle), np.sin(angle)]) * LENGTH / 2
+    system = da.System("rod")
+    restitution = system.parameter("restitution", e)
+    body = planar.Body(
+        "rod",
+        mass=MASS,
+        inertia=MASS * LENGTH**2 / 12,
+        position=tuple(half),
+        angle=angle,
+        velocity=speed,
+        angular_velocity=spin,
+    )
+    tip = planar.contact.Vertex(system.add(body).point(-LENGTH / 2, 0))
+    shapes = [tip, planar.contact.HalfPlane(system.ground)]
+    coefficients = {"restitution": restitution, "friction": mu}
+    system.add(planar.Collisions("floor", shapes, impact_law=law, **coefficients))
+    return system.build()
+
+
+def tip_of(angle: float) -> tuple[np.ndarray, np.ndarray]:
+    """Arm of ``(u_N, u_T)`` by the spin, and the inverse inertia."""
+    arm = np.array([-np.cos(angle), np.sin(angle)]) * LENGTH / 2
+    return arm, np.eye(2) / MASS + np.outer(arm, arm) * 12 / (MASS * LENGTH**2)
+
+
+class Course:
+    """Impulses of an impact as functions of the normal one, piece by piece."""
+
+    def __init__(self, g: np.ndarray, u: np.ndarray, mu: float):
+        a, b, c = g[0, 0], g[0, 1], g[1, 1]
+        sense = np.sign(u[1])
+        self.rates, self.ends = [(a - sense * mu * b, -sense * mu)], [0.0]
+        along = b - sense * mu * c
+        if sense * along < 0:
+            self.ends.append(-u[1] / along)
+            back = np.sign(b)
+            after = (a - b**2 / c, -b / c) if abs(b) <= mu * c else (a - back * mu * b, -back * mu)
+            self.rates.append(after)
+        self.ends.append(np.inf)
+        self.speeds = [u[0]]  # at the ends of the pieces
+        for (rate, _), (start, end) in zip(self.rates, pairwise(self.ends), strict=True):
+            self.speeds.append(self.speeds[-1] + rate * (end - start))
+
+    def piece(self, p: float) -> int:
+        return int(np.searchsorted(self.ends[1:-1], p))
+
+    def speed(self, p: float) -> float:
+        k = self.piece(p)
+        return self.speeds[k] + self.rates[k][0] * (p - self.ends[k])
+
+    def tangential(self, p: float) -> float:
+        parts = zip(self.rates, pairwise(self.ends), strict=True)
+        return sum(rate * max(0.0, min(p, end) - start) for (_, rate), (start, end) in parts)
+
+    def work(self, p: float) -> float:
+        corners = [0.0, *(end for end in self.ends[1:-1] if end < p), p]
+        return sum((self.speed(r) + self.speed(s)) / 2 * (s - r) for r, s in pairwise(corners))
+
+    def solve(self, value, lower: float) -> float:
+        """Smallest ``p`` above a limit with a value of zero, by bisection."""
+        upper = lower + 1e-3
+        while value(upper) < 0:
+            upper *= 1.5
+        for _ in range(200):
+            middle = (lower + upper) / 2
+            lower, upper = (middle, upper) if value(middle) < 0 else (lower, middle)
+        return upper
+
+    def end(self, law: str, e: float) -> float:
+        compressed = self.solve(self.speed, 0.0)
+        if law == "poisson":
+            return (1 + e) * compressed
+        if law == "newton":
+            return self.solve(lambda p: self.speed(p) + e * self.speeds[0], compressed)
+        lost = self.work(compressed)
+        return self.solve(lambda p: self.work(p) - (1 - e**2) * lost, compressed)
+
+
+CASES = {
+    "slides": (1.0, (3.0, -1.0), 0.4, 0.1),
+    "sticks in compression": (1.2, (0.3, -1.0), 0.4, 0.9),
+    "sticks in restitution": (1.3, (1.5, -1.0), 0.4, 0.3),
+    "turns back in compression": (0.9, (0.3, -1.0), 0.0, 0.2),
+    "turns back in restitution": (0.9, (1.0, -1.0), 0.0, 0.2),
+}
+
+
+def impact(name: str, law: str, e: float) -> tuple[da.Motion, np.ndarray]:
+    """Motion of a step, and impulses."""
+    angle, speed, spin, mu = CASES[name]
+    model = rod(angle, speed, spin, mu, e, law)
+    motion = da.solve_nonsmooth(model, STEP, step=STEP, integrator=da.MoreauJean())
+    assert motion.status.success
+    jumps = [motion[f"rod.v{axis}"].values for axis in "yx"]
+    return motion, MASS * np.array([v[-1] - v[0] for v in jumps])
+
+
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("law", ["poisson", "energetic"])
+@pytest.mark.parametrize("e", [0.0, 0.6, 1.0])
+def test_oblique_impact_of_a_rod(name, law, e):
+    angle, speed, spin, mu = CASES[name]
+    arm, g = tip_of(angle)
+    course = Course(g, np.array([speed[1], speed[0]]) + arm * spin, mu)
+    normal = course.end(law, e)
+    motion, impulses = impact(name, law, e)
+    assert impulses == pytest.approx([normal, course.tangential(normal)], rel=1e-7, abs=1e-7)
+    if law == "energetic":
+        energy = motion.values("kinetic_energy")
+        assert energy[-1] <= energy[0] * (1 + 1e-12)
+
+
+def test_the_laws_differ_where_slip_ends_and_agree_where_it_does_not():
+    laws = ["newton", "poisson", "energetic"]
+    for name in CASES:
+        normal = np.array([impact(name, law, 0.6)[1][0] for law in laws])
+        if name == "slides":
+            assert normal == pytest.approx(normal[0], rel=1e-9)
+        else:
+            assert min(abs(np.diff([*normal, normal[0]]))) > 1e-3 * normal[0]
+
+
+def test_energy_of_random_impacts_is_never_gained():
+    """Of impacts with friction by the energetic law; Newton's law gains energy in some."""
+    rng, gained = np.random.default_rng(8), {"newton": [], "energetic": []}
+    for _ in range(15):
+        angle, speed = rng.uniform(0.4, 2.7), (rng.uniform(-2, 2), rng.uniform(-1.5, -0.5))
+        mu, e = rng.uniform(0.05, 1.0), rng.uniform(0.3, 1.0)
+        for law, gains in gained.items():
+            model = rod(angle, speed, 0.0, mu, e, law)
+            motion = da.solve_nonsmooth(model, STEP, step=STEP, integrator=da.MoreauJean())
+            energy = motion.values("kinetic_energy")
+            gains.append(energy[-1] / energy[0] - 1)
+    assert max(gained["energetic"]) <= 1e-10
+    assert max(gained["newton"]) > 1e-3
+
+
+def bouncing(law: str, gravity: float) -> da.Motion:
+    """A row of two balls, which bounces on the floor."""
+    system = da.System("balls", gravity=(0, -gravity))
+    shapes = [planar.contact.HalfPlane(system.ground)]
+    for k in range(2):
+        ball = planar.Body(f"b{k}", mass=1.0 + k, inertia=0.01, position=(0.0, 0.3 + 0.5 * k))
+        ball.velocity = (0.0, -1.0)
+        shapes.append(planar.contact.Circle(system.add(ball), 0.1))
+    law = {"restitution": 0.7, "friction": 0.3, "impact_law": law}
+    system.add(planar.Collisions("hits", shapes, **law))
+    return da.solve_nonsmooth(system.build(), 1.0, step=1e-3, integrator=da.MoreauJean())
+
+
+@pytest.mark.parametrize("law", ["poisson", "energetic"])
+def test_central_impacts_are_those_of_newtons_law(law):
+    expected, motion = bouncing("newton", 9.81), bouncing(law, 9.81)
+    assert motion.status.success
+    np.testing.assert_allclose(motion.trajectory.y, expected.trajectory.y, atol=1e-9)
+
+
+@pytest.mark.parametrize("law", ["poisson", "energetic"])
+def test_a_ball_on_a_floor_in_space(law):
+    """Oblique, with spin: friction ends or reduces slip, along one direction."""
+    system = da.System("ball")
+    inertia, e, mu, r = 0.4 * 0.1**2, 0.8, 0.2, 0.1
+    start = {"velocity": (1.2, 0.9, -2.0), "angular_velocity": (0.0, 0.0, 5.0)}
+    body = spatial.Body("ball", mass=1.0, inertia=(inertia,) * 3, position=(0, 0, r), **start)
+    shapes = [spatial.contact.Sphere(system.add(body), r), spatial.contact.HalfSpace(system.ground)]
+    coefficients = {"restitution": e, "friction": mu}
+    system.add(spatial.Collisions("floor", shapes, impact_law=law, **coefficients))
+    scheme = da.MoreauJean()
+    motion = da.solve_nonsmooth(system.build(), STEP, step=STEP, integrator=scheme)
+    after = np.array([motion[f"ball.v{axis}"][-1].item() for axis in "xyz"])
+    change = min(mu * (1 + e) * 2.0, 1.5 / 3.5)
+    assert after == pytest.approx([*(np.array([1.2, 0.9]) * (1 - change / 1.5)), e * 2.0], abs=1e-8)
+
+
+def test_poisson_of_formulas():
+    """``poisson=True`` of other elements."""
+    system = da.System("ball")
+    ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 0.0), velocity=(0.5, -1)))
+    law = {"restitution": 0.5, "friction": 0.1, "poisson": True}
+    system.add(planar.UnilateralConstraint("floor", ball.y, ball.vx, **law))
+    model = system.build()
+    motion = da.solve_nonsmooth(model, STEP, step=STEP, integrator=da.MoreauJean())
+    assert motion["ball.vy"][-1] == pytest.approx(0.5)
+    assert motion["ball.vx"][-1] == pytest.approx(0.5 - 0.15)
+
+
+def test_what_is_not_available():
+    with pytest.raises(ModelError, match=r"floor\.impact_law: unknown law 'poison' \(did you"):
+        rod(1.0, (0, -1), 0.0, 0.1, 0.5, "poison")
+    model = rod(1.0, (0, -1), 0.0, 0.1, 0.5, "energetic")
+    with pytest.raises(UnsupportedError, match="AnticipatedImpacts has no energetic law of impact"):
+        da.solve_nonsmooth(model, STEP, step=STEP)
+    motion = da.solve_nonsmooth(model, STEP, step=STEP, integrator=da.MoreauJean())
+    with pytest.raises(UnsupportedError, match="impacts by the energetic law are not available"):
+        da.sensitivity(motion, da.final("rod.vy"))
+    body = planar.Body("b", mass=1.0, inertia=1.0)
+    with pytest.raises(ModelError, match=r"floor\.tangential: the poisson law of impact has no"):
+        planar.Collisions(
+            "floor", [planar.contact.Circle(body, 0.1)], impact_law="poisson", tangential=0.5
+        )
+
+
+def test_laws_are_not_mixed():
+    system = da.System("mixed")
+    for k, law in enumerate(("newton", "poisson")):
+        body = system.add(planar.Body(f"b{k}", mass=1.0, inertia=1.0, position=(k, 1.0)))
+        shapes = [planar.contact.Circle(body, 0.1), planar.contact.HalfPlane(system.ground)]
+        system.add(planar.Collisions(f"c{k}", shapes, impact_law=law))
+    text = r"several laws of impact: c0 \(newton\) and c1 \(poisson\); give one law"
+    with pytest.raises(UnsupportedError, match=text):
+        da.solve_nonsmooth(system.build(), STEP, step=STEP, integrator=da.MoreauJean())
