@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from benchmarks import __main__ as command
+from benchmarks.cases import falling_bodies
 from benchmarks.cases.base import Effort
+from benchmarks.falling_bodies import FallingBodies
 from benchmarks.mechanisms import slider_crank
 from benchmarks.picture import speed_chart
 from benchmarks.sample import Row, Sample
@@ -27,6 +30,20 @@ def test_a_quick_run_makes_a_table_and_a_picture(tmp_path, capsys, monkeypatch):
 def test_the_neutral_slider_crank_is_the_published_one():
     mechanism, reference = slider_crank()
     assert ours.runner(mechanism, 1.0, "vm")(400)[1] == pytest.approx(reference, abs=1e-6)
+
+
+def test_falling_bodies_penetrate_only_peers(monkeypatch):
+    """Three spheres reach the floor; compliant contacts penetrate more than rigid ones."""
+    monkeypatch.setattr(falling_bodies, "COUNTS", (3,))
+    monkeypatch.setattr(falling_bodies, "QUICK", 60)
+    rows = list(falling_bodies.measure("sphere", Effort(rounds=1, quick=True, limit=0.2)))
+    assert {"dalembert", "dalembert, MoreauJean"} <= set(rows[0].samples)
+    for name, sample in rows[0].samples.items():
+        deepest = float(sample.note.split()[1])
+        assert (deepest < 1e-9) == name.startswith("dalembert")
+    bodies = FallingBodies.of("disc", 3)
+    places = np.array([(0.0, 0.5), (0.0, 0.69), (0.0, 0.095)])
+    assert bodies.penetration(places) == pytest.approx(0.01)
 
 
 def test_unknown_cases_are_refused(capsys):

@@ -3,7 +3,7 @@
 from benchmarks.cases import (
     build,
     cold_start,
-    discs,
+    falling_bodies,
     flexible_bar,
     gradients,
     live_pages,
@@ -19,7 +19,7 @@ CASES = [
     soft_pendulum.CASE,
     flexible_bar.CASE,
     plate.CASE,
-    discs.CASE,
+    *falling_bodies.CASES,
     gradients.CASE,
     build.CASE,
     machine_code.CASE,

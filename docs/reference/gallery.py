@@ -29,8 +29,9 @@ CATEGORIES: dict[str, tuple[str, str]] = {
     ),
     "Contact and impacts": (
         "",
-        "cam_lift_off capstan catenary_cable compass_biped crates_and_ball discs_in_a_box "
-        "friction_gripper slider_crank_with_play tippe_top vibratory_feeder woodpecker",
+        "cam_lift_off capstan catenary_cable chain_hoist compass_biped crates_and_ball "
+        "discs_in_a_box dominoes friction_gripper geneva_drive hopper slider_crank_with_play "
+        "tippe_top vibratory_feeder woodpecker",
     ),
     "Structures": ("", "plate truss ten_bar_truss truss_shape marimba_bar mbb_beam tuned_mass"),
     "Design": (

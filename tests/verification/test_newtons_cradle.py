@@ -31,3 +31,23 @@ def test_three_balls(between, speeds):
     computed = [motion.values(f"b{k}.vx")[-1] for k in range(3)]
     np.testing.assert_allclose(computed, speeds, atol=1e-13)
     assert [impact.name for impact in motion.impacts] == ["c0", "c1"]
+
+
+@pytest.mark.parametrize(
+    "scheme", [da.AnticipatedImpacts(), da.MoreauJean()], ids=lambda s: type(s).__name__
+)
+@pytest.mark.parametrize(
+    ("between", "speeds"), [(0.0, (-1 / 3, 2 / 3, 2 / 3)), (0.02, (0.0, 0.0, 1.0))]
+)
+def test_three_balls_as_shapes(between, speeds, scheme):
+    """In steps, all impacts of a step at once; the gap exceeds the motion of a step."""
+    system = da.System("cradle")
+    shapes = []
+    for k, x in enumerate((0.0, 0.3, 0.5 + between)):
+        ball = system.add(planar.Particle(f"b{k}", mass=1.0, position=(x, 0), velocity=(k == 0, 0)))
+        shapes.append(planar.contact.Circle(ball.center, 0.1))
+    system.add(planar.Collisions("hits", shapes, restitution=1.0))
+    motion = da.solve_nonsmooth(system.build(), 0.2, step=5e-3, integrator=scheme)
+    computed = [motion.values(f"b{k}.vx")[-1] for k in range(3)]
+    np.testing.assert_allclose(computed, speeds, atol=1e-10)
+    assert motion.data["energy"].values[-1] == pytest.approx(0.5, abs=1e-10)

@@ -71,6 +71,28 @@ def test_a_bowling_ball_rolls_at_five_sevenths():
         np.testing.assert_allclose(derivative, wanted, rtol=1e-8)
 
 
+@pytest.mark.parametrize(
+    "scheme", [da.AnticipatedImpacts(), da.MoreauJean()], ids=lambda s: type(s).__name__
+)
+@pytest.mark.parametrize("spin", [0.0, 70.0, 140.0])
+def test_back_spin_in_steps(spin, scheme):
+    """A sphere on a plane as shapes rolls on with ``5/7 v₀ − 2/7 R ω₀``, also backwards."""
+    system = da.System("draw shot", gravity=(0, 0, -G))
+    at = {"position": (0, 0, RADIUS), "velocity": (1.0, 0, 0)}
+    sphere = spatial.Sphere("ball", mass=MASS, radius=RADIUS, angular_velocity=(0, -spin, 0), **at)
+    shapes = [
+        spatial.contact.Sphere(system.add(sphere).center, RADIUS),
+        spatial.contact.HalfSpace(system.ground.frame(axis=(0, 0, 1))),
+    ]
+    system.add(spatial.Collisions("cloth", shapes, friction=ROUGH))
+    rolls = 2 * (1.0 + spin * RADIUS) / (7 * ROUGH * G)
+    motion = da.solve_nonsmooth(system.build(), 1.05 * rolls, step=rolls / 80, integrator=scheme)
+    assert motion.status.success
+    end = 5 / 7 - 2 / 7 * RADIUS * spin
+    assert motion.values("ball.vx")[-1] == pytest.approx(end, abs=1e-9)
+    assert motion.values("ball.angular_velocity")[-1, 1] == pytest.approx(end / RADIUS, abs=1e-7)
+
+
 @pytest.mark.parametrize("fall", [0.5, 4.0])
 @pytest.mark.parametrize("poisson", [False, True])
 def test_bounces_slide_or_stick(fall, poisson):

@@ -1,0 +1,1 @@
+"""Solvers of falling bodies, one per file."""
