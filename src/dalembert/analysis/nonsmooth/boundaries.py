@@ -11,7 +11,7 @@ import numpy as np
 from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Positions
 from dalembert.analysis.nonsmooth.planar_features import Polygons
 from dalembert.analysis.nonsmooth.smooth_curve import SampledCurve, SmoothCurve
-from dalembert.elements.contact.boundary import Boundary
+from dalembert.elements.contact.hull import Boundary
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
 

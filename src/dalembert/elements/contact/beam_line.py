@@ -11,7 +11,6 @@ import casadi as ca
 
 from dalembert.budget import check_budget, numeral
 from dalembert.elements.base import Scalar, option, quantity
-from dalembert.elements.contact.beam_parts import beam_solids
 from dalembert.elements.contact.hull import Solid
 from dalembert.elements.contact.shapes import Ball, Spot
 from dalembert.elements.coordinates import Coordinates, rate_of
@@ -146,6 +145,8 @@ class BeamLine(Ball):
         return self.beam.parts()
 
     def solids(self) -> list[Solid]:
+        from dalembert.elements.contact.beam_parts import beam_solids
+
         return beam_solids(self.beam, self.radius.sx, "BeamLine")
 
     def spots(self) -> list[Spot]:

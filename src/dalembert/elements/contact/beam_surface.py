@@ -10,7 +10,6 @@ import casadi as ca
 
 from dalembert.elements.base import Scalar, option, quantity
 from dalembert.elements.contact.beam_line import Station, need_beam
-from dalembert.elements.contact.beam_parts import beam_solids
 from dalembert.elements.contact.contact_point import ContactPoint
 from dalembert.elements.contact.hull import Solid
 from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Shape, Spot
@@ -78,6 +77,8 @@ class BeamSurface(Shape):
         return self.beam.parts()
 
     def solids(self) -> list[Solid]:
+        from dalembert.elements.contact.beam_parts import beam_solids
+
         return beam_solids(self.beam, self.radius.sx, "BeamSurface")
 
     def _contact_point(self, spot: Spot) -> ContactPoint:

@@ -12,8 +12,7 @@ import numpy as np
 from dalembert.elements.base import Condition, Element, Look, Scalar, option, quantity
 from dalembert.elements.body import BodyElement
 from dalembert.elements.component import Component
-from dalembert.elements.contact.boundary import Boundary
-from dalembert.elements.contact.hull import Solid
+from dalembert.elements.contact.hull import Boundary, Solid
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.elements.contact.pairs import COEFFICIENTS, Pair, checked_pairs, law_numbers
 from dalembert.elements.contact.shapes import Flat, Round, Shape, Vertex

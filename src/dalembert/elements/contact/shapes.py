@@ -17,9 +17,8 @@ import casadi as ca
 
 from dalembert.elements.base import Look, Scalar, option, quantity
 from dalembert.elements.component import Component
-from dalembert.elements.contact.boundary import Boundary
 from dalembert.elements.contact.contact_point import ContactPoint
-from dalembert.elements.contact.hull import Hull, Solid
+from dalembert.elements.contact.hull import Boundary, Hull, Solid
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.look import Ball as Dot, Rail
 from dalembert.elements.pair import need_point

@@ -10,8 +10,7 @@ import casadi as ca
 
 from dalembert.elements.base import Condition, Look, Rows, option
 from dalembert.elements.body import BodyElement
-from dalembert.elements.contact.boundary import Boundary
-from dalembert.elements.contact.hull import Solid
+from dalembert.elements.contact.hull import Boundary, Solid
 from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Shape
 from dalembert.elements.look import Path
 from dalembert.elements.pair import need_body

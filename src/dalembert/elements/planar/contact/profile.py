@@ -9,9 +9,8 @@ import casadi as ca
 
 from dalembert.elements.base import Constraint, Look, option
 from dalembert.elements.body import BodyElement
-from dalembert.elements.contact.boundary import Boundary
 from dalembert.elements.contact.contact_point import ContactPoint
-from dalembert.elements.contact.hull import Solid
+from dalembert.elements.contact.hull import Boundary, Solid
 from dalembert.elements.contact.shapes import Ball, Flat, Shape, Spot
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.curves import Curve

@@ -8,8 +8,8 @@ import casadi as ca
 
 from dalembert.elements import curves
 from dalembert.elements.base import Look, Vector, quantity
-from dalembert.elements.contact.boundary import Boundary
 from dalembert.elements.contact.contact import ClearanceJoint
+from dalembert.elements.contact.hull import Boundary
 from dalembert.elements.contact.shapes import Flat, Hollow, Round
 from dalembert.elements.curves import FormulaCurve
 from dalembert.elements.look import Disc, Pin

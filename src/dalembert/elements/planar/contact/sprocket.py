@@ -8,8 +8,7 @@ from math import cos, sin
 import casadi as ca
 
 from dalembert.elements.base import Condition, Look, Scalar, option, quantity
-from dalembert.elements.contact.boundary import Boundary
-from dalembert.elements.contact.hull import Solid
+from dalembert.elements.contact.hull import Boundary, Solid
 from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Pointed
 from dalembert.elements.curves import Curve
 from dalembert.elements.look import Path
