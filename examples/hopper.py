@@ -24,7 +24,7 @@ WIDTH, STEEP, WALL, TRAY = 16 * RADIUS, math.radians(50), 0.5 * RADIUS, 20 * RAD
 """Half the width [m], slope of the funnel, half its thickness, depth of the tray below."""
 FRICTION, RESTITUTION, STEP, OPENS = 0.3, 0.3, 1e-3, 0.2
 """Coefficients, step of the integration and time at which the lid leaves [s]."""
-OPENINGS = (3.5, 4.5, 5.5, 6.5)
+OPENINGS = (4.0, 5.0, 6.0, 7.0)
 """Widths of the opening over the mean diameter."""
 
 
@@ -120,7 +120,7 @@ def picture(motions: dict[float, da.Motion], rates: list[float], count: int, fol
     style.save(figure, folder, "hopper")
 
 
-def main(folder=None, count: int = 160, openings=OPENINGS) -> dict[str, float]:
+def main(folder=None, count: int = 140, openings=OPENINGS) -> dict[str, float]:
     motions = {opening: solve(opening, count) for opening in openings}
     rates = [rate(motion, count) for motion in motions.values()]
     factor, offset = beverloo(openings, rates)

@@ -10,6 +10,7 @@ from dalembert.errors import UnsupportedError
 INSTALL = {
     "SALib": "dalembert[study]",
     "cma": "dalembert[design]",
+    "coacd": "dalembert[mesh]",
     "distributed": "dalembert[cluster]",
     "ezc3d": "dalembert[c3d]",
     "jax": "jax",

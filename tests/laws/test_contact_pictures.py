@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import dalembert as da
-from dalembert import planar
+from dalembert import planar, spatial
 from dalembert.cli.app import main
 from dalembert.results.pictures.scene import motion_scene
 
@@ -76,3 +76,25 @@ def test_films_of_files_have_contact_forces(resting, tmp_path):
     resting.save(tmp_path / "resting.nc")
     code = main(["film", str(tmp_path / "resting.nc"), "--fps", "5", "--seconds", "1"])
     assert not code and (tmp_path / "resting.gif").stat().st_size > 1000
+
+
+def test_half_spaces_are_floors_of_the_size_of_the_motion():
+    """A rectangle in the plane, visible from outside, about the places over it."""
+    system = da.System("floor", gravity=(0.0, 0.0, -G))
+    shapes = []
+    for k, (x, y) in enumerate([(-1.0, 0.5), (2.0, 0.0)]):
+        ball = spatial.Sphere(f"b{k}", radius=0.1, mass=1.0, position=(x, y, 0.1))
+        shapes.append(spatial.contact.Sphere(system.add(ball), 0.1))
+    axes = system.ground.frame((0, 0, 0), axis=(0, 0, 1))
+    system.add(spatial.Collisions("touch", [*shapes, spatial.contact.HalfSpace(axes)]))
+    motion = da.solve_nonsmooth(system.build(), 0.02, step=5e-3)
+    scene = motion_scene(motion, np.array([0, 4]))
+    (floor,) = (shape for shape in scene["ground"]["shapes"] if shape["kind"] == "mesh")
+    places = np.reshape(floor["vertices"], (-1, 3))
+    assert places[:, 2] == pytest.approx(0.0)
+    low, high = places.min(axis=0), places.max(axis=0)
+    assert low[0] < -1.0 and high[0] > 2.0 and low[1] < 0.0 and high[1] > 0.5
+    assert high[0] - low[0] < 4.5
+    first, second, third = places[floor["faces"][:3]]
+    assert np.cross(second - first, third - second)[2] > 0
+    assert motion.draw().lines

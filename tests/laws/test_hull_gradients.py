@@ -89,6 +89,8 @@ SOLIDS = {
     "capsule": lambda b, size: solid.Capsule(b.point(-0.1, 0, 0), b.point(0.1, 0, 0), size),
     "capsule across": lambda b, size: solid.Capsule(b.point(0, -1, 0), b.point(0, 1, 0), size),
     "box": lambda b, size: solid.Box(b.center, (0.4, 0.3, 2 * size)),
+    "cylinder": lambda b, size: solid.Cylinder(b.point(0, -0.15, 0), b.point(0, 0.15, 0), size),
+    "disc": lambda b, size: solid.Cylinder(b.point(0, 0, -size), b.point(0, 0, size), 0.2),
 }
 """Solids that touch at the height ``-size``."""
 

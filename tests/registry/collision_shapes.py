@@ -16,11 +16,25 @@ WALL = 100.0
 
 @dataclass(frozen=True)
 class CollisionShape:
-    """A shape on a body, and its hull in numbers, in the frame of the body."""
+    """A shape on a body, and its hull in numbers, in the frame of the body.
+
+    A ``disc`` (3,), a vector as long as its radius, is added to the corners: those of the axis of a
+    cylinder.
+    """
 
     build: Callable
     corners: np.ndarray
     radius: float = 0.0
+    disc: np.ndarray | None = None
+
+    def farthest(self, directions: np.ndarray) -> np.ndarray:
+        """(n,) largest coordinates along unit vectors (n, d), without the radius."""
+        farthest: np.ndarray = (self.corners @ directions.T).max(axis=0)
+        if self.disc is None:
+            return farthest
+        radius = np.linalg.norm(self.disc)
+        along = directions @ self.disc / radius
+        return farthest + radius * np.sqrt(np.maximum(1 - along**2, 0))
 
 
 def _corners(*rows: tuple[float, ...]) -> np.ndarray:
@@ -66,6 +80,11 @@ SPATIAL = {
         lambda b: solid.Box(b.point(0.05, 0.0, 0.0), (0.3, 0.2, 0.1)),
         np.array([0.05, 0.0, 0.0])
         + np.array(list(product((-0.5, 0.5), repeat=3))) * [0.3, 0.2, 0.1],
+    ),
+    "Cylinder": CollisionShape(
+        lambda b: solid.Cylinder(b.point(-0.1, 0.0, 0.02), b.point(0.1, 0.1, 0.02), 0.09),
+        _corners((-0.1, 0.0, 0.02), (0.1, 0.1, 0.02)),
+        disc=0.09 * np.array([2.0, 1.0, 0.0]) / np.sqrt(5),
     ),
     "Polyhedron": CollisionShape(
         lambda b: solid.Polyhedron(b, PYRAMID, scale=0.1), 0.1 * np.array(PYRAMID)

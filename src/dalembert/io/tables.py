@@ -15,6 +15,7 @@ from dalembert.analysis.times import TIMES
 from dalembert.analysis.transient.equation import Rayleigh
 from dalembert.elements.base import Constraint, Rows
 from dalembert.elements.body import BodyElement
+from dalembert.elements.contact.collisions import takes
 from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw
 from dalembert.elements.contact.shapes import Shape
@@ -217,20 +218,23 @@ def registered_type(kind: type) -> Any:
 
 
 @cache
-def shape_type(dimension: int) -> Any:
-    """Type of a planar or spatial contact shape, or the name of a contacting point."""
-    space = SPACES[dimension].name.title()
+def shape_type(dimension: int, collides: bool = False) -> Any:
+    """Type of a contact shape, one of collisions if it ``collides``, or the name of a point."""
+    space, shapes = SPACES[dimension].name.title(), SHAPES[dimension]
+    reason = "not available here, only in Contact"
+    others = {n: reason for n, kind in shapes.items() if collides and not takes(kind)}
     tables = {
         name: partial(table_of, name, cls, dimension=dimension, title=f"{space}{name}Shape")
-        for name, cls in SHAPES[dimension].items()
+        for name, cls in shapes.items()
+        if name not in others
     }
-    return one_of(tables, plain=Text)
+    return one_of(tables, plain=Text, misplaced=others)
 
 
 @cache
 def shapes_type(dimension: int) -> Any:
-    """Type of a list of contact shapes, or of lists by the names of groups."""
-    shape = shape_type(dimension)
+    """Type of a list of shapes of collisions, or of lists by the names of groups."""
+    shape = shape_type(dimension, collides=True)
     return table_or(dict[str, list[shape]], list[shape])  # type: ignore[valid-type]
 
 

@@ -36,7 +36,7 @@ AHEAD, WIDER, WIDENINGS = 2.0, 4.0, 4
 body penetrated another one from beyond this distance."""
 CLOSED = 1e-12
 """Penetration that counts as rounding, by the natural length."""
-APART = 2**40
+APART = 2**54
 """Offset between the keys of gaps of different sources."""
 
 
@@ -214,13 +214,11 @@ class ContactStep:
             if changed is None or not solution.accepted:
                 break
             offsets = changed
+        stuck = none
+        if laws.higher_at_rest.any():
+            stuck = contacts.key[(start[:, 0] > 0) & sticks(self.solver, problem, solution)]
         solution = replace(solution, rounds=rounds)
-        if impact is not None:
-            solution = in_succession(impact, solution)
-        if not laws.higher_at_rest.any():
-            return solution, none
-        stuck = (start[:, 0] > 0) & sticks(self.solver, problem, start)
-        return solution, contacts.key[stuck]
+        return solution if impact is None else in_succession(impact, solution), stuck
 
 
 def _keyword(sources: list[GapSource], law: ImpactLaw) -> str:

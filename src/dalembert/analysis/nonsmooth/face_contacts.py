@@ -75,6 +75,15 @@ def _rows(
     return Feature.FACE, pair[row], np.full(row.size, swapped), f[row], loop[row, k]
 
 
+def depth_in_face(polyhedra: Polyhedra, f: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """(m, k) smallest distances of places (m, k, 3) from the sides of face ``f`` of each hull, by
+    the lengths of the sides; positive inside."""
+    rows, loop = np.arange(f.size), polyhedra.form.loops[f]
+    real = np.arange(loop.shape[1]) < polyhedra.form.counts[f][:, None]
+    face = polyhedra.corners[rows[:, None], loop]
+    return _depth(face, real, polyhedra.normals[rows, f], places)
+
+
 def _depth(
     face: np.ndarray, real: np.ndarray, normal: np.ndarray, places: np.ndarray
 ) -> np.ndarray:

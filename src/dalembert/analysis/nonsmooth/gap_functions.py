@@ -1,4 +1,5 @@
-"""Gaps of pairs of features: walls, faces, edges and corners of rounded convex hulls."""
+"""Gaps of pairs of features: walls, faces, edges and corners of rounded hulls, ends and rims of
+cylinders."""
 
 from __future__ import annotations
 
@@ -7,6 +8,14 @@ from functools import cache
 
 import casadi as ca
 
+from dalembert.analysis.nonsmooth.rims import (
+    Rim,
+    contact_of_rims,
+    contact_with_corner,
+    contact_with_edge,
+    contact_with_line,
+    contact_with_plane,
+)
 from dalembert.analysis.nonsmooth.shape_velocities import TWIST
 from dalembert.elements.contact.contact_point import (
     ContactPoint,
@@ -31,13 +40,42 @@ class Feature(IntEnum):
     """Two edges that cross."""
     EDGE = 4
     """Edge of a spatial hull and a corner; one of the hulls is rounded."""
+    CAP = 5
+    """End of a cylinder, and a corner."""
+    WALL_RIM = 6
+    """Half-space, and the rim of a cylinder."""
+    FACE_RIM = 7
+    """Face of a spatial hull, and a rim."""
+    CAP_RIM = 8
+    """End of a cylinder, and a rim."""
+    RIM_CORNER = 9
+    """Rim, and a corner."""
+    RIM_EDGE = 10
+    """Rim, and a sharp edge that crosses it."""
+    RIM_LINE = 11
+    """Rim, and the axis of a capsule or of another cylinder."""
+    RIM_RIM = 12
+    """Two rims that cross."""
+
+
+WALLS = Feature.WALL, Feature.WALL_RIM
+"""Features whose first shape is a wall."""
+RIM_POINTS = 4
+"""Number of points of a rim with a start for its angle."""
 
 
 def point_counts(feature: Feature, dimension: int) -> tuple[int, int]:
-    """Number of points that define both features; a wall has a point and a normal."""
+    """Number of points that define both features.
+
+    A wall has a point and a normal; an end of a cylinder the ends of its axis; a rim that needs a
+    start for its angle these, a point on the rim and a direction.
+    """
     faces = 2 if dimension == 2 else 3
     counts = {Feature.WALL: (2, 1), Feature.FACE: (faces, 1), Feature.CORNERS: (1, 1)}
-    counts |= {Feature.EDGES: (2, 2), Feature.EDGE: (2, 1)}
+    counts |= {Feature.EDGES: (2, 2), Feature.EDGE: (2, 1), Feature.CAP: (2, 1)}
+    counts |= {Feature.WALL_RIM: (2, 2), Feature.FACE_RIM: (3, 2), Feature.CAP_RIM: (2, 2)}
+    counts |= {Feature.RIM_CORNER: (2, 1), Feature.RIM_EDGE: (4, 2), Feature.RIM_LINE: (4, 2)}
+    counts |= {Feature.RIM_RIM: (4, 4)}
     return counts[feature]
 
 
@@ -52,11 +90,35 @@ def contact_point(
         return contact_at_wall(first[0] + radius_i * normal, normal, second[0], radius_j)
     if feature is Feature.CORNERS:
         return contact_of_balls(first[0], radius_i, second[0], radius_j)
+    if feature > Feature.EDGE:
+        return _contact_of_cylinder(feature, first, radius_i, second, radius_j)
     if feature is Feature.EDGE:
         start, axis = first[0], first[1] - first[0]
         foot = start + ca.dot(second[0] - start, axis) / ca.sumsqr(axis) * axis
         return contact_of_balls(foot, radius_i, second[0], radius_j)
     return _contact_of_edges(first, radius_i, second, radius_j)
+
+
+def _contact_of_cylinder(
+    feature: Feature, first: list[ca.SX], radius_i: ca.SX, second: list[ca.SX], radius_j: ca.SX
+) -> ContactPoint:
+    """The contact point of an end or rim of a cylinder."""
+    if feature is Feature.CAP:
+        return contact_at_wall(first[0], Rim.of(first, radius_i).outward, second[0], radius_j)
+    if feature is Feature.WALL_RIM:
+        return contact_with_plane(first[0], first[1], Rim.of(second, radius_j))
+    if feature is Feature.FACE_RIM:
+        return contact_with_plane(first[0], _face_normal(first), Rim.of(second, radius_j))
+    rim = Rim.of(first, radius_i)
+    if feature is Feature.CAP_RIM:
+        return contact_with_plane(first[0], rim.outward, Rim.of(second, radius_j))
+    if feature is Feature.RIM_CORNER:
+        return contact_with_corner(rim, second[0], radius_j)
+    if feature is Feature.RIM_EDGE:
+        return contact_with_edge(rim, second)
+    if feature is Feature.RIM_LINE:
+        return contact_with_line(rim, second, radius_j)
+    return contact_of_rims(rim, Rim.of(second, radius_j))
 
 
 def _face_normal(points: list[ca.SX]) -> ca.SX:

@@ -9,35 +9,21 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.nonsmooth.gap_functions import Feature, point_counts
+from dalembert.analysis.nonsmooth.cylinders import SECTORS, Cylinders, sector_directions
+from dalembert.analysis.nonsmooth.feature_pairs import Pairs
+from dalembert.analysis.nonsmooth.gap_functions import RIM_POINTS, WALLS, point_counts
 from dalembert.analysis.nonsmooth.planar_features import Polygons
 from dalembert.analysis.nonsmooth.polyhedra import Form, Polyhedra
 from dalembert.analysis.nonsmooth.shape_velocities import ShapeVelocities
 from dalembert.analysis.nonsmooth.strands import Strands
+from dalembert.analysis.nonsmooth.terrain import Terrain, TerrainForm
 from dalembert.elements.contact.beam_parts import Chord
 from dalembert.elements.contact.collisions import Collisions
+from dalembert.elements.contact.hull import MARKS
 from dalembert.elements.contact.pairs import APART
 from dalembert.elements.contact.shapes import Shape
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
-
-
-@dataclass(frozen=True, eq=False)
-class Pairs:
-    """Near features of one kind.
-
-    Attributes
-    ----------
-    feature : kind
-    first, second : (n,) numbers of the shapes
-    own, other : (n,) numbers of their features
-    """
-
-    feature: Feature
-    first: np.ndarray
-    second: np.ndarray
-    own: np.ndarray
-    other: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,16 +79,32 @@ class HullGeometry:
         self._face_starts = np.cumsum([0, *(len(hull.faces) for hull in self.hulls)])
         self._edges = self._table(2, [hull.edges for hull in self.hulls])
         self._faces = self._table(3, [hull.faces for hull in self.hulls])
-        forms = [(len(h.corners), h.edges, h.faces, h.parallel) for h in self.hulls]
+        forms = [(len(h.corners), h.edges, h.faces, h.parallel, h.flat_ends) for h in self.hulls]
         self._form = _first_equal(forms)
-        self._forms = {int(k): Form(self.hulls[k]) for k in np.unique(self._form)}
+        self.terrains = [k for k, hull in enumerate(self.hulls) if hull.grid]
+        self._forms = {
+            int(k): Form(self.hulls[k]) for k in np.unique(self._form) if k not in self.terrains
+        }
+        self._surfaces = {k: TerrainForm(self.hulls[k]) for k in self.terrains}
+        self._last_terrain: dict[int, Terrain] = {}
         self.owner = _first_equal([id(carrier.owner) for carrier in self.carriers])
         self.endless = np.array([isinstance(carrier, Chord) for carrier in self.carriers])
         beams = self.endless.any()
         self._strands = Strands(model, self.carriers, self.hulls) if beams else None
         sharp = [hull.is_sharp for hull in self.hulls]
         self.rounded = ~np.array(sharp, dtype=bool)
+        others = [False] * len(surroundings)
+        self.flat_ends = np.array([hull.flat_ends for hull in self.hulls] + others)
         self._symbols(model, element)
+
+    @property
+    def feature_counts(self) -> list[int]:
+        """Upper limits of the numbers of the features of all shapes."""
+        rims = 2 * SECTORS
+        return [
+            rims if h.flat_ends else max(len(h.corners), 2 * len(h.edges), len(h.faces))
+            for h in self.hulls
+        ] + [1] * (len(self.shapes) - len(self.hulls))
 
     def _table(self, size: int, features: list[tuple[tuple[int, ...], ...]]) -> np.ndarray:
         """(n, size) numbers of the first corners of the features of all hulls."""
@@ -188,7 +190,7 @@ class HullGeometry:
     def batches(
         self, first: np.ndarray, second: np.ndarray, at: Positions
     ) -> Iterator[tuple[np.ndarray, Any, Any]]:
-        """Numbers of pairs, with their polygons or their polyhedra of equal form."""
+        """Numbers of pairs, with their polygons, or their polyhedra or cylinders of equal form."""
         if self.dimension == 2:
             pairs = np.arange(first.size)
             yield pairs, self.polygons(first, at), self.polygons(second, at)
@@ -196,13 +198,31 @@ class HullGeometry:
         kinds = self._form[first] * len(self.hulls) + self._form[second]
         for kind in np.unique(kinds):
             pairs = np.flatnonzero(kinds == kind)
-            yield pairs, self.polyhedra(first[pairs], at), self.polyhedra(second[pairs], at)
+            yield pairs, self.solids(first[pairs], at), self.solids(second[pairs], at)
 
-    def polyhedra(self, hulls: np.ndarray, at: Positions) -> Polyhedra:
+    def solids(self, hulls: np.ndarray, at: Positions) -> Polyhedra | Cylinders:
         """Corners of some hulls of equal form."""
         count = self.starts[hulls[0] + 1] - self.starts[hulls[0]]
         corners = at.corners[self.starts[hulls][:, None] + np.arange(count)]
+        if self.flat_ends[hulls[0]]:
+            return Cylinders(corners, at.radii[hulls])
         return Polyhedra(corners, self._forms[self._form[hulls[0]]])
+
+    def equal_forms(self, hulls: np.ndarray) -> Iterator[np.ndarray]:
+        """The hulls of each form."""
+        for form in np.unique(self._form[hulls]):
+            yield hulls[self._form[hulls] == form]
+
+    def terrain(self, number: int, at: Positions) -> Terrain:
+        """A terrain; the same object while it does not move."""
+        corners, last = self.corners_of(number, at), self._last_terrain.get(number)
+        if last is None or not np.array_equal(last.corners, corners):
+            last = self._last_terrain[number] = Terrain(corners, self._surfaces[number])
+        return last
+
+    def corners_of(self, number: int, at: Positions) -> np.ndarray:
+        """(c, 3) corners of a hull."""
+        return at.corners[self.starts[number] : self.starts[number + 1]]
 
     def polygons(self, hulls: np.ndarray, at: Positions) -> Polygons:
         """Corners of some hulls."""
@@ -213,40 +233,56 @@ class HullGeometry:
 
     def columns(self, pairs: Pairs, at: Positions) -> list[np.ndarray]:
         """Arguments of the gap function of some pairs: a matrix for the features of each body."""
-        first, second = self.points(pairs)
-        points = at.walls[pairs.first - len(self.hulls)] if first is None else at.corners[first]
-        sides = ((points, pairs.first), (at.corners[second], pairs.second))
-        return [
-            np.vstack([p.reshape(shape.size, -1).T, at.radii[shape], at.origins[shape].T])
-            for p, shape in sides
-        ]
+        counts = point_counts(pairs.feature, self.dimension)
+        columns = []
+        for count, shape, feature in self._sides(pairs, counts):
+            if shape is pairs.first and pairs.feature in WALLS:
+                points = at.walls[shape - len(self.hulls)]
+            else:
+                points = at.corners[self._corners_of(count, shape, feature)]
+            if count == RIM_POINTS:
+                start = sector_directions(feature % SECTORS)
+                points = np.concatenate([points, start[:, None]], axis=1)
+            points, radii = points.reshape(shape.size, -1).T, self._radii(count, shape, at.radii)
+            columns.append(np.vstack([points, radii, at.origins[shape].T]))
+        return columns
 
     def symbolic_columns(self, pairs: Pairs) -> list[ca.SX]:
         """The same for a single pair, as formulas."""
         corners, walls, radii, origins, *_ = self.symbols
-        first, second = self.points(pairs)
-        i, j = int(pairs.first[0]), int(pairs.second[0])
-        own = walls[:, i - len(self.hulls)] if first is None else _column(corners, first[0])
-        other = _column(corners, second[0])
-        return [
-            ca.vertcat(points, radii[shape], origins[:, shape])
-            for points, shape in ((own, i), (other, j))
-        ]
-
-    def points(self, pairs: Pairs) -> tuple[np.ndarray | None, np.ndarray]:
-        """(n, k) numbers of the corners that define the features; None for a wall."""
         counts = point_counts(pairs.feature, self.dimension)
-        first = None
-        if pairs.feature is not Feature.WALL:
-            first = self._corners_of(counts[0], pairs.first, pairs.own)
-        return first, self._corners_of(counts[1], pairs.second, pairs.other)
+        columns = []
+        for count, shape, feature in self._sides(pairs, counts):
+            s = int(shape[0])
+            if shape is pairs.first and pairs.feature in WALLS:
+                points = walls[:, s - len(self.hulls)]
+            else:
+                points = _column(corners, self._corners_of(count, shape, feature)[0])
+            if count == RIM_POINTS:
+                points = ca.vertcat(points, ca.DM(sector_directions(feature % SECTORS)[0]))
+            radius = 0 if self.flat_ends[s] and count == 1 else radii[s]
+            columns.append(ca.vertcat(points, radius, origins[:, s]))
+        return columns
+
+    @staticmethod
+    def _sides(pairs: Pairs, counts: tuple[int, int]) -> list[tuple[int, np.ndarray, np.ndarray]]:
+        """Number of points, shapes and features of both sides."""
+        return [(counts[0], pairs.first, pairs.own), (counts[1], pairs.second, pairs.other)]
+
+    def _radii(self, count: int, shape: np.ndarray, radii: np.ndarray) -> np.ndarray:
+        """Radii of features; points on the rims of cylinders are sharp corners."""
+        return np.where(self.flat_ends[shape], 0.0, radii[shape]) if count == 1 else radii[shape]
 
     def _corners_of(self, count: int, shape: np.ndarray, feature: np.ndarray) -> np.ndarray:
-        """(n, count) corners of corners, edges or faces; the second half of edges is reversed."""
+        """(n, k) corners of corners, edges, faces or rims; the second half of edges is reversed."""
         if count == 1:
             return (self.starts[shape] + feature)[:, None]
         if count == 3:
             return self._faces[self._face_starts[shape] + feature]
+        if count == RIM_POINTS:
+            end = feature // SECTORS
+            own = np.stack([end, 1 - end, 2 + MARKS * end], axis=1)
+            return self.starts[shape][:, None] + own
         edges = self._edge_starts[shape + 1] - self._edge_starts[shape]
         ends = self._edges[self._edge_starts[shape] + feature % edges]
         return np.where((feature >= edges)[:, None], ends[:, ::-1], ends)

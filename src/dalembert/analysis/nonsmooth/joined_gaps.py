@@ -9,7 +9,7 @@ import numpy as np
 from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
 from dalembert.integrators.contact.contacts import Contacts
 
-SOURCE = 2**38
+SOURCE = 2**50
 """Offset between the keys of gaps of different sources of an element."""
 
 

@@ -109,7 +109,7 @@ class Collisions(Element):
                 _ = shape.outward
             except ModelError as error:  # a zero normal
                 raise ModelError(error.message, f"{entity}.normal") from None
-        elif not shape.solids() and shape.boundary() is None:
+        elif not takes(type(shape)):
             raise ModelError(
                 f"a {type(shape).__name__} is not available here; give shapes such as {EXAMPLE}, "
                 "or use Contact",
@@ -256,7 +256,8 @@ class Collisions(Element):
         parts = [part for shape in shapes for part in shape.look(places[0])]
         if self.dimension == 2:
             return parts + [self._floor(wall, places) for wall in self.walls]
-        return parts + [part for wall in self.walls for part in wall.look(places[0])]
+        near = ca.horzcat(*(s.carrier.locate(s.hull.corners[0]) for _, s in self.hulls))
+        return parts + [part for wall in self.walls for part in wall.look(near)]
 
     def _floor(self, wall: Flat, places: list[ca.SX]) -> Rail:
         """A wall whose length follows from the motion of the shapes along it."""
@@ -264,6 +265,12 @@ class Collisions(Element):
         inertial, origin = wall.carrier.turned(tangent), wall.point.position.sx
         travels = [ca.dot(inertial, (place - origin)[:2]) for place in places]
         return Rail(wall.point, tangent, ca.vertcat(*travels))
+
+
+def takes(kind: type[Shape]) -> bool:
+    """Whether shapes of a class take part in collisions."""
+    solid = kind.hull is not Shape.hull or kind.solids is not Shape.solids
+    return solid or kind.boundary is not Shape.boundary or issubclass(kind, Flat)
 
 
 def _placed(condition: Condition, place: str) -> Condition:

@@ -1,4 +1,4 @@
-"""Base class of planar and spatial capsules."""
+"""Base classes of shapes about the line between two points: capsules and cylinders."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from typing import Any
 import casadi as ca
 
 from dalembert.elements.base import Scalar, option, quantity
-from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Spot, Spotted
+from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Shape, Spot, Spotted
 from dalembert.elements.pair import need_point
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
 
 
 @dataclass(eq=False)
-class RoundedLine(Spotted):
-    """All points within a distance of the line between two points of a body.
+class AboutLine(Shape):
+    """A body of revolution about the line between two points of a body.
 
     Parameters
     ----------
@@ -30,12 +30,13 @@ class RoundedLine(Spotted):
     feels = (Ball,)
 
     def __post_init__(self) -> None:
-        self.point_i = need_point(self.point_i, "Capsule", "point_i", self.space)
-        self.point_j = need_point(self.point_j, "Capsule", "point_j", self.space)
+        name = type(self).__name__
+        self.point_i = need_point(self.point_i, name, "point_i", self.space)
+        self.point_j = need_point(self.point_j, name, "point_j", self.space)
         bodies = self.point_i.body, self.point_j.body
         if bodies[0] is not bodies[1]:
             names = " and ".join(body.name for body in bodies)
-            raise ModelError(f"its ends are on {names}; give two points of one body", "Capsule")
+            raise ModelError(f"its ends are on {names}; give two points of one body", name)
         super().__post_init__()
 
     @property
@@ -45,6 +46,11 @@ class RoundedLine(Spotted):
     @property
     def dimension(self) -> int:
         return self.point_i.dimension
+
+
+@dataclass(eq=False)
+class RoundedLine(Spotted, AboutLine):
+    """All points within a distance of the line between two points of a body."""
 
     def spots(self) -> list[Spot]:
         return [Spot(end, self.radius.sx) for end in (self.point_i, self.point_j)]

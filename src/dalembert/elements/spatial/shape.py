@@ -11,6 +11,7 @@ import numpy as np
 
 from dalembert.elements.base import Look, Scalar, quantity
 from dalembert.elements.body import BodyElement
+from dalembert.elements.frame import Frame
 from dalembert.elements.look import Segment
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.body import Body
@@ -52,7 +53,7 @@ class Pill(Round):
 
 @dataclass(frozen=True, eq=False)
 class Surface(Look):
-    """A closed surface in the axes of a body.
+    """A surface in the axes of a body.
 
     Parameters
     ----------
@@ -64,6 +65,34 @@ class Surface(Look):
     corners: np.ndarray
     triangles: np.ndarray
     scale: ca.SX
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet(Look):
+    """A surface visible from one side, in the axes of a body.
+
+    Parameters
+    ----------
+    vertices : (3, n) formulas of parameters
+    triangles : (m, 3) indices of vertices, anticlockwise from the visible side
+    """
+
+    body: BodyElement
+    vertices: ca.SX
+    triangles: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Floor(Look):
+    """Material below the x-y plane of a frame; its size follows from the travels over it.
+
+    Parameters
+    ----------
+    travels : (2, m) coordinates along x and y that it contains
+    """
+
+    frame: Frame
+    travels: ca.SX
 
 
 @dataclass(eq=False)

@@ -24,7 +24,7 @@ Conditions = Callable[[float, float], tuple[np.ndarray, float | np.ndarray]]
 """Completed share of a phase and the next share → smallest ``u_N``, smallest impulses."""
 Step = tuple[np.ndarray, np.ndarray]
 """(n, k) impulses of an increment, and velocities after it."""
-MAX_INCREMENTS, CORRECTIONS = 200, 8
+MAX_INCREMENTS, CORRECTIONS = 2000, 8
 """Upper limits of the increments of a phase, and of the corrections of one."""
 LARGEST = 4.0
 """Upper limit of the normal impulse that restores energy, relative to Poisson's law [-]."""
@@ -46,7 +46,7 @@ class ImpactPath:
     impulses : (n, k) sums of the increments
     velocity : (n, k) after the increments
     work : (n,) energy taken up by the normal impulses [J]
-    converged : whether all increments converged
+    converged, accepted : whether all increments are, and the phases ended
     residual, rounds : largest residual, and iterations, of the increments
     rounding : slip that counts as zero [m/s]
     """
@@ -54,8 +54,8 @@ class ImpactPath:
     def __init__(self, problem: FrictionProblem, solver: ContactSolver):
         self.problem, self.solver = problem, solver
         self.velocity, self.impulses = problem.velocity, np.zeros(problem.shape)
-        self.work, self.converged = np.zeros(problem.shape[0]), True
-        self.residual, self.rounds = 0.0, 0
+        self.work, self.residual, self.rounds = np.zeros(problem.shape[0]), 0.0, 0
+        self.converged = self.accepted = True
         self.rounding = STILL * solver.tolerance * problem.scale
 
     def compress(self) -> None:
@@ -78,7 +78,7 @@ class ImpactPath:
         for _ in range(MAX_INCREMENTS):
             left, allowed = self.work - target, most - self.impulses[:, 0]
             running = (left > limit) & (allowed > RESTORED * most)
-            if not running.any() or not self.converged:
+            if not running.any() or not self.accepted:
                 break
             increments = np.where(running, pace.share * whole, 0.0)
             step = self._increment(np.zeros_like(normal), increments)
@@ -95,12 +95,14 @@ class ImpactPath:
             pace.accept(self._slip(step))
             self._accept(step)
             corrections = 0
+        else:
+            self.accepted = self.converged = False
 
     def _march(self, conditions: Conditions) -> None:
         """Increments of a phase."""
         done, pace = 0.0, Pace()
         for _ in range(MAX_INCREMENTS):
-            if done >= 1 or not self.converged:
+            if done >= 1 or not self.accepted:
                 break
             pace.share = min(pace.share, 1 - done)
             step = self._increment(*conditions(done, pace.share))
@@ -109,6 +111,8 @@ class ImpactPath:
             done += pace.share
             pace.accept(slip)
             self._accept(step)
+        else:
+            self.accepted = self.converged = False
 
     def _increment(self, lowest: np.ndarray, minimum: float | np.ndarray) -> Step:
         """Impulses of at least a minimum with ``u_N ≥ lowest``, and velocities after them."""
@@ -117,6 +121,7 @@ class ImpactPath:
         problem = replace(self.problem, velocity=velocity, minimum=minimum)
         solution = self.solver.solve(problem)
         self.converged &= solution.converged
+        self.accepted &= solution.accepted
         self.residual = max(self.residual, solution.residual)
         self.rounds += solution.rounds
         after = problem.speeds(solution.impulses)
@@ -165,8 +170,8 @@ def impact_impulses(
         path.expand(pressed)
     else:
         path.restore(restitution**2 * path.work, pressed)
-    impulses = Impulses(path.impulses, path.residual, path.converged, path.rounds)
-    return impulses, path.velocity
+    outcome = path.residual, path.converged, path.rounds, path.accepted
+    return Impulses(path.impulses, *outcome), path.velocity
 
 
 def in_succession(first: Impulses, second: Impulses) -> Impulses:
@@ -176,4 +181,5 @@ def in_succession(first: Impulses, second: Impulses) -> Impulses:
         max(first.residual, second.residual),
         first.converged and second.converged,
         first.rounds + second.rounds,
+        first.accepted and second.accepted,
     )

@@ -66,11 +66,11 @@ def solve_with_static_friction(
         friction[static, :1] = laws.static_friction[static, None]
         solution = solver.solve(replace(problem, friction=friction), start)
         start, rounds = solution.impulses, rounds + solution.rounds
-        if not higher.any() or not solution.converged:
+        if not higher.any() or not solution.accepted:
             break
         after = problem.speeds(start)[:, 1 : problem.linear]
         turned = (after * before[:, 1 : problem.linear]).sum(axis=1) < 0
-        slips |= static & ~sticks(solver, problem, start)
+        slips |= static & ~sticks(solver, problem, solution)
         changed = (static | (turned & higher & (start[:, 0] > 0))) & ~slips
         if (changed == static).all():
             break
@@ -78,8 +78,9 @@ def solve_with_static_friction(
     return replace(solution, rounds=rounds), static
 
 
-def sticks(solver: ContactSolver, problem: FrictionProblem, impulses: np.ndarray) -> np.ndarray:
+def sticks(solver: ContactSolver, problem: FrictionProblem, solution: Impulses) -> np.ndarray:
     """(n,) mask of the contacts without slip."""
-    slip = np.linalg.norm(problem.speeds(impulses)[:, 1 : problem.linear], axis=1)
-    still: np.ndarray = slip <= STILL * solver.tolerance * problem.size(impulses)
+    slip = np.linalg.norm(problem.speeds(solution.impulses)[:, 1 : problem.linear], axis=1)
+    tolerance = max(solver.tolerance * problem.size(solution.impulses), solution.residual)
+    still: np.ndarray = slip <= STILL * tolerance
     return still

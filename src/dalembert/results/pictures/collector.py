@@ -11,7 +11,7 @@ import numpy as np
 from dalembert.elements.base import Element
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.flexible.floating import FloatingFrame
-from dalembert.elements.look import Belt, Rail
+from dalembert.elements.look import Belt
 from dalembert.elements.point import AXES, Point
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.pictures.pivots import Pivots
@@ -134,9 +134,9 @@ class SceneCollector:
         """Distance of two points at the first instant."""
         return float(np.linalg.norm(self.start(point_i) - self.start(point_j)))
 
-    def travel(self, look: Rail) -> tuple[float, float]:
-        """Lower and upper limit of the travel along a rail; zero if there is none."""
-        travel = self.motion.values(Expression(look.travel))[self.keep]
+    def limits(self, travels: ca.SX) -> tuple[float, float]:
+        """Lower and upper limit of travels along a line; zero if there are none."""
+        travel = self.motion.values(Expression(travels))[self.keep]
         travel = travel[np.isfinite(travel)]
         return (float(travel.min()), float(travel.max())) if travel.size else (0.0, 0.0)
 

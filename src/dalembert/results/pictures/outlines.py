@@ -11,6 +11,8 @@ ANGLES = np.linspace(0, 2 * np.pi, 49)
 CIRCLE = np.column_stack([np.cos(ANGLES), np.sin(ANGLES)])
 SMOOTH = 0.94
 """Threshold of the cosine between normals of adjacent triangles for drawing their edge."""
+FLAT = 1 - 1e-12
+"""Cosine of the angle of two faces in one plane."""
 MAX_EDGES = 150
 """Upper limit of edges drawn for a smooth surface."""
 Shape = dict[str, Any]
@@ -115,7 +117,7 @@ def _plate(shape: Shape) -> np.ndarray:
 
 
 def _surface(shape: Shape) -> np.ndarray:
-    """Sharp edges of a surface; a sample of all edges if it is smooth."""
+    """Sharp edges and the border of a surface; a sample of all edges if it has none."""
     positions = np.reshape(shape["vertices"], (-1, 3))
     faces = np.reshape(shape["faces"], (-1, 3))
     normals = np.cross(
@@ -124,12 +126,16 @@ def _surface(shape: Shape) -> np.ndarray:
     )
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     sides = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    owners = np.repeat(np.arange(len(faces)), 3)
-    order = np.lexsort(sides.T)
-    pairs = order.reshape(-1, 2)  # a closed surface has each side twice
-    bends = np.einsum("ij,ij->i", *normals[owners[pairs]].transpose(1, 0, 2)) < SMOOTH
-    edges = pairs[bends, 0] if bends.any() else pairs[:: max(1, len(pairs) // MAX_EDGES), 0]
-    return joined(*positions[sides[edges]])
+    edges, edge, counts = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
+    owners = np.repeat(np.arange(len(faces)), 3)[np.argsort(edge.ravel(), kind="stable")]
+    last = np.cumsum(counts) - 1
+    cosines = np.einsum("ij,ij->i", normals[owners[last]], normals[owners[last - 1]])
+    border, sharp = counts == 1, (counts > 1) & (cosines < SMOOTH)
+    if not sharp.any():
+        curved = np.flatnonzero(~border & (cosines < FLAT))
+        sharp[curved[:: max(1, len(curved) // MAX_EDGES)]] = True
+    chosen = edges[border | sharp]
+    return joined(*positions[chosen])
 
 
 SPATIAL = {

@@ -57,7 +57,7 @@ class Primitives(SceneCollector):
 
     @draw.register
     def _(self, look: Rail, element: Element) -> None:
-        (low, high), margin = self.travel(look), 0.12 * self.size
+        (low, high), margin = self.limits(look.travel), 0.12 * self.size
         axis, origin = self.padded(look.direction), self.padded(look.point.local.sx)
         axis = axis / ca.norm_2(axis)
         ends = [self.number(origin + s * axis) for s in (low - margin, high + margin)]

@@ -9,8 +9,8 @@ import numpy as np
 from dalembert.model.graph.description import Description
 from dalembert.model.graph.model import Model
 from dalembert.results.labelled import LabelledRecording
+from dalembert.results.pictures.mechanism_scene import MechanismScene
 from dalembert.results.pictures.planar_scene import PlanarScene
-from dalembert.results.pictures.spatial_scene import SpatialScene
 
 
 def motion_scene(
@@ -22,7 +22,11 @@ def motion_scene(
     ----------
     loads : whether applied forces, moments and stops are drawn
     """
-    kind = SpatialScene if is_spatial(motion.model) else PlanarScene
+    kind: type[MechanismScene] = PlanarScene
+    if is_spatial(motion.model):
+        from dalembert.results.pictures.spatial_scene import SpatialScene
+
+        kind = SpatialScene
     return kind(motion, keep, loads).build()
 
 

@@ -20,7 +20,7 @@ from dalembert.elements.look import Block
 from dalembert.elements.point import AXES, Point
 from dalembert.elements.spatial.body import Body
 from dalembert.elements.spatial.inertia_tensor import tensor
-from dalembert.elements.spatial.shape import Cuboid, Drum, Orb, Pill, Round, Surface
+from dalembert.elements.spatial.shape import Cuboid, Drum, Floor, Orb, Pill, Round, Sheet, Surface
 from dalembert.results.pictures.mechanism_scene import MechanismScene
 from dalembert.results.pictures.primitives import Primitives
 from dalembert.results.sources import InitialPicture, Track, numbers
@@ -29,6 +29,10 @@ from dalembert.symbolic.rotation import EULER_PARAMETERS
 MAX_FORMULAS = 3000
 """Upper limit of coordinates of a surface with a formula each."""
 ROUND = {Drum: "cylinder", Pill: "capsule"}
+
+
+MARGIN = 0.12
+"""Margin of a floor about the travels over it, relative to the mechanism."""
 
 
 class SpatialPrimitives(Primitives):
@@ -73,6 +77,27 @@ class SpatialPrimitives(Primitives):
         elif not look.scale.is_constant():
             shape["vertices"] = numbers(vertices, look.scale * ca.DM(look.corners.ravel()))
         self.shapes[look.body.display_name].append(shape)
+
+    @draw.register
+    def _(self, look: Sheet, element: Element) -> None:
+        vertices, faces = ca.vec(ca.densify(look.vertices)), look.triangles.ravel().tolist()
+        shape: dict[str, Any] = {"kind": "mesh", "vertices": self.number(vertices), "faces": faces}
+        if not vertices.is_constant() and vertices.numel() > MAX_FORMULAS:
+            initial = [float(vertex) for vertex in shape["vertices"]]
+            shape = InitialPicture(look.body.name, shape | {"vertices": initial})
+        self.shapes[look.body.display_name].append(shape)
+
+    @draw.register
+    def _(self, look: Floor, element: Element) -> None:
+        """A rectangle about the travels, visible from outside."""
+        margin = MARGIN * self.size
+        limits = [self.limits(travels.T) for travels in ca.vertsplit(look.travels)]
+        (left, right), (front, back) = ((low - margin, high + margin) for low, high in limits)
+        corners = ca.DM([[left, right, right, left], [front, front, back, back]])
+        places = ca.mtimes(look.frame.local_axes[:, :2], corners)
+        vertices = self.number(ca.repmat(look.frame.local.sx, 1, 4) + places)
+        shape = {"kind": "mesh", "vertices": vertices, "faces": [0, 1, 2, 0, 2, 3]}
+        self.shapes[look.frame.body.display_name].append(shape)
 
     @draw.register
     def _(self, look: Block, element: Element) -> None:

@@ -14,9 +14,11 @@ from dalembert.elements.contact.laws import (
 from dalembert.elements.contact.pairs import Pair
 from dalembert.elements.contact.restitution import achieved_restitution, damping_factor
 from dalembert.elements.contact.shapes import Vertex
+from dalembert.elements.spatial.contact.height_field import HeightField
+from dalembert.elements.spatial.contact.mesh_hulls import MeshHulls
 from dalembert.elements.spatial.contact.polyhedron import Polyhedron
 from dalembert.elements.spatial.contact.shapes import HalfSpace, Socket, Sphere
-from dalembert.elements.spatial.contact.solids import Box, Capsule, Corners
+from dalembert.elements.spatial.contact.solids import Box, Capsule, Corners, Cylinder
 
 __all__ = [
     "BeamLine",
@@ -25,13 +27,16 @@ __all__ = [
     "Capsule",
     "Corners",
     "Coulomb",
+    "Cylinder",
     "Flores",
     "HalfSpace",
+    "HeightField",
     "Hertz",
     "HuntCrossley",
     "KelvinVoigt",
     "LankaraniNikravesh",
     "LuGre",
+    "MeshHulls",
     "Pair",
     "Polyhedron",
     "Restitution",

@@ -14,7 +14,7 @@ from dalembert.elements.frame import Frame
 from dalembert.elements.look import Socket as BallJoint
 from dalembert.elements.spatial.contact.polyhedron import Polyhedron
 from dalembert.elements.spatial.contact.solids import Corners
-from dalembert.elements.spatial.shape import Orb
+from dalembert.elements.spatial.shape import Floor, Orb
 from dalembert.errors import ModelError
 
 
@@ -115,6 +115,11 @@ class HalfSpace(Flat):
 
     def conditions(self) -> list[Condition]:
         return [*super().conditions(), *self.point.conditions()]
+
+    def look(self, near: ca.SX) -> list[Look]:
+        relative = near - ca.repmat(self.point.position.sx, 1, near.shape[1])
+        along = ca.horzcat(*(self.carrier.turned(tangent) for tangent in self.along))
+        return [Floor(self.point, ca.mtimes(along.T, relative))]
 
 
 @dataclass(eq=False)

@@ -1,0 +1,124 @@
+"""Search for near features of hulls, cylinders and walls."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from dalembert.analysis.nonsmooth.bounding_balls import bounding_balls, near_balls
+from dalembert.analysis.nonsmooth.cylinder_features import cylinder_features
+from dalembert.analysis.nonsmooth.cylinder_pairs import features_at_walls, features_of_cylinders
+from dalembert.analysis.nonsmooth.cylinders import Cylinders
+from dalembert.analysis.nonsmooth.feature_pairs import EvaluatePairs, Pairs, some_pairs
+from dalembert.analysis.nonsmooth.gap_functions import Feature
+from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Positions
+from dalembert.analysis.nonsmooth.planar_features import Rows, planar_features
+from dalembert.analysis.nonsmooth.spatial_features import spatial_features
+from dalembert.analysis.nonsmooth.terrain_search import TerrainSearch
+from dalembert.elements.contact.shapes import Round
+
+
+class HullSearch:
+    """Near features of the shapes of one element.
+
+    Parameters
+    ----------
+    geometry : HullGeometry
+    """
+
+    def __init__(self, geometry: HullGeometry):
+        self.geometry = geometry
+        self._round = np.array([isinstance(shape, Round) for shape in geometry.shapes])
+        points = [len(hull.corners) == 1 and hull.is_sharp for hull in geometry.hulls]
+        self._point = np.pad(points, (0, len(geometry.shapes) - len(points)))
+        self._end = np.array([shape.boundary() is not None for shape in geometry.shapes])
+        self._terrain = np.isin(np.arange(len(geometry.shapes)), geometry.terrains)
+        hulls = np.flatnonzero(~self._terrain[: len(geometry.hulls)])
+        self._terrains = [
+            TerrainSearch(geometry, k, hulls[self._may_touch(np.full(hulls.size, k), hulls)])
+            for k in geometry.terrains
+        ]
+
+    def __call__(self, at: Positions, reach: float, evaluate: EvaluatePairs) -> list[Pairs]:
+        """Features that touch within reach."""
+        on_terrain = [pairs for search in self._terrains for pairs in search(at, reach, evaluate)]
+        return [*self._walls(at, reach), *self._hulls(at, reach, evaluate), *on_terrain]
+
+    def _may_touch(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """Mask of pairs of shapes that may touch, not both of balls, nor corners of boundaries and
+        points, which do not hit each other."""
+        point, end = self._point, self._end
+        apart = ~(self._round[first] & self._round[second])
+        apart &= ~(end[first] & point[second]) & ~(point[first] & end[second])
+        return apart & self.geometry.may_touch(first, second)
+
+    def _walls(self, at: Positions, reach: float) -> list[Pairs]:
+        """Corners and rims near walls."""
+        starts, count = self.geometry.starts, len(self.geometry.hulls)
+        hull = np.repeat(np.arange(count), np.diff(starts))
+        normals, points = at.walls[:, 1], at.walls[:, 0]
+        floors = (normals * points).sum(axis=1)[:, None]
+        heights = normals @ at.corners.T - floors
+        others = self.geometry.flat_ends[hull] | self._terrain[hull]
+        wall, corner = np.nonzero((heights - at.radii[hull] <= reach) & ~others)
+        first, second = wall + count, hull[corner]
+        touching = self._may_touch(first, second) & ~self._round[second]
+        pairs = Pairs(Feature.WALL, first, second, 0 * first, corner - starts[second])
+        tables = [some_pairs(pairs, touching)] if touching.any() else []
+        cylinders = np.flatnonzero(self.geometry.flat_ends[:count])
+        first, second = (n.ravel() for n in np.meshgrid(count + np.arange(len(floors)), cylinders))
+        touching = self._may_touch(first, second)
+        first, second = first[touching], second[touching]
+        if not first.size:
+            return tables
+        solids, walls = self.geometry.solids(second, at), first - count
+        assert isinstance(solids, Cylinders)
+        for feature, row, other in features_at_walls(solids, normals[walls], floors[walls], reach):
+            if row.size:
+                tables.append(Pairs(feature, first[row], second[row], 0 * row, other))
+        return tables
+
+    def _hulls(self, at: Positions, reach: float, evaluate: EvaluatePairs) -> list[Pairs]:
+        """Near features of hulls."""
+        starts = self.geometry.starts
+        centers, radii = bounding_balls(at.corners, starts)
+        rounding = np.where(self.geometry.flat_ends, 0.0, at.radii)[: radii.size]
+        hulls = np.flatnonzero(~self._terrain[: radii.size])
+        near = near_balls(centers[hulls], (radii + rounding)[hulls], reach)
+        first, second = hulls[near[0]], hulls[near[1]]
+        touching = self._may_touch(first, second)
+        first, second = first[touching], second[touching]
+        if not first.size:
+            return []
+        tables: dict[Feature, list[np.ndarray]] = {}
+        for pairs, one, another in self.geometry.batches(first, second, at):
+            i, j = first[pairs], second[pairs]
+            for feature, row, swapped, own, other in self._features(i, j, one, another, evaluate):
+                a, b = np.where(swapped, j[row], i[row]), np.where(swapped, i[row], j[row])
+                tables.setdefault(feature, []).append(np.stack([a, b, own, other]))
+        joined = ((feature, np.hstack(parts)) for feature, parts in tables.items())
+        return [Pairs(feature, *table) for feature, table in joined if table.size]
+
+    def _features(
+        self, i: np.ndarray, j: np.ndarray, one: Any, another: Any, evaluate: EvaluatePairs
+    ) -> list[Rows]:
+        """Features that touch of hulls ``i`` and ``j`` of equal forms."""
+        rounded = self.geometry.rounded
+        if isinstance(another, Cylinders) and not isinstance(one, Cylinders):
+            rows = self._features(j, i, another, one, evaluate)
+            return [
+                (feature, row, ~swapped, own, other) for feature, row, swapped, own, other in rows
+            ]
+        if not isinstance(one, Cylinders):
+            search = planar_features if self.geometry.dimension == 2 else spatial_features
+            return search(one, another, rounded[i] | rounded[j])
+
+        def evaluated(rows: Rows) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+            feature, row, swapped, own, other = rows
+            a, b = np.where(swapped, j[row], i[row]), np.where(swapped, i[row], j[row])
+            return evaluate(Pairs(feature, a, b, own, other))
+
+        if isinstance(another, Cylinders):
+            return features_of_cylinders(one, another, evaluated)
+        return cylinder_features(one, another, rounded[j], evaluated)

@@ -1,0 +1,100 @@
+"""Meshes as several convex hulls."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dalembert.elements.base import Look, option
+from dalembert.elements.contact.hull import Solid
+from dalembert.elements.contact.shapes import Shape
+from dalembert.elements.spatial.contact.polyhedron import MOST, ConvexHull
+from dalembert.elements.spatial.mesh import Mesh, SurfaceMesh
+from dalembert.elements.spatial.shape import Surface
+from dalembert.errors import ModelError
+from dalembert.packages import optional_package
+
+CONVEX = 1e-9
+"""Relative difference of the volumes of a convex mesh and of its hull."""
+
+
+@dataclass(eq=False)
+class MeshHulls(Shape):
+    """A mesh as several convex hulls, which approximate its concave parts; for ``Collisions``.
+
+    The parts are computed with CoACD (``pip install dalembert[mesh]``), Wei, Liu, Ling & Su, ACM
+    Transactions on Graphics 41 (2022). A convex mesh is its own hull.
+
+    Parameters
+    ----------
+    body : body of a mesh
+    concavity : largest distance of the surface from the hulls, by the size of the mesh [-]
+    most : upper limit of the number of hulls; none by default
+
+    Raises
+    ------
+    ModelError
+        No mesh, or an impossible option.
+    UnsupportedError
+        CoACD is not installed.
+
+    Examples
+    --------
+    >>> import tempfile, trimesh
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     size = trimesh.creation.box((0.2, 0.1, 0.05)).export(f"{folder}/brick.stl")
+    ...     file = f"{folder}/brick.stl"
+    ...     brick = spatial.Mesh("brick", file=file, mass=2.0, position=(0, 0, 0.025))
+    >>> len(spatial.contact.MeshHulls(brick).solids())  # convex
+    1
+    """
+
+    space = 3
+    body: Mesh = option("body with the form of a mesh")
+    concavity: float = option("largest distance of surface and hulls, by the size", default=0.05)
+    most: int | None = option("upper limit of the number of hulls", default=None)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.body, Mesh):
+            raise ModelError(f"needs a spatial.Mesh, got {self.body!r:.60}", "MeshHulls")
+        if not 0.01 <= self.concavity <= 1:
+            text = f"concavity is {self.concavity!r}; give a number from 0.01 to 1"
+            raise ModelError(text, "MeshHulls")
+        if self.most is not None and self.most < 1:
+            raise ModelError(f"most is {self.most!r}; give 1 or more", "MeshHulls")
+        self.forms = self._parts(self.body.surface)
+        super().__post_init__()
+
+    def _parts(self, surface: SurfaceMesh) -> list[ConvexHull]:
+        """Hulls of the parts of a surface; itself if it is convex."""
+        from scipy.spatial import ConvexHull as Qhull
+
+        entity = f"MeshHulls of {self.body.name}"
+        volume = Qhull(surface.corners).volume
+        if volume - surface.volume <= CONVEX * volume:
+            return [ConvexHull.of(surface.corners, entity)]
+        coacd: Any = optional_package("coacd", entity, "give several contact.Polyhedron")
+        coacd.set_log_level("error")
+        parts = coacd.run_coacd(
+            coacd.Mesh(surface.corners, surface.triangles),
+            threshold=self.concavity,
+            max_convex_hull=self.most or -1,
+            decimate=True,
+            max_ch_vertex=MOST,
+        )
+        return [ConvexHull.of(np.asarray(corners), entity) for corners, _ in parts]
+
+    @property
+    def carrier(self) -> Any:
+        return self.body
+
+    def solids(self) -> list[Solid]:
+        return [Solid(self.body, form.scaled(self.body.scale.sx)) for form in self.forms]
+
+    def look(self, near: Any) -> list[Look]:
+        scale = self.body.scale.sx
+        return [Surface(self.body, form.corners, form.triangles, scale) for form in self.forms]
