@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
-from dalembert.results.contact_forces import ContactForces
 from dalembert.results.files.contents import COMPONENTS, Contents
 from dalembert.results.recording import Recording
 from dalembert.results.sources import Series, Source
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+    from dalembert.results.contact_forces import ContactForces
 
 DATA_ONLY = {
     "energy",

@@ -13,7 +13,6 @@ from dalembert.elements.flexible.shapes import FloatingShapes
 from dalembert.elements.look import Bars, Beams, Coils
 from dalembert.elements.point import Point
 from dalembert.results.labelled import LabelledRecording
-from dalembert.results.pictures.contact_symbols import contact_symbols
 from dalembert.results.pictures.primitives import Primitives
 from dalembert.results.sources import InitialPicture, Track
 from dalembert.results.structural.drawing import StructuralDrawing
@@ -49,7 +48,6 @@ class MechanismScene:
             if not (body.node or isinstance(body, FloatingFrame)):
                 self.outline(body)
         primitives.fill_in()
-        contacts = contact_symbols(primitives.motion, self.keep, primitives.dimension)
         gravity = self.model.parts.gravity
         return {
             "gravity": None if gravity is None else primitives.number(gravity.sx),
@@ -64,7 +62,7 @@ class MechanismScene:
             ]
             + self.deformed(),
             "ground": {"shapes": primitives.shapes["ground"]},
-            "joints": primitives.joints + contacts,
+            "joints": primitives.joints + self.contacts(),
             "links": primitives.links,
             "symbols": primitives.symbols,
             "points": [
@@ -73,6 +71,15 @@ class MechanismScene:
                 for p in b.points.values()
             ],
         }
+
+    def contacts(self) -> list[dict[str, Any]]:
+        """Symbols of the contacts of motions that record them."""
+        motion = self.primitives.motion
+        if motion.drawn_contacts(int(self.keep[0])) is None:
+            return []
+        from dalembert.results.pictures.contact_symbols import contact_symbols
+
+        return contact_symbols(motion, self.keep, self.primitives.dimension)
 
     def deformed(self) -> list[dict[str, Any]]:
         """Sections and segments of flexible bodies, as bodies of the scene."""
