@@ -3,6 +3,7 @@
 from benchmarks.cases import (
     build,
     cold_start,
+    contact_gradients,
     falling_bodies,
     flexible_bar,
     gradients,
@@ -20,6 +21,7 @@ CASES = [
     flexible_bar.CASE,
     plate.CASE,
     *falling_bodies.CASES,
+    contact_gradients.CASE,
     gradients.CASE,
     build.CASE,
     machine_code.CASE,

@@ -13,6 +13,7 @@ import dalembert as da
 from dalembert import planar
 from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
 from tests.registry.collision_shapes import PLANAR
+from tests.registry.gap_derivatives import GapDerivatives
 
 u = da.curves.u
 flat = planar.contact
@@ -212,18 +213,15 @@ def test_compliant_contact_has_the_same_distance(meetings, i, j):
 
 
 @pairs
-def test_formulas_are_the_numbers(meetings, i, j):
+def test_formulas_are_the_numbers_and_have_their_derivatives(meetings, i, j):
     meeting = meeting_of(meetings, i, j)
-    e, p = meeting.model.equations, meeting.model.nominal
-    v = np.random.default_rng(4).normal(size=e.speed_count)
+    rng = np.random.default_rng(4)
+    v, way = rng.normal(size=(2, meeting.model.equations.speed_count))
+    formulas = GapDerivatives(meeting.source, meeting.model, v, way)
     for y in meeting.poses[:2]:
         gaps = meeting.gaps(y, 0.02)
-        for k, key in enumerate(gaps.key):
-            gap = meeting.source.symbolic(int(key))
-            function = ca.Function("gap", [e.t, e.y, e.v, e.p], [gap.distance, gap.speeds])
-            distance, speeds = function(0.0, y, v, p)
-            assert float(distance) == pytest.approx(gaps.distance[k], abs=1e-12)
-            assert speeds.full().ravel() == pytest.approx(gaps.speeds(v)[k], abs=1e-10)
+        formulas.check_values(y, gaps, 1e-10)
+        formulas.check_slopes(y, gaps, rng)
 
 
 @pairs

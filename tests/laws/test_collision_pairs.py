@@ -1,6 +1,5 @@
 """Laws of the gaps of all pairs of shapes: distance, rate, formula, symmetry, frame."""
 
-import casadi as ca
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -10,6 +9,7 @@ from dalembert import planar, spatial
 from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.planar_features import PARALLEL
 from tests.registry.collision_shapes import PAIRS, SHAPES, WALLS
+from tests.registry.gap_derivatives import GapDerivatives
 
 SEEDS = range(6)
 DEEP = 0.01
@@ -153,19 +153,17 @@ def test_velocities_of_gaps_are_rates_of_distances(meetings, dimension, i, j):
 
 
 @pairs
-def test_formulas_are_the_numbers(meetings, dimension, i, j):
+def test_derivatives_of_gaps_are_those_of_the_numbers(meetings, dimension, i, j):
+    """Distances, velocities and momenta change by the position as the numbers do."""
     meeting = meeting_of(meetings, dimension, i, j)
-    e, p = meeting.model.equations, meeting.model.nominal
-    v = np.random.default_rng(4).normal(size=e.speed_count)
+    rng = np.random.default_rng(4)
+    v, way = rng.normal(size=(2, meeting.model.equations.speed_count))
+    formulas = GapDerivatives(meeting.source, meeting.model, v, way)
     for seed in SEEDS:
         y = meeting.state(meeting.poses(seed, 0.3))
         gaps = meeting.gaps(y)
-        for k, key in enumerate(gaps.key):
-            gap = meeting.source.symbolic(int(key))
-            function = ca.Function("gap", [e.t, e.y, e.v, e.p], [gap.distance, gap.speeds])
-            distance, speeds = function(0.0, y, v, p)
-            assert float(distance) == pytest.approx(gaps.distance[k], abs=1e-12)
-            assert speeds.full().ravel() == pytest.approx(gaps.speeds(v)[k], abs=1e-12)
+        formulas.check_values(y, gaps)
+        formulas.check_slopes(y, gaps, rng)
 
 
 @pairs

@@ -159,3 +159,17 @@ def test_energy_dissipated_by_the_scheme_is_accounted(theta):
     assert motion.statistics["energy dissipated by the scheme [J]"] == pytest.approx(expected)
     assert motion.data["dissipated_energy"][-1] == pytest.approx(expected)
     assert np.abs(motion.data["balance_error"]).max() <= 1e-9
+
+
+def test_residuals_above_the_tolerance_are_stated():
+    """No sum of rounded numbers attains the tolerance; the run continues and warns."""
+    model, solver = pile(3, 3), da.ContactSolver(tolerance=1e-19, max_iterations=3)
+    motion = da.solve_nonsmooth(model, 0.2, step=2e-3, solver=solver)
+    assert motion.status.success
+    (warning,) = [text for text in motion.warnings if "residuals above the tolerance" in text]
+    assert f"of {motion.record.converged.size} steps" in warning
+    assert not motion.record.converged.all()
+    assert motion.record.residual.max() < 1e-12
+    strict = da.ContactSolver(tolerance=1e-19, acceptable=1e-19, max_iterations=3)
+    failed = da.solve_nonsmooth(model, 0.2, step=2e-3, solver=strict)
+    assert failed.status.outcome is da.Outcome.NOT_CONVERGED

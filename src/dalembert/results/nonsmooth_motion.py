@@ -29,11 +29,13 @@ class ContactRecord:
     names : elements that have gaps
     step, owner, key : (c,) step, element and gap of each impulse
     impulse : (c, k) [N s], the normal component first, those of rotations last [N m s]
+    offset : (c, k) velocity offset of the condition at the end of the step [m/s]
     linear : number of components that are not rotations
     loss : (K,) energy dissipated by contacts [J]
     penetration : (K+1,) maximum penetration of the gaps [m]
     residual : (K,) of the contact conditions, as a speed [m/s]
     rounds : (K,) iterations of the proximal method
+    converged : (K,) whether the residual is within the tolerance of the solver
     """
 
     ends: Trajectory
@@ -42,11 +44,13 @@ class ContactRecord:
     owner: np.ndarray
     key: np.ndarray
     impulse: np.ndarray
+    offset: np.ndarray
     linear: int
     loss: np.ndarray
     penetration: np.ndarray
     residual: np.ndarray
     rounds: np.ndarray
+    converged: np.ndarray
 
     @property
     def t(self) -> np.ndarray:

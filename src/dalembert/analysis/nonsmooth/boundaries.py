@@ -48,7 +48,7 @@ class Boundaries:
     curves : different smooth curves
     curve_of : (b,) number of the curve of each boundary, -1 for a polygon
     counts : (b,) numbers of vertices; a smooth curve has none
-    vertices : of all boundaries
+    vertices : (2, v) formulas of all boundaries
     """
 
     def __init__(self, model: Model, listed: list[Boundary]):
@@ -67,9 +67,9 @@ class Boundaries:
         self.curve_of = np.array([of_object.get(id(b.curve), -1) for b in listed], dtype=int)
         self.counts = np.array([len(b.vertices) for b in listed], dtype=int)
         self.starts = np.cumsum([0, *self.counts])
-        self.vertices = [vertex for b in listed for vertex in b.vertices]
-        places = ca.densify(ca.horzcat(*self.vertices)) if self.vertices else ca.SX(2, 0)
-        self._vertices = Kernel(ca.Function("vertices", [p], [places]))
+        vertices = [vertex for b in listed for vertex in b.vertices]
+        self.vertices = ca.densify(ca.horzcat(*vertices)) if vertices else ca.SX(2, 0)
+        self._vertices = Kernel(ca.Function("vertices", [p], [self.vertices]))
         self._last: LocalBoundaries | None = None
 
     def at(self, p: np.ndarray) -> LocalBoundaries:

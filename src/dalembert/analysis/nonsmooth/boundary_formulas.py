@@ -1,13 +1,12 @@
-"""Contact points of boundaries as formulas of the positions."""
+"""Contact points of boundaries as formulas of the positions of their parts."""
 
 from __future__ import annotations
 
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.nonsmooth.boundaries import Boundaries
 from dalembert.analysis.nonsmooth.boundary_search import Touch
-from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry
+from dalembert.analysis.nonsmooth.gap_functions import Feature, gap_function
 from dalembert.analysis.nonsmooth.smooth_curve import SmoothCurve
 
 ITERATIONS = 8
@@ -15,154 +14,165 @@ ITERATIONS = 8
 FLAT, FAR = 1e-12, 1e300
 """Lower limit of the derivatives that Newton's method divides by; squared distance of samples that
 do not face each other [m²]."""
+FRAME = 5
+"""Numbers of the frame of a boundary: origin and first axis of its body."""
+SIZES = {Touch.SIDE: FRAME + 4, Touch.WALL: 9, Touch.EDGE: 10, Touch.ARC: FRAME + 4}
+"""Numbers of a straight line after which the kinds are named: of a side its frame and two vertices
+on the body, of a wall its point, normal and origin, of an edge its corners, radius and origin."""
+BALL = 7
+"""Numbers of a corner of a hull: its position, radius and origin."""
 
 Point = tuple[ca.SX, ca.SX]
 """Position, and outward normal, inertial."""
 
 
-class BoundaryFormulas:
-    """Arguments of the gap function of a wall and a ball at a contact point.
+class Arc:
+    """Arc of a smooth curve on a body.
 
     Parameters
     ----------
-    geometry, boundaries : of one element
+    curve : SmoothCurve
+    number : of the arc
+
+    Attributes
+    ----------
+    symbols : SX column: origin and first axis of the body, and the parameters of the curve
+    samples : parameters of its samples
     """
 
-    def __init__(self, geometry: HullGeometry, boundaries: Boundaries):
-        self.geometry, self.boundaries = geometry, boundaries
-        self.corners, self.walls, self.radii, self.origins, _, self._axes = geometry.symbols
-        self.first_shape = len(geometry.shapes) - len(geometry.boundaries)
-        self.p = geometry.p
+    def __init__(self, curve: SmoothCurve, number: int):
+        self.curve, self.samples = curve, curve.samples_of(number)
+        self.symbols = ca.SX.sym("arc", FRAME + curve.parameters.size)
+        self.origin, self.axes = _frame(self.symbols)
+        self._p = ca.SX.zeros(curve.function.numel_in(1))
+        for k, parameter in enumerate(curve.parameters):
+            self._p[int(parameter)] = self.symbols[FRAME + k]
 
-    def columns(self, kind: Touch, first: int, second: int, own: int, other: int) -> list[ca.SX]:
-        """Surface of the first shape, and ball or point of the second one."""
-        radius = ca.SX(0)
-        if kind in (Touch.CORNER, Touch.SIDE):
-            center = self.corners[:2, int(self.geometry.starts[second]) + other]
-            radius = self.radii[second]
-            surface = self._surface(kind, first, own, center)
-            place = center
-        elif kind is Touch.ARCS:
-            surface, place = self._tangency(first, second, own, other)
-        else:
-            surface = self._line(kind, first, own)
-            place = self._lowest(second, other, surface[1])
-        zero = ca.SX(0)
+    def local(self, u: ca.SX | float) -> list[ca.SX]:
+        """Position, first and second derivative on the body."""
+        return ca.vertsplit(self.curve.function(u, self._p), 2)
+
+    def placed(self, u: ca.SX | float) -> list[ca.SX]:
+        """Inertial position, first and second derivative."""
+        place, *slopes = self.local(u)
         return [
-            ca.vertcat(surface[0], zero, surface[1], zero, zero, self.origins[:, first]),
-            ca.vertcat(place, zero, radius, self.origins[:, second]),
+            self.origin + ca.mtimes(self.axes, place),
+            *(ca.mtimes(self.axes, slope) for slope in slopes),
         ]
 
-    # frames --------------------------------------------------------------------------------------
-    def _frame(self, shape: int) -> Point:
-        """Origin and axes of the body of a boundary."""
-        x = self._axes[:, shape - self.first_shape]
-        return self.origins[:2, shape], ca.horzcat(x, ca.vertcat(-x[1], x[0]))
+    def point(self, u: ca.SX) -> Point:
+        """Inertial position and normal."""
+        place, tangent, _ = self.placed(u)
+        return place, _outward(tangent)
 
-    def _curve(self, shape: int) -> SmoothCurve:
-        return self.boundaries.curves[self.boundaries.curve_of[shape - self.first_shape]]
-
-    def _at(self, curve: SmoothCurve, u: ca.SX) -> list[ca.SX]:
-        """Position, first and second derivative."""
-        return ca.vertsplit(curve.function(u, self.p), 2)
-
-    def _on_curve(self, shape: int, u: ca.SX) -> Point:
-        origin, axes = self._frame(shape)
-        place, tangent, _ = self._at(self._curve(shape), u)
-        return origin + ca.mtimes(axes, place), ca.mtimes(axes, _outward(tangent))
-
-    # surfaces ------------------------------------------------------------------------------------
-    def _surface(self, kind: Touch, shape: int, own: int, center: ca.SX) -> Point:
-        """Point and normal of a boundary below the centre of a ball."""
-        if kind is Touch.SIDE:
-            return self._line(kind, shape, own)
-        curve, (origin, axes) = self._curve(shape), self._frame(shape)
-        local = ca.mtimes(axes.T, center - origin)
-        samples = [self._at(curve, ca.SX(u)) for u in curve.samples_of(own)]
-        distances = [ca.sumsqr(place - local) for place, *_ in samples]
-        u = _smallest(distances, curve.samples_of(own))
+    def below(self, center: ca.SX) -> Point:
+        """The point nearest to the centre of a ball."""
+        local = ca.mtimes(self.axes.T, center - self.origin)
+        distances = [ca.sumsqr(self.local(float(v))[0] - local) for v in self.samples]
+        u = _smallest(distances, self.samples)
         for _ in range(ITERATIONS):
-            place, tangent, second = self._at(curve, u)
-            away = place - local
-            square = ca.sumsqr(tangent)
+            place, tangent, second = self.local(u)
+            away, square = place - local, ca.sumsqr(tangent)
             u -= ca.dot(away, tangent) / ca.fmax(square + ca.dot(away, second), FLAT * square)
-        return self._on_curve(shape, u)
+        return self.point(u)
 
-    def _line(self, kind: Touch, shape: int, own: int) -> Point:
-        """Point and normal of a straight line."""
-        if kind is Touch.WALL:
-            wall = self.walls[:, shape - len(self.geometry.hulls)]
-            return wall[:2], wall[3:5]
-        if kind is Touch.EDGE:
-            first = int(self.geometry.starts[shape])
-            count = len(self.geometry.hulls[shape].corners)
-            ends = [self.corners[:2, first + k % count] for k in (own, own + 1)]
-            normal = _outward(ends[1] - ends[0])
-            return ends[0] + self.radii[shape] * normal, normal
-        b = shape - self.first_shape
-        start, count = self.boundaries.starts[b], self.boundaries.counts[b]
-        origin, axes = self._frame(shape)
-        local = [self.boundaries.vertices[int(start + k % count)] for k in (own, own + 1)]
-        begin, end = (origin + ca.mtimes(axes, vertex) for vertex in local)
-        return begin, _outward(end - begin)
-
-    # points of curves ----------------------------------------------------------------------------
-    def _lowest(self, shape: int, arc: int, normal: ca.SX) -> ca.SX:
-        """Lowest point of a curve along a normal."""
-        curve, (_, axes) = self._curve(shape), self._frame(shape)
-        local = ca.mtimes(axes.T, normal)
-        numbers = curve.samples_of(arc)
-        u = _smallest([ca.dot(self._at(curve, ca.SX(v))[0], local) for v in numbers], numbers)
+    def lowest(self, normal: ca.SX) -> ca.SX:
+        """The lowest point along a normal."""
+        local = ca.mtimes(self.axes.T, normal)
+        heights = [ca.dot(self.local(float(v))[0], local) for v in self.samples]
+        u = _smallest(heights, self.samples)
         for _ in range(ITERATIONS):
-            _, tangent, second = self._at(curve, u)
+            _, tangent, second = self.local(u)
             rate = ca.fmax(ca.dot(local, second), FLAT * ca.sumsqr(tangent))
             u -= ca.dot(local, tangent) / rate
-        return self._on_curve(shape, u)[0]
+        return self.point(u)[0]
 
-    def _tangency(self, first: int, second: int, own: int, other: int) -> tuple[Point, ca.SX]:
-        """Point and normal of the first curve, and the point of the second one."""
-        u, w = self._nearest_samples((first, second), (own, other))
-        for _ in range(ITERATIONS):
-            (c, t, s), (d, q, r) = self._placed(first, u), self._placed(second, w)
-            between = d - c
-            parallel, along = _cross(t, q), ca.dot(between, t)
-            a, b = _cross(s, q), _cross(t, r)
-            e, f = ca.dot(between, s) - ca.sumsqr(t), ca.dot(t, q)
-            divisor = a * f - b * e
-            u += (b * along - f * parallel) / divisor
-            w += (e * parallel - a * along) / divisor
-        return self._on_curve(first, u), self._on_curve(second, w)[0]
 
-    def _placed(self, shape: int, u: ca.SX) -> list[ca.SX]:
-        """Inertial position, first and second derivative."""
-        origin, axes = self._frame(shape)
-        place, *slopes = self._at(self._curve(shape), u)
-        return [origin + ca.mtimes(axes, place), *(ca.mtimes(axes, slope) for slope in slopes)]
+def touch_function(
+    kind: Touch, first: Arc | None, second: Arc | None, turns: bool = False
+) -> ca.Function:
+    """``(first and second part) → g, ∂u/∂twists, place, directions``.
 
-    def _nearest_samples(
-        self, shapes: tuple[int, int], arcs: tuple[int, int]
-    ) -> tuple[ca.SX, ca.SX]:
-        """Parameters of the nearest samples of two arcs that face each other."""
-        samples, places, normals = [], [], []
-        for shape, arc in zip(shapes, arcs, strict=True):
-            samples.append(self._curve(shape).samples_of(arc))
-            at = [self._placed(shape, ca.SX(v)) for v in samples[-1]]
-            places.append(ca.horzcat(*(place for place, *_ in at)))
-            normals.append(ca.horzcat(*(_outward(slope) for _, slope, _ in at)))
-        count = samples[0].size
-        nearest, partner = ca.SX(count, 1) + FAR, ca.SX(count, 1)
-        for k, v in enumerate(samples[1]):
-            away = places[0] - ca.repmat(places[1][:, k], 1, count)
-            facing = ca.mtimes(normals[0].T, normals[1][:, k]) < 0
-            squared = ca.if_else(facing, ca.sum1(away**2).T, FAR)
-            partner = ca.if_else(squared < nearest, v, partner)
-            nearest = ca.fmin(nearest, squared)
-        number = _smallest(ca.vertsplit(nearest), np.arange(count))
-        u, w = ca.SX(0), ca.SX(0)
-        for k in range(count):
-            u = ca.if_else(number == k, float(samples[0][k]), u)
-            w = ca.if_else(number == k, partner[k], w)
-        return u, w
+    Parameters
+    ----------
+    kind : parts that touch
+    first, second : arcs; None for a straight line, and for a corner
+    turns : whether ``u`` includes the relative rotation
+    """
+    own = first.symbols if first else ca.SX.sym("line", SIZES[kind])
+    other = second.symbols if second else ca.SX.sym("corner", BALL)
+    radius, origin = ca.SX(0), own[-3:]
+    if first and second:
+        surface, place = _tangency(first, second)
+    elif second:
+        surface = _line(kind, own)
+        place = second.lowest(surface[1])
+    else:
+        place, radius = other[:2], other[3]
+        surface = first.below(place) if first else _line(kind, own)
+    if first or kind in (Touch.SIDE, Touch.ARC):
+        origin = own[:3]
+    there = other[:3] if second else other[4:]
+    wall = ca.vertcat(surface[0], 0, surface[1], 0, 0, origin)
+    ball = ca.vertcat(place, 0, radius, there)
+    gap = gap_function(Feature.WALL, 2, turns)(wall, ball)
+    return ca.Function("touch", [own, other], [ca.densify(out) for out in gap], {"cse": True})
+
+
+def _frame(symbols: ca.SX) -> Point:
+    """Origin and axes of a body."""
+    x = symbols[3:5]
+    return symbols[:2], ca.horzcat(x, ca.vertcat(-x[1], x[0]))
+
+
+def _line(kind: Touch, symbols: ca.SX) -> Point:
+    """Point and normal of a straight line."""
+    if kind is Touch.WALL:
+        return symbols[:2], symbols[3:5]
+    if kind is Touch.EDGE:
+        normal = _outward(symbols[3:5] - symbols[:2])
+        return symbols[:2] + symbols[6] * normal, normal
+    origin, axes = _frame(symbols)
+    begin, end = (origin + ca.mtimes(axes, symbols[FRAME + k : FRAME + k + 2]) for k in (0, 2))
+    return begin, _outward(end - begin)
+
+
+def _tangency(first: Arc, second: Arc) -> tuple[Point, ca.SX]:
+    """Point and normal of the first arc, and the point of the second one."""
+    u, w = _nearest_samples(first, second)
+    for _ in range(ITERATIONS):
+        (c, t, s), (d, q, r) = first.placed(u), second.placed(w)
+        between = d - c
+        parallel, along = _cross(t, q), ca.dot(between, t)
+        a, b = _cross(s, q), _cross(t, r)
+        e, f = ca.dot(between, s) - ca.sumsqr(t), ca.dot(t, q)
+        divisor = a * f - b * e
+        u += (b * along - f * parallel) / divisor
+        w += (e * parallel - a * along) / divisor
+    return first.point(u), second.point(w)[0]
+
+
+def _nearest_samples(*arcs: Arc) -> tuple[ca.SX, ca.SX]:
+    """Parameters of the nearest samples of two arcs that face each other."""
+    samples, places, normals = [arc.samples for arc in arcs], [], []
+    for arc in arcs:
+        points = [arc.point(ca.SX(float(v))) for v in arc.samples]
+        places.append(ca.horzcat(*(place for place, _ in points)))
+        normals.append(ca.horzcat(*(normal for _, normal in points)))
+    count = samples[0].size
+    nearest, partner = ca.SX(count, 1) + FAR, ca.SX(count, 1)
+    for k, v in enumerate(samples[1]):
+        away = places[0] - ca.repmat(places[1][:, k], 1, count)
+        facing = ca.mtimes(normals[0].T, normals[1][:, k]) < 0
+        squared = ca.if_else(facing, ca.sum1(away**2).T, FAR)
+        partner = ca.if_else(squared < nearest, v, partner)
+        nearest = ca.fmin(nearest, squared)
+    number = _smallest(ca.vertsplit(nearest), np.arange(count))
+    u, w = ca.SX(0), ca.SX(0)
+    for k in range(count):
+        u = ca.if_else(number == k, float(samples[0][k]), u)
+        w = ca.if_else(number == k, partner[k], w)
+    return u, w
 
 
 def _smallest(values: list[ca.SX], numbers: np.ndarray) -> ca.SX:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import casadi as ca
 import numpy as np
 
 from dalembert.analysis.nonsmooth.boundaries import Boundaries, PlacedBoundaries
-from dalembert.analysis.nonsmooth.boundary_formulas import BoundaryFormulas
+from dalembert.analysis.nonsmooth.boundary_formulas import Arc, touch_function
 from dalembert.analysis.nonsmooth.boundary_search import BoundarySearch, Feet, Touch
 from dalembert.analysis.nonsmooth.gap_functions import Feature
-from dalembert.analysis.nonsmooth.gaps import SymbolicGap
+from dalembert.analysis.nonsmooth.gaps import GapFormulas, GapKind
 from dalembert.analysis.nonsmooth.hull_geometry import Positions
 from dalembert.analysis.nonsmooth.searched_gaps import LastPosition, SearchedGaps
 from dalembert.elements.contact.collisions import Collisions
@@ -36,6 +37,16 @@ class BoundaryGaps(SearchedGaps):
             self._boundaries.features, *(len(hull.corners) for hull in geometry.hulls), 1
         )
         self._radix = features, len(geometry.shapes)
+        self._first_shape = len(geometry.shapes) - len(geometry.boundaries)
+        curve_of = self._boundaries.curve_of
+        self._curve_of = np.concatenate([np.full(self._first_shape, -1), curve_of])
+        shapes, p, vertices = geometry.formulas, model.all_equations.p, self._boundaries.vertices
+        self._vertices = shapes.geometry.numel()
+        self._parameters = self._vertices + vertices.numel()
+        self.formulas = GapFormulas(
+            ca.vertcat(shapes.geometry, ca.vec(vertices), p), shapes.velocities
+        )
+        self._functions: dict[tuple[int, ...], ca.Function] = {}
         self._placed: tuple[Positions, PlacedBoundaries] | None = None
 
     def within(self, last: LastPosition, groups: tuple[int, ...]) -> list[Contacts]:
@@ -57,15 +68,24 @@ class BoundaryGaps(SearchedGaps):
             arms[placed.first_shape :] = placed.arms
         return arms
 
-    def symbolic(self, key: int) -> SymbolicGap:
-        features, shapes = self._radix
-        rest, other = divmod(int(key), features)
-        rest, own = divmod(rest, features)
-        rest, second = divmod(rest, shapes)
-        kind, first = divmod(rest, shapes)
-        formulas = BoundaryFormulas(self.geometry, self._boundaries)
-        columns = formulas.columns(Touch(kind), first, second, own, other)
-        return self.formula(Feature.WALL, columns, first, second)
+    def kinds(self, keys: np.ndarray) -> list[GapKind]:
+        touch, *columns = self._parts(keys)
+        curves = [self._curve_of[shapes] for shapes in columns[:2]]
+        arcs = [np.where(c >= 0, part, -1) for c, part in zip(curves, columns[2:], strict=True)]
+        labels, number = np.unique(
+            np.column_stack([touch, *curves, *arcs]), axis=0, return_inverse=True
+        )
+        kinds = []
+        for k, label in enumerate(labels):
+            rows = np.flatnonzero(number.ravel() == k)
+            parts = tuple(int(n) for n in label)
+            first, second, own, other = (column[rows] for column in columns)
+            entries = [
+                self._first_entries(Touch(parts[0]), first, own),
+                self._second_entries(second, other),
+            ]
+            kinds.append(self.kind(self._touch_function(*parts), rows, entries, first, second))
+        return kinds
 
     def points(
         self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
@@ -106,3 +126,61 @@ class BoundaryGaps(SearchedGaps):
         numbers = (int(feet.kind) * shapes + feet.first) * shapes + feet.second
         keys: np.ndarray = (numbers * features + feet.own) * features + feet.other
         return keys
+
+    def _parts(self, keys: np.ndarray) -> list[np.ndarray]:
+        """Kinds, both shapes and their parts."""
+        features, shapes = self._radix
+        rest, other = np.divmod(keys, features)
+        rest, own = np.divmod(rest, features)
+        rest, second = np.divmod(rest, shapes)
+        kind, first = np.divmod(rest, shapes)
+        return [kind, first, second, own, other]
+
+    # entries of the formulas ---------------------------------------------------------------------
+    def _touch_function(
+        self, kind: int, curve: int, another: int, own: int, other: int
+    ) -> ca.Function:
+        """The gap function of two parts; curves and arcs are -1 for lines and corners."""
+        key = kind, curve, another, own, other
+        if key not in self._functions:
+            curves = self._boundaries.curves
+            first = Arc(curves[curve], own) if curve >= 0 else None
+            second = Arc(curves[another], other) if another >= 0 else None
+            self._functions[key] = touch_function(Touch(kind), first, second, self._turns)
+        return self._functions[key]
+
+    def _first_entries(self, kind: Touch, shape: np.ndarray, own: np.ndarray) -> np.ndarray:
+        """Numbers of an arc or a straight line, for each gap."""
+        numbers, geometry = self.geometry.numbers, self.geometry
+        if kind in (Touch.CORNER, Touch.ARCS):
+            return self._arc_entries(shape)
+        if kind is Touch.WALL:
+            return np.hstack([numbers.walls(shape), numbers.origins(shape)])
+        following = np.stack([own, own + 1], axis=1)
+        if kind is Touch.EDGE:
+            start = geometry.starts[shape][:, None]
+            corners = start + following % (geometry.starts[shape + 1][:, None] - start)
+            parts = numbers.corners(corners), numbers.radii(shape), numbers.origins(shape)
+            return np.hstack(parts)
+        b, boundaries = shape - self._first_shape, self._boundaries
+        vertices = boundaries.starts[b][:, None] + following % boundaries.counts[b][:, None]
+        places = self._vertices + 2 * vertices[..., None] + np.arange(2)
+        return np.hstack([self._frame_entries(shape), places.reshape(-1, 4)])
+
+    def _second_entries(self, shape: np.ndarray, other: np.ndarray) -> np.ndarray:
+        """Numbers of an arc or a corner, for each gap."""
+        if self._curve_of[shape[0]] >= 0:
+            return self._arc_entries(shape)
+        numbers, corners = self.geometry.numbers, self.geometry.starts[shape] + other
+        parts = numbers.corners(corners[:, None]), numbers.radii(shape), numbers.origins(shape)
+        return np.hstack(parts)
+
+    def _arc_entries(self, shape: np.ndarray) -> np.ndarray:
+        """Numbers of arcs of one curve."""
+        parameters = self._boundaries.curves[self._curve_of[shape[0]]].parameters
+        of_curve = np.tile(self._parameters + parameters, (shape.size, 1))
+        return np.hstack([self._frame_entries(shape), of_curve])
+
+    def _frame_entries(self, shape: np.ndarray) -> np.ndarray:
+        numbers = self.geometry.numbers
+        return np.hstack([numbers.origins(shape), numbers.axes(shape - self._first_shape)])

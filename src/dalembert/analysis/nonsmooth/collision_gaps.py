@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import casadi as ca
 import numpy as np
 
 from dalembert.analysis.nonsmooth.boundary_gaps import BoundaryGaps
 from dalembert.analysis.nonsmooth.gap_functions import Feature, gap_function
-from dalembert.analysis.nonsmooth.gaps import FormulaGaps, GapSource, SymbolicGap
+from dalembert.analysis.nonsmooth.gaps import (
+    FormulaGaps,
+    GapFormulas,
+    GapKind,
+    GapSource,
+)
 from dalembert.analysis.nonsmooth.hull_gaps import HullGaps
 from dalembert.analysis.nonsmooth.joined_gaps import JoinedGaps
 from dalembert.analysis.nonsmooth.near_pairs import NearPairs, ShapesAt
@@ -15,7 +22,7 @@ from dalembert.analysis.nonsmooth.neighbours import Neighbours
 from dalembert.analysis.nonsmooth.shape_velocities import TWIST, ShapeVelocities
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact_point import contact_at_wall, contact_of_balls
-from dalembert.elements.contact.pairs import APART
+from dalembert.elements.contact.pairs import APART, COEFFICIENTS
 from dalembert.elements.contact.shapes import Round
 from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
@@ -60,7 +67,9 @@ class CollisionGaps(GapSource):
         self._velocities = ShapeVelocities(moving, e.v, inputs)
         columns = [ca.horzcat(*positions), ca.horzcat(*normals) if normals else ca.SX(3, 0)]
         columns = [model.at_ground(ca.densify(c)) if c.numel() else c for c in columns]
-        self._symbolic = moving, *columns, radii, coefficients
+        self._counts = len(points), len(walls), len(balls)
+        formulas = [*(ca.vec(column) for column in columns), radii, ca.vec(coefficients)]
+        self.formulas = GapFormulas(ca.vertcat(*formulas), moving)
         outputs = [*columns, ca.densify(radii), coefficients]
         self._geometry = Kernel(ca.Function("geometry", inputs, outputs))
         names = [p.body.name for p in points]
@@ -128,19 +137,24 @@ class CollisionGaps(GapSource):
         """(2, m) pairs of shapes whose groups touch each other."""
         return pairs[:, self._law(*pairs) != APART]
 
-    def symbolic(self, key: int) -> SymbolicGap:
-        moving, positions, normals, radii, coefficients = self._symbolic
-        here, there = divmod(key, positions.shape[1])
-        wall, balls = here >= radii.numel(), radii.numel()
-        own = normals[:, here - balls] if wall else radii[here]
-        twists = [moving[k * TWIST : (k + 1) * TWIST] for k in (here, there)]
-        distance, directions = _gap_function(self.dimension, wall, self._turns)(
-            ca.vertcat(positions[:, here], own), ca.vertcat(positions[:, there], radii[there])
-        )
-        speeds = ca.mtimes(directions, ca.vertcat(*twists))
-        law = int(self._laws[self._groups[here], self._groups[there]])
-        law_of_pair = coefficients[: FIRST + len(self.groups), law]
-        return SymbolicGap(distance, speeds, self.groups, law_of_pair)
+    def kinds(self, keys: np.ndarray) -> list[GapKind]:
+        (shapes, walls, balls), place = self._counts, np.arange(3)
+        first, second = np.divmod(keys, shapes)
+        starts = 3 * shapes, 3 * (shapes + walls), 3 * (shapes + walls) + balls
+        other = np.column_stack([3 * second[:, None] + place, starts[1] + second])
+        twists = TWIST * np.stack([first, second], 1)[..., None] + np.arange(TWIST)
+        laws = starts[2] + len(COEFFICIENTS) * self._law(first, second)[:, None]
+        laws = laws + np.arange(FIRST + len(self.groups))
+        kinds = []
+        for wall in (False, True):
+            rows = np.flatnonzero((first >= balls) == wall)
+            here = first[rows, None]
+            own = starts[0] + 3 * (here - balls) + place if wall else starts[1] + here
+            arguments = [np.hstack([3 * here + place, own]), other[rows]]
+            function = _gap_function(self.dimension, wall, self._turns)
+            velocities = twists[rows].reshape(rows.size, 2 * TWIST)
+            kinds.append(GapKind(function, rows, arguments, velocities, laws[rows]))
+        return [kind for kind in kinds if kind.row.size]
 
     def points(
         self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
@@ -220,6 +234,7 @@ def _in_space(vector: ca.SX) -> ca.SX:
     return vector if vector.numel() == 3 else ca.vertcat(vector, 0)
 
 
+@cache
 def _gap_function(dimension: int, wall: bool, turns: bool) -> ca.Function:
     """``(place and radius, or place and normal; place and radius) → g, ∂u/∂twists``."""
     first, second = ca.SX.sym("first", 6 if wall else 4), ca.SX.sym("second", 4)

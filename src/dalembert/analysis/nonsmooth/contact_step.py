@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from dalembert.analysis.nonsmooth.gaps import FormulaGaps, GapSource, SymbolicGap
+from dalembert.analysis.nonsmooth.gaps import FormulaGaps, GapSource
 from dalembert.analysis.nonsmooth.mobility import Mobility
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
 from dalembert.elements.contact.impact_law import ImpactLaw
@@ -50,6 +50,7 @@ class StepResult:
     multiplier : of the joints, times the step
     contacts : contacts of the friction problem
     impulses : solution of the friction problem
+    offsets : (n, k) velocity offsets of the conditions
     stuck : keys of the contacts with static friction at the end
     loss : energy dissipated by the contacts
     """
@@ -59,6 +60,7 @@ class StepResult:
     multiplier: np.ndarray
     contacts: Contacts
     impulses: Impulses
+    offsets: np.ndarray
     stuck: np.ndarray
     loss: float
 
@@ -128,11 +130,6 @@ class ContactStep:
             elements += len(source.elements)
         return Contacts.joined(parts)
 
-    def symbolic_gap(self, key: int) -> SymbolicGap:
-        """The gap with a key, as formulas."""
-        number, own = divmod(int(key), APART)
-        return self.sources[number].symbolic(own)
-
     def deepest(self, t: float, y: np.ndarray) -> float:
         """The smallest gap if it is negative, else 0 [m]."""
         speeds = self.model.equations.speed_count
@@ -165,7 +162,7 @@ class ContactStep:
                 contacts = contacts.some(acting)
                 speeds = {"before": approach.before[acting], "free": approach.free[acting]}
                 approach = replace(approach, contacts=contacts, **speeds)
-            impulses, stuck = self._impulses(approach, mobility, before)
+            impulses, offsets, stuck = self._impulses(approach, mobility, before)
             push = impulses.impulses.ravel()
             change, reactions = mobility(contacts.directions.T @ push)
             after = free + change
@@ -179,16 +176,16 @@ class ContactStep:
             reach *= WIDER
         loss = -0.5 * float(push @ (contacts.directions @ (after + v)))
         reactions += multiplier
-        return StepResult(position, after, reactions, contacts, impulses, stuck, loss)
+        return StepResult(position, after, reactions, contacts, impulses, offsets, stuck, loss)
 
     def _impulses(
         self, approach: Approach, mobility: Mobility, before: StepResult | None
-    ) -> tuple[Impulses, np.ndarray]:
-        """Impulses of the contacts, and keys of the sticking ones with static friction; offsets are
-        updated until they no longer change."""
+    ) -> tuple[Impulses, np.ndarray, np.ndarray]:
+        """Impulses of the contacts, their offsets, which are updated until they no longer change,
+        and keys of the sticking contacts with static friction."""
         contacts, shape = approach.contacts, approach.before.shape
         if not contacts.count:
-            return Impulses(np.zeros(shape), 0.0, True), contacts.key[:0]
+            return Impulses(np.zeros(shape), 0.0, True), np.zeros(shape), contacts.key[:0]
         matrix = delassus(contacts.directions, mobility)
         offsets, free = self.scheme.first(approach), approach.free
         laws, none = contacts.laws, contacts.key[:0]
@@ -218,7 +215,8 @@ class ContactStep:
         if laws.higher_at_rest.any():
             stuck = contacts.key[(start[:, 0] > 0) & sticks(self.solver, problem, solution)]
         solution = replace(solution, rounds=rounds)
-        return solution if impact is None else in_succession(impact, solution), stuck
+        solution = solution if impact is None else in_succession(impact, solution)
+        return solution, offsets, stuck
 
 
 def _keyword(sources: list[GapSource], law: ImpactLaw) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cache
 
 import casadi as ca
 import numpy as np
@@ -21,21 +22,38 @@ from dalembert.symbolic.formulas.expression import t
 
 
 @dataclass(frozen=True, eq=False)
-class SymbolicGap:
-    """A gap as formulas of the model's ``t``, ``y``, ``v``, ``p``, the ground at rest.
+class GapFormulas:
+    """Formulas on which the gaps of a source depend, of the model's ``t``, ``y``, ``v``, ``p``, the
+    ground at rest.
 
     Attributes
     ----------
-    distance : ``g``
-    speeds : (k,) ``u``, the normal component first
-    groups : widths of the groups of tangential components
-    coefficients : restitution, tangential restitution, static friction, friction of each group
+    geometry : positions, sizes and coefficients; free of ``v``
+    velocities : linear in ``v``
     """
 
-    distance: ca.SX
-    speeds: ca.SX
-    groups: tuple[int, ...]
-    coefficients: ca.SX
+    geometry: ca.SX
+    velocities: ca.SX
+
+
+@dataclass(frozen=True, eq=False)
+class GapKind:
+    """Gaps with one function, by numbers of entries of ``GapFormulas``.
+
+    Attributes
+    ----------
+    function : ``arguments → g, ∂u/∂velocities``, and more results
+    row : (n,) positions of the gaps in the list of keys
+    arguments : entries of the geometry, (n, m) for each argument of the function
+    velocities : (n, w) entries of the velocities
+    laws : (n, c) entries of the geometry: ``FIRST`` coefficients, and friction of each group
+    """
+
+    function: ca.Function
+    row: np.ndarray
+    arguments: list[np.ndarray]
+    velocities: np.ndarray
+    laws: np.ndarray
 
 
 class GapSource(ABC):
@@ -46,11 +64,13 @@ class GapSource(ABC):
     elements : owners of the gaps
     law : of restitution
     groups : widths of the groups of tangential components of the relative velocity at a gap
+    formulas : GapFormulas of all shapes, from which derivatives follow
     """
 
     elements: list[Element]
     law: ImpactLaw
     groups: tuple[int, ...]
+    formulas: GapFormulas
 
     @property
     def linear(self) -> int:
@@ -72,8 +92,8 @@ class GapSource(ABC):
         """
 
     @abstractmethod
-    def symbolic(self, key: int) -> SymbolicGap:
-        """The gap with this key."""
+    def kinds(self, keys: np.ndarray) -> list[GapKind]:
+        """The gaps with some keys, by functions."""
 
     def points(
         self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
@@ -131,7 +151,8 @@ class FormulaGaps(GapSource):
             )
         )
         coefficients = model.at_ground(ca.densify(coefficients))
-        self._symbolic = distances, speeds, coefficients
+        self._law_size = coefficients.shape[0]
+        self.formulas = GapFormulas(ca.vertcat(distances, ca.vec(coefficients)), speeds)
         inputs = [e.t, e.y, e.p]
         outputs = [distances, directions, drift]
         self._gaps = Patterned("gaps", inputs, outputs)
@@ -164,11 +185,20 @@ class FormulaGaps(GapSource):
         )
         return gaps.some(distance <= reach)
 
-    def symbolic(self, key: int) -> SymbolicGap:
-        distances, speeds, coefficients = self._symbolic
-        own = speeds[key * self.linear : (key + 1) * self.linear]
-        law = coefficients[: FIRST + len(self.groups), int(self.owner[key])]
-        return SymbolicGap(distances[key], own, self.groups, law)
+    def kinds(self, keys: np.ndarray) -> list[GapKind]:
+        velocities = keys[:, None] * self.linear + np.arange(self.linear)
+        laws = np.arange(FIRST + len(self.groups))
+        entries = self.owner.size + self.owner[keys][:, None] * self._law_size + laws
+        rows = np.arange(keys.size)
+        kind = GapKind(_stated_gap(self.linear), rows, [keys[:, None]], velocities, entries)
+        return [kind] if keys.size else []
+
+
+@cache
+def _stated_gap(width: int) -> ca.Function:
+    """``g → g, ∂u/∂u``."""
+    distance = ca.SX.sym("g")
+    return ca.Function("gap", [distance], [distance, ca.densify(ca.SX.eye(width))])
 
 
 def _rate(model: Model, element: Unilateral) -> Rate:

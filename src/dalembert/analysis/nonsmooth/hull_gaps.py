@@ -8,7 +8,7 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.feature_pairs import Pairs, some_pairs
 from dalembert.analysis.nonsmooth.gap_functions import Feature
-from dalembert.analysis.nonsmooth.gaps import SymbolicGap
+from dalembert.analysis.nonsmooth.gaps import GapKind
 from dalembert.analysis.nonsmooth.hull_geometry import Positions
 from dalembert.analysis.nonsmooth.hull_search import HullSearch
 from dalembert.analysis.nonsmooth.searched_gaps import LastPosition, SearchedGaps
@@ -30,6 +30,7 @@ class HullGaps(SearchedGaps):
 
     def __init__(self, model: Model, element: Collisions):
         super().__init__(model, element)
+        self.formulas = self.geometry.formulas
         self._search = HullSearch(self.geometry)
         self._first = np.cumsum([0, *self.geometry.feature_counts])
 
@@ -48,10 +49,14 @@ class HullGaps(SearchedGaps):
             corners = corners | endless[pairs.first]
         return some_pairs(pairs, ~corners)
 
-    def symbolic(self, key: int) -> SymbolicGap:
-        pairs = self._pairs_of(np.array([key]))
-        columns = self.geometry.symbolic_columns(pairs)
-        return self.formula(pairs.feature, columns, int(pairs.first[0]), int(pairs.second[0]))
+    def kinds(self, keys: np.ndarray) -> list[GapKind]:
+        numbers, kinds = keys // self._first[-1] ** 2, []
+        for number in np.unique(numbers):
+            rows = np.flatnonzero(numbers == number)
+            pairs = self._pairs_of(keys[rows])
+            function, entries = self.function(pairs.feature), self.geometry.entries(pairs)
+            kinds.append(self.kind(function, rows, entries, pairs.first, pairs.second))
+        return kinds
 
     def points(
         self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray

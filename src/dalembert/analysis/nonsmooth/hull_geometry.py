@@ -12,6 +12,8 @@ import numpy as np
 from dalembert.analysis.nonsmooth.cylinders import SECTORS, Cylinders, sector_directions
 from dalembert.analysis.nonsmooth.feature_pairs import Pairs
 from dalembert.analysis.nonsmooth.gap_functions import RIM_POINTS, WALLS, point_counts
+from dalembert.analysis.nonsmooth.gaps import GapFormulas
+from dalembert.analysis.nonsmooth.geometry_entries import GeometryEntries
 from dalembert.analysis.nonsmooth.planar_features import Polygons
 from dalembert.analysis.nonsmooth.polyhedra import Form, Polyhedra
 from dalembert.analysis.nonsmooth.shape_velocities import ShapeVelocities
@@ -62,6 +64,7 @@ class HullGeometry:
     starts : (h + 1,) number of the first corner of each hull
     owner : (s,) number of the body of each shape
     endless : (s,) whether corners of a shape are those of others, which touch instead
+    formulas, numbers : GapFormulas, and the numbers of their entries
     velocities : twists of all shapes by the speeds
     """
 
@@ -143,10 +146,14 @@ class HullGeometry:
             ca.horzcat(*axes) if axes else ca.SX(2, 0),
         ]
         outputs = [model.at_ground(ca.densify(s)) if s.numel() else s for s in outputs]
-        self.twists = model.at_ground(ca.vertcat(*twists))
-        self.symbols, self.p, inputs = outputs, e.p, [e.t, e.y, e.p]
+        moving = model.at_ground(ca.vertcat(*twists))
+        sectors = ca.vec(ca.SX(sector_directions(np.arange(SECTORS)).T))
+        columns = [*(ca.vec(out) for out in outputs), ca.vertcat(0, sectors)]  # constants last
+        self.formulas = GapFormulas(ca.vertcat(*columns), moving)
+        self.numbers = GeometryEntries([column.numel() for column in columns], len(self.hulls))
+        inputs = [e.t, e.y, e.p]
         self._positions = Kernel(ca.Function("positions", inputs, outputs))
-        self.velocities = ShapeVelocities(self.twists, e.v, inputs)
+        self.velocities = ShapeVelocities(moving, e.v, inputs)
 
     def positions(self, time: float, y: np.ndarray, p: np.ndarray) -> Positions:
         """Positions at an instant."""
@@ -247,21 +254,20 @@ class HullGeometry:
             columns.append(np.vstack([points, radii, at.origins[shape].T]))
         return columns
 
-    def symbolic_columns(self, pairs: Pairs) -> list[ca.SX]:
-        """The same for a single pair, as formulas."""
-        corners, walls, radii, origins, *_ = self.symbols
-        counts = point_counts(pairs.feature, self.dimension)
-        columns = []
+    def entries(self, pairs: Pairs) -> list[np.ndarray]:
+        """Numbers of the same entries in the formulas."""
+        counts, columns, numbers = point_counts(pairs.feature, self.dimension), [], self.numbers
         for count, shape, feature in self._sides(pairs, counts):
-            s = int(shape[0])
             if shape is pairs.first and pairs.feature in WALLS:
-                points = walls[:, s - len(self.hulls)]
+                points = numbers.walls(shape)
             else:
-                points = _column(corners, self._corners_of(count, shape, feature)[0])
+                points = numbers.corners(self._corners_of(count, shape, feature))
             if count == RIM_POINTS:
-                points = ca.vertcat(points, ca.DM(sector_directions(feature % SECTORS)[0]))
-            radius = 0 if self.flat_ends[s] and count == 1 else radii[s]
-            columns.append(ca.vertcat(points, radius, origins[:, s]))
+                points = np.hstack([points, numbers.sectors(feature % SECTORS)])
+            radius, origin = numbers.radii(shape), numbers.origins(shape)
+            if count == 1:
+                radius = np.where(self.flat_ends[shape][:, None], numbers.zero, radius)
+            columns.append(np.hstack([points, radius, origin]))
         return columns
 
     @staticmethod
@@ -296,7 +302,3 @@ def _first_equal(keys: list[Any]) -> np.ndarray:
 
 def _in_space(vector: ca.SX) -> ca.SX:
     return vector if vector.numel() == 3 else ca.vertcat(vector, 0)
-
-
-def _column(corners: ca.SX, numbers: np.ndarray) -> ca.SX:
-    return ca.vertcat(*(corners[:, int(k)] for k in numbers))

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import casadi as ca
 import numpy as np
 
-from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
+from dalembert.analysis.nonsmooth.gaps import GapFormulas, GapKind, GapSource
 from dalembert.integrators.contact.contacts import Contacts
 
 SOURCE = 2**50
 """Offset between the keys of gaps of different sources of an element."""
+PARTS = "geometry", "velocities"
 
 
 class JoinedGaps(GapSource):
@@ -24,6 +26,9 @@ class JoinedGaps(GapSource):
     def __init__(self, sources: list[GapSource]):
         self.sources, self.elements = sources, sources[0].elements
         self.groups, self.law = sources[0].groups, sources[0].law
+        formulas = [source.formulas for source in sources]
+        geometry, velocities = ([getattr(f, name) for f in formulas] for name in PARTS)
+        self.formulas = GapFormulas(ca.vertcat(*geometry), ca.vertcat(*velocities))
 
     def near(
         self,
@@ -41,9 +46,17 @@ class JoinedGaps(GapSource):
     def deepest(self, time: float, y: np.ndarray, p: np.ndarray, speeds: int) -> float:
         return min(source.deepest(time, y, p, speeds) for source in self.sources)
 
-    def symbolic(self, key: int) -> SymbolicGap:
-        number, own = divmod(int(key), SOURCE)
-        return self.sources[number].symbolic(own)
+    def kinds(self, keys: np.ndarray) -> list[GapKind]:
+        kinds, geometry, velocity = [], 0, 0
+        for number, source in enumerate(self.sources):
+            rows = np.flatnonzero(keys // SOURCE == number)
+            for kind in source.kinds(keys[rows] % SOURCE) if rows.size else []:
+                arguments = [entries + geometry for entries in kind.arguments]
+                places = kind.velocities + velocity, kind.laws + geometry
+                kinds.append(GapKind(kind.function, rows[kind.row], arguments, *places))
+            geometry += source.formulas.geometry.numel()
+            velocity += source.formulas.velocities.numel()
+        return kinds
 
     def points(
         self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray

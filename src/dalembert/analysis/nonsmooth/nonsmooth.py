@@ -31,7 +31,7 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
     """Dynamics with rigid contacts as a strategy object.
 
     Impacts are not located: all contacts of a step are solved together as impulses. The motion is
-    of first order in the step, and so are gradients, which require ``MoreauJean``.
+    of first order in the step, and so are gradients.
 
     Parameters
     ----------

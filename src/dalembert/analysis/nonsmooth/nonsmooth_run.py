@@ -245,6 +245,16 @@ class ContactCheck(ResidualCheck):
                 f"{self.deepest.text}: positions are not corrected; use a shorter step, "
                 "or projection=True"
             )
+        record = self.record
+        missed = np.flatnonzero(~record.converged)
+        if missed.size:
+            worst = missed[np.argmax(record.residual[missed])]
+            warnings.append(
+                f"in {missed.size} of {record.converged.size} steps the impulses have residuals "
+                f"above the tolerance, at most {record.residual[worst]:.2g} m/s at "
+                f"t = {record.t[worst]:.9g} s; give ContactSolver a larger tolerance, or a smaller "
+                "value of acceptable to end such runs"
+            )
         return warnings
 
 

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.nonsmooth.gap_functions import Feature, gap_function
-from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
+from dalembert.analysis.nonsmooth.gaps import GapKind, GapSource
 from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Positions
 from dalembert.analysis.nonsmooth.shape_velocities import TWIST
 from dalembert.elements.contact.collisions import Collisions
@@ -140,16 +140,24 @@ class SearchedGaps(GapSource):
             np.zeros(count, dtype=int),
         )
 
-    def formula(
-        self, feature: Feature, columns: list[ca.SX], first: int, second: int
-    ) -> SymbolicGap:
-        """The gap of two features as formulas."""
-        distance, blocks, *_ = gap_function(feature, self.dimension, self._turns)(*columns)
-        twists = [self.geometry.twists[k * TWIST : (k + 1) * TWIST] for k in (first, second)]
-        speeds = ca.mtimes(blocks, ca.vertcat(*twists))
-        law = int(self.geometry.law(np.array([first]), np.array([second]))[0])
-        coefficients = self.geometry.symbols[4][: FIRST + len(self.groups), law]
-        return SymbolicGap(distance, speeds, self.groups, coefficients)
+    def kind(
+        self,
+        function: ca.Function,
+        rows: np.ndarray,
+        entries: list[np.ndarray],
+        first: np.ndarray,
+        second: np.ndarray,
+    ) -> GapKind:
+        """Gaps of pairs of shapes with one function."""
+        shapes = np.stack([first, second], axis=1)[..., None]
+        velocities = (TWIST * shapes + np.arange(TWIST)).reshape(rows.size, -1)
+        geometry = self.geometry
+        laws = geometry.numbers.laws(geometry.law(first, second), FIRST + len(self.groups))
+        return GapKind(function, rows, entries, velocities, laws)
+
+    def function(self, feature: Feature) -> ca.Function:
+        """The gap function of a pair of features."""
+        return gap_function(feature, self.dimension, self._turns)
 
     @property
     def _turns(self) -> bool:
@@ -159,8 +167,7 @@ class SearchedGaps(GapSource):
     def _kernel(self, feature: Feature, size: int) -> Kernel:
         """Gap function mapped over ``size`` pairs."""
         if (feature, size) not in self._kernels:
-            function = gap_function(feature, self.dimension, self._turns)
-            self._kernels[feature, size] = Kernel(function.map(size))
+            self._kernels[feature, size] = Kernel(self.function(feature).map(size))
         return self._kernels[feature, size]
 
     def _none(self, groups: tuple[int, ...]) -> Contacts:

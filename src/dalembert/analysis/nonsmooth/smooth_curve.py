@@ -51,6 +51,12 @@ class SmoothCurve:
         self._kernels: dict[int, Kernel] = {}
         self._analyse(nominal)
 
+    @cached_property
+    def parameters(self) -> np.ndarray:
+        """Numbers of the parameters on which the curve depends."""
+        numbers: np.ndarray = np.unique(self.function.jac_sparsity(0, 1).get_col()).astype(int)
+        return numbers
+
     @property
     def text(self) -> tuple:
         """Equal for equal curves."""

@@ -24,18 +24,20 @@ class StepEntry:
     Attributes
     ----------
     multiplier : of the joints, times the step
-    owner, key, impulse : element, gap and impulse of each pressing contact
+    owner, key, impulse, offset : element, gap, impulse and velocity offset of each pressing contact
     loss : energy dissipated by the contacts
-    residual, rounds : of the solution of the friction problem
+    residual, rounds, converged : of the solution of the friction problem
     """
 
     multiplier: np.ndarray
     owner: np.ndarray
     key: np.ndarray
     impulse: np.ndarray
+    offset: np.ndarray
     loss: float
     residual: float
     rounds: int
+    converged: bool
 
     @classmethod
     def of(cls, result: StepResult) -> StepEntry:
@@ -47,9 +49,11 @@ class StepEntry:
             contacts.owner[pressing],
             contacts.key[pressing],
             impulses.impulses[pressing],
+            result.offsets[pressing],
             result.loss,
             impulses.residual,
             impulses.rounds,
+            impulses.converged,
         )
 
 
@@ -113,8 +117,8 @@ class StepLog:
         multiplier = np.stack(
             [s.multiplier / d for s, d in zip(entries, h, strict=True)] or [np.zeros(m)], 1
         )[:, : h.size]
-        owners, keys, impulses = (
-            [getattr(s, name) for s in entries] for name in ("owner", "key", "impulse")
+        owners, keys, impulses, offsets = (
+            [getattr(s, name) for s in entries] for name in ("owner", "key", "impulse", "offset")
         )
         loss = np.array([s.loss for s in entries])
         ends = Trajectory(
@@ -135,11 +139,13 @@ class StepLog:
             owner=np.concatenate([*owners, np.zeros(0, dtype=int)]),
             key=np.concatenate([*keys, np.zeros(0, dtype=int)]),
             impulse=np.concatenate([*impulses, self._no_impulses]),
+            offset=np.concatenate([*offsets, self._no_impulses]),
             linear=1 + sum(self.step.groups[:1]),
             loss=loss,
             penetration=np.array(self.depths),
             residual=np.array([s.residual for s in entries]),
             rounds=np.array([s.rounds for s in entries], dtype=int),
+            converged=np.array([s.converged for s in entries], dtype=bool),
         )
 
     @property

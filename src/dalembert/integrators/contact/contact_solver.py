@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -61,9 +62,16 @@ class ContactSolver:
             raise UnsupportedError(text)
 
     def solve(self, problem: FrictionProblem, start: np.ndarray | None = None) -> Impulses:
-        """Impulses of a problem, from an initial guess ``start``, zero by default."""
+        """Impulses of a problem, from an initial guess ``start``, zero by default.
+
+        They are in their cones: those beyond by less than the tolerance are shortened.
+        """
         from dalembert.integrators.contact.impulses import solved_impulses
 
         guess = np.zeros(problem.shape) if start is None else start
         limits = self.tolerance, max(self.tolerance, self.acceptable), self.max_iterations
-        return solved_impulses(problem, guess, *limits)
+        solution = solved_impulses(problem, guess, *limits)
+        if not solution.accepted:
+            return solution
+        inside = problem.project(solution.impulses, np.zeros(problem.shape))
+        return replace(solution, impulses=inside)

@@ -10,6 +10,11 @@ import numpy as np
 
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import UnsupportedError
+from dalembert.integrators.contact.offset_slopes import (
+    OffsetSlopes,
+    anticipated_slopes,
+    newton_slopes,
+)
 from dalembert.options import options
 
 if TYPE_CHECKING:
@@ -80,7 +85,8 @@ class ContactScheme(ABC):
     """Treatment of contacts in a step.
 
     A new scheme selects the active contacts (``acting``), states their velocity offsets
-    (``first``) and, if these depend on the impulses, updated offsets (``again``).
+    (``first``) and, if these depend on the impulses, updated offsets (``again``), and derivatives
+    of the offsets on the branches taken (``slopes``).
     """
 
     theta: float
@@ -102,6 +108,14 @@ class ContactScheme(ABC):
     ) -> Offsets | None:
         """Updated offsets for the computed impulses and velocities; None if unchanged."""
         return None
+
+    @abstractmethod
+    def slopes(self, approach: Approach, offsets: Offsets, rounding: float) -> OffsetSlopes:
+        """Derivatives of the last offsets of a step.
+
+        Where branches tie within ``rounding`` of a speed, as at rest, closed contacts remain
+        closed.
+        """
 
 
 @options
@@ -150,6 +164,9 @@ class MoreauJean(ContactScheme):
 
     def first(self, approach: Approach) -> Offsets:
         return approach.newton()
+
+    def slopes(self, approach: Approach, offsets: Offsets, rounding: float) -> OffsetSlopes:
+        return newton_slopes(approach.contacts, approach.before, offsets)
 
 
 ROUNDING = 1e-10
@@ -220,6 +237,10 @@ class AnticipatedImpacts(ContactScheme):
             idle[slips, 1:] = approach.before[slips, 1:]
             changed[work > 0] = idle[work > 0]
         return changed if (changed != offsets).any() else None
+
+    def slopes(self, approach: Approach, offsets: Offsets, rounding: float) -> OffsetSlopes:
+        contacts, before = approach.contacts, approach.before
+        return anticipated_slopes(contacts, before, offsets, approach.h, CLOSING, rounding)
 
 
 def _open(approach: Approach) -> np.ndarray:

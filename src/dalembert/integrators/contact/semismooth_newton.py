@@ -99,7 +99,7 @@ def _step(problem: FrictionProblem, impulses: np.ndarray) -> np.ndarray | None:
     if not active.size:
         return step
     k = problem.shape[1]
-    own, coupled = _pieces(problem, z, active)
+    own, coupled = pieces(problem, z, active)
     rows = (active[:, None] * k + np.arange(k)).ravel()
     inactive = step.copy()
     inactive[active] = 0.0
@@ -113,7 +113,7 @@ def _step(problem: FrictionProblem, impulses: np.ndarray) -> np.ndarray | None:
     return step if np.isfinite(step).all() else None
 
 
-def _pieces(
+def pieces(
     problem: FrictionProblem, z: np.ndarray, active: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Derivatives (n, k, k) of ``P − proj z``, ``z = P − ρ u``, by ``P`` and ``u`` for active

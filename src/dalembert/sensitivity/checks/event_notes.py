@@ -16,19 +16,16 @@ import numpy as np
 from dalembert.analysis.contact.change import ContactChange
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.transition import Transition
-from dalembert.errors import AnalysisError, SingularityError
-from dalembert.integrators.contact.schemes import MoreauJean
+from dalembert.errors import AnalysisError
 from dalembert.model.graph.model import Model
 from dalembert.responses.base import Response
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.results.recording import Recording
 from dalembert.results.result import Result
+from dalembert.sensitivity.checks.nonsmooth_notes import nonsmooth_notes
 from dalembert.sensitivity.checks.stencils import parameter_scales
 from dalembert.sensitivity.marching.stable_steps import in_halves, with_stable_steps
 from dalembert.sensitivity.methods import Automatic
-from dalembert.sensitivity.nonsmooth.contact_maps import Friction
-from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
-from dalembert.sensitivity.nonsmooth.moving_impacts import SLOW, closing_speeds, moving_parts
 from dalembert.symbolic.once import once
 
 GRAZING_RATE = 1e-6
@@ -133,79 +130,6 @@ def _grazed_gaps(motion: Recording, changes: list[tuple[int, ContactChange]]) ->
         for closed in change.closes:
             slow.pop(closed, None)
     return slow
-
-
-MARGIN = 0.01
-"""Threshold of the reserve of friction, slip or resting speed near a change of state [-]."""
-
-
-def nonsmooth_notes(motion: NonsmoothMotion) -> list[str]:
-    """Notes on contacts whose state changes at nearby parameters."""
-    if not isinstance(motion.analysis.integrator, MoreauJean):  # type: ignore[attr-defined]
-        return []
-    steps = ContactSteps(motion)
-    impacts, grazing, changing, simultaneous = 0, [], [], []
-    for k in range(steps.count):
-        if steps.patterns[k].keys() - (steps.patterns[k - 1].keys() if k else set()):
-            speeds = closing_speeds(steps, k)
-            closing = [key for key, (speed, rest) in speeds.items() if speed > SLOW * rest]
-            impacts += len(closing)
-            if _simultaneous(steps, k, closing):
-                simultaneous.append(steps.record.t[k])
-            for speed, rest in speeds.values():
-                if abs(speed - SLOW * rest) <= MARGIN * speed:
-                    grazing.append(steps.record.t[k])
-        if any(_near_change(steps, k, key) for key in steps.patterns[k]):
-            changing.append(steps.record.t[k])
-    notes = []
-    if impacts:
-        notes.append(
-            f"{impacts} impact{'s move' if impacts > 1 else ' moves'} in time with the parameters: "
-            "the gradient includes this to the order of the step; the run has impacts at the ends "
-            "of steps, so that its differences jump and do not confirm the gradient"
-        )
-    if simultaneous:
-        notes.append(
-            f"gaps on the same bodies close in one instant at t = {simultaneous[0]:.6g} s: "
-            "parameters that separate them make successive impacts, so the derivative is that of a "
-            "simultaneous impact"
-        )
-    if grazing:
-        notes.append(
-            f"an impact is close to the threshold of resting contact at t = {grazing[0]:.6g} s: "
-            "with other parameters it is no impact, so the derivative is one-sided"
-        )
-    if changing:
-        notes.append(
-            f"a contact is about to slip or to stick at t = {changing[0]:.6g} s: with other "
-            "parameters it does so in another step, so derivatives change there"
-        )
-    return notes
-
-
-def _simultaneous(steps: ContactSteps, k: int, closing: list[int]) -> bool:
-    """True if several closing gaps of a step make one impact."""
-    try:
-        return bool(closing) and len(moving_parts(steps, k, closing)) < len(closing)
-    except SingularityError:  # successive impacts, which gradients refuse
-        return False
-
-
-def _near_change(steps: ContactSteps, k: int, key: int) -> bool:
-    """True if a contact is close to the change between sticking and slipping."""
-    states, impulse = steps.patterns[k][key]
-    gap, t, x = steps.maps.gap(key), float(steps.record.t[k]), steps.x[:, k : k + 2]
-    y, before, after = x[: steps.size, 0], *x[steps.size :].T
-    _, speeds, *_, static, friction = (value.full().ravel() for value in gap(t, y, after, steps.p))
-    change = float(np.abs(after - before).max())
-    limits = np.concatenate([static, friction[1:]])[: friction.size]
-    for components, state, mu in zip(steps.maps.groups(key), states, limits, strict=True):
-        push, slip = (float(np.linalg.norm(u[components])) for u in (impulse, speeds))
-        if state is Friction.STICK and push > (1 - MARGIN) * mu * impulse[0]:
-            return True
-        if state is Friction.SLIP and slip <= MARGIN * change:
-            return True
-    return False
 
 
 TIGHT = 1e-7

@@ -1,41 +1,31 @@
-"""Smooth maps of a step with contacts, for known pressing and slipping contacts.
+"""Linearised steps with contacts: equations of motion, of contacts, and corrections.
 
-    (M − h θ D − h² θ² K)(v⁺ − v) + Cᵀ Λ − Wᵀ P = h F,      C (σ v⁺ + (1−σ) v) = −Φ_t,
-    u_N⁺ + e u_N⁻ = 0,      u_T⁺ + e_T u_T⁻ = 0  or  P_T = −μ P_N u_T/|u_T|  (also of rotations)
+    (M − h θ D − h² θ² K)(v⁺ − v) + Cᵀ Λ − Wᵀ P = h F,      C (σ v⁺ + (1−σ) v) = −Φ_t
+    P − proj(P − ρ (u⁺ + offset)) = 0
 
 then ``y⁺ = y ⊕ h (θ v⁺ + (1−θ) v)``; correction of gaps along ``M⁻¹``; projection of speeds.
 """
 
 from __future__ import annotations
 
-from enum import Enum
-from functools import cached_property
-from itertools import pairwise
-
-import casadi as ca
 import numpy as np
+import scipy
 
-from dalembert.analysis.nonsmooth.contact_step import ContactStep
-from dalembert.analysis.nonsmooth.smooth_motion import constrained_fraction
+from dalembert.analysis.nonsmooth.contact_step import AHEAD, APART, ContactStep
+from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.contact_laws import FIRST
-from dalembert.sensitivity.nonsmooth.implicit_map import ImplicitMap
-from dalembert.symbolic.formulas.expression import stack
+from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations
+from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
+from dalembert.sensitivity.nonsmooth.linear_map import Block, ForcedChange, MapAt, ProximalFactors
+from dalembert.sensitivity.nonsmooth.source_slopes import StepState, source_slopes
+from dalembert.sensitivity.nonsmooth.step_equations import step_equations
 
-
-class Friction(Enum):
-    """State of a group of tangential components of a pressing contact."""
-
-    NONE = 0
-    STICK = 1
-    SLIP = 2
-
-
-Pattern = tuple[tuple[int, tuple[Friction, ...]], ...]
-"""Keys of the pressing gaps with the states of their tangential groups."""
+MAX_ITERATIONS, SOLVED = 20, 1e-8
+"""Newton iterations; tolerance of the residual relative to its terms [-]."""
 
 
 class ContactMaps:
-    """Maps of one model and scheme, built on request and cached.
+    """Linearised maps of one model and scheme.
 
     Parameters
     ----------
@@ -43,149 +33,156 @@ class ContactMaps:
     """
 
     def __init__(self, step: ContactStep):
-        self.contact_step = step
-        self.e = e = step.model.equations
-        self.x = ca.vertcat(e.y, e.v)
-        self.h, self.empty = ca.SX.sym("h"), ca.SX(0, 1)
-        self._steps: dict[Pattern, ImplicitMap] = {}
-        self._openings: dict[tuple[tuple[int, bool], ...], ImplicitMap] = {}
-        self._gaps: dict[int, ca.Function] = {}
-        self._closings: dict[int, ca.Function] = {}
+        self.contact_step, self.e, self.p = step, step.model.equations, step.p
+        self.equations = step_equations(step.model, step.scheme.theta)
+        self._sources = source_slopes(step.model)
+        self.size, self.speeds = self.e.y.numel(), self.e.v.numel()
+        self.smooth = self.speeds + self.e.constraint_count
 
-    @cached_property
-    def _smooth(self) -> ca.Function:
-        """``(t, y, v, p) → M, F, D, K``."""
-        e = self.e
-        driving = ca.densify(e.force - e.bias)
-        outputs = [e.mass, driving, ca.jacobian(driving, e.v), e.by_displacement(driving)]
-        return ca.Function("smooth", [e.t, e.y, e.v, e.p], outputs)
+    def gaps(self, state: StepState, keys: np.ndarray, impulses: np.ndarray) -> Gaps:
+        """Gaps with some keys, in their order, and their derivatives."""
+        numbers, parts = keys // APART, []
+        laws = FIRST + len(self.contact_step.groups)
+        for number, source in enumerate(self._sources):
+            rows = np.flatnonzero(numbers == number)
+            if rows.size or len(self._sources) == 1:
+                parts.append(source.at(state, rows, keys[rows] % APART, impulses[rows], laws))
+        return Gaps.of(parts)
 
-    @cached_property
-    def _joints(self) -> ca.Function:
-        """``(t, y, p) → C, Φ_t, Φ``."""
-        e = self.e
-        by_time = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
-        return ca.Function("joints", [e.t, e.y, e.p], [e.jacobian, by_time, e.constraints])
+    def gaps_at(self, x: np.ndarray, t: float, keys: np.ndarray) -> Gaps:
+        """Gaps and their velocities at a state."""
+        y, v = self._split(x)
+        impulses = np.zeros((keys.size, 1 + sum(self.contact_step.groups)))
+        return self.gaps(StepState(t, y, self.p, v, v), keys, impulses)
 
-    def gap(self, key: int) -> ca.Function:
-        """``(t, y, v, p) → g, u, e, e_T, μ_s, μ``."""
-        if key not in self._gaps:
-            e, gap = self.e, self.contact_step.symbolic_gap(key)
-            coefficients = gap.coefficients
-            laws = [*ca.vertsplit(coefficients[:FIRST]), coefficients[FIRST:]]
-            self._gaps[key] = ca.Function(
-                "gap", [e.t, e.y, e.v, e.p], [gap.distance, gap.speeds, *laws]
+    def step(
+        self, x: np.ndarray, after: np.ndarray, t: float, h: float, active: ActiveContacts
+    ) -> MapAt:
+        """Map from the start of a step to its end before corrections.
+
+        Parameters
+        ----------
+        after : initial guess of the speeds at the end
+        active : the pressing contacts
+        """
+        (y, v), n = self._split(x), self.speeds
+        z = np.concatenate([after, np.zeros(self.smooth - n), active.impulses.ravel()])
+        for _ in range(MAX_ITERATIONS):
+            smooth, impulses = np.split(z, [self.smooth])
+            pressing = active.pressing(impulses)
+            value, (by_z, by_q), following, slopes = self.equations.step(smooth, y, v, t, self.p, h)
+            right, matrix, contacts = value, [(0, 0, by_z)], None
+            if pressing.keys.size:
+                state = StepState(t, y, self.p, v, smooth[:n])
+                gaps = self.gaps(state, pressing.keys, pressing.impulses)
+                inertia = np.maximum(np.abs(by_z.diagonal()[:n]), np.finfo(float).tiny)
+                contacts = ContactEquations.of(gaps, self.contact_step, pressing, h, inertia)
+                right, below = self._joined(value, contacts, impulses)
+                matrix += below
+            factors = ProximalFactors(matrix, self._weight(impulses.size))
+            if _negligible(right, matrix, z):
+                break
+            z = z - factors.solve(right)
+        forced = None
+        if contacts is not None and contacts.slopes.forced.any():
+            offsets = active.offsets[contacts.slopes.forced > 0]
+            forced = self._forced(y, v, t, h, offsets)
+        next_by_z, next_by_q = slopes
+        return MapAt(z, following, factors, by_q, next_by_z, next_by_q, contacts, forced)
+
+    def _forced(
+        self, y: np.ndarray, v: np.ndarray, t: float, h: float, offsets: np.ndarray
+    ) -> ForcedChange:
+        """The largest change of a normal speed by forces in a step.
+
+        Raises
+        ------
+        AnalysisError
+            It is not the offset of the contacts that take none of the other branches.
+        """
+        step, still = self.contact_step, np.zeros(self.smooth)
+        state = y, v, t, self.p, h
+        value, (by_z, _), *_ = self.equations.step(still, *state)
+        factors = ProximalFactors([(0, 0, by_z)], self._weight(0))
+        z = -factors.solve(value)
+        _, (_, by_q), following, slopes = self.equations.step(z, *state)
+        free = z[: self.speeds]
+        contacts = step.near(t, y, AHEAD * h * np.column_stack([v, free]))
+        changes = (contacts.speeds(free) - contacts.speeds(v))[:, 0]
+        row = int(np.argmax(np.abs(changes)))
+        if not np.allclose(offsets[:, 0], abs(changes[row]), rtol=SOLVED, atol=0):
+            raise AnalysisError(
+                f"the speed of a contact in the step at t = {t:.9g} s follows no branch of "
+                f"{type(step.scheme).__name__} with a derivative; use integrator=da.MoreauJean()"
             )
-        return self._gaps[key]
+        own = contacts.key[row : row + 1]
+        none = np.zeros((1, 1 + sum(step.groups)))
+        gaps = self.gaps(StepState(t, y, self.p, v, free), own, none)
+        free_map = MapAt(z, following, factors, by_q, *slopes)
+        return ForcedChange(free_map, gaps, float(np.sign(changes[row])))
 
-    def groups(self, key: int) -> list[slice]:
-        """Components of each group of the impulse of a gap."""
-        widths = self.contact_step.symbolic_gap(key).groups
-        ends = np.cumsum([1, *widths])
-        return [slice(*limits) for limits in pairwise(map(int, ends))]
-
-    def closing(self, key: int) -> ca.Function:
-        """``(t, y, v, p) → ġ, ∂ġ/∂v, ∂g/∂y, ∂g/∂p``."""
-        if key not in self._closings:
-            e = self.e
-            distance, speeds, *_ = self.gap(key)(e.t, e.y, e.v, e.p)
-            slopes = [ca.jacobian(distance, by) for by in (e.y, e.p)]
-            outputs = [speeds[0], ca.jacobian(speeds[0], e.v), *slopes]
-            self._closings[key] = ca.Function(
-                "closing", [e.t, e.y, e.v, e.p], [ca.densify(out) for out in outputs]
-            )
-        return self._closings[key]
-
-    @cached_property
-    def kinematic_matrix(self) -> ca.Function:
-        """``y → A`` with ``ẏ = A v``."""
-        m = self.e.manifold
-        zero = ca.SX.zeros(m.delta.numel())
-        rate = ca.substitute(ca.jacobian(m.moved, m.delta), m.delta, zero)
-        return ca.Function("kinematic_matrix", [m.y], [ca.densify(rate)])
-
-    def step(self, pattern: Pattern) -> ImplicitMap:
-        """Map from the start of a step to its end before corrections."""
-        if pattern not in self._steps:
-            self._steps[pattern] = self._step(pattern)
-        return self._steps[pattern]
-
-    def _step(self, pattern: Pattern) -> ImplicitMap:
-        e, h, theta = self.e, self.h, self.contact_step.scheme.theta
-        after = ca.SX.sym("v", e.v.numel())
-        multiplier = ca.SX.sym("multiplier", e.constraint_count)
-        at, middle = e.t + theta * h, e.manifold.going(e.y, theta * h * e.v)
-        mass, force, damping, stiffness = self._smooth(at, middle, e.v, e.p)
-        part = constrained_fraction(theta)
-        between = e.manifold.going(e.y, part * h * e.v)
-        jacobian, by_time, _ = self._joints(e.t + part * h, between, e.p)
-        matrix = mass - h * theta * damping - (h * theta) ** 2 * stiffness
-        dynamics = ca.mtimes(matrix, after - e.v) + ca.mtimes(jacobian.T, multiplier) - h * force
-        impulses, rows = [], [ca.mtimes(jacobian, part * after + (1 - part) * e.v) + by_time]
-        for key, states in pattern:
-            gap = self.gap(key)
-            _, before, restitution, tangential, _, friction = gap(e.t, e.y, e.v, e.p)
-            end = gap(e.t, e.y, after, e.p)[1]
-            impulse = ca.SX.sym("P", end.numel())
-            impulses.append(impulse)
-            dynamics -= ca.mtimes(ca.jacobian(before, e.v).T, impulse)
-            rows.append(end[0] + restitution * before[0])
-            for j, (components, state) in enumerate(zip(self.groups(key), states, strict=True)):
-                along, push = end[components], impulse[components]
-                if j == 0:
-                    along += tangential * before[components]
-                if state is Friction.NONE:
-                    rows.append(push)
-                elif state is Friction.STICK:
-                    rows.append(along)
-                else:
-                    direction = along / ca.norm_2(along)
-                    rows.append(push + friction[j] * impulse[0] * direction)
-        positions = e.manifold.going(e.y, h * (theta * after + (1 - theta) * e.v))
-        z = ca.vertcat(after, multiplier, *impulses)
-        equations = ca.vertcat(dynamics, *rows)
-        return ImplicitMap(z, self.x, e.t, e.p, h, equations, ca.vertcat(positions, after))
-
-    def opening(self, keys: tuple[tuple[int, bool], ...]) -> ImplicitMap:
+    def opening(
+        self, x: np.ndarray, t: float, keys: np.ndarray, lifts: np.ndarray, presses: np.ndarray
+    ) -> MapAt:
         """One iteration towards closed joints and open gaps, ``M δ + Cᵀ λ − Nᵀ π = 0``.
 
-        Each key of a gap comes with a flag whether its contact presses. The lift of other gaps is
-        constant: their impact is still to come, and its instant depends on their position.
+        Parameters
+        ----------
+        keys, lifts : active gaps and their distances
+        presses : mask of the gaps whose contact presses; the lift of others is constant: their
+            impact is still to come, and its instant depends on their position
         """
-        if keys not in self._openings:
-            e = self.e
-            jacobian, _, open_by = self._joints(e.t, e.y, e.p)
-            gaps = [self.gap(key)(e.t, e.y, e.v, e.p) for key, _ in keys]
-            normals = stack(ca.jacobian(gap[1][0], e.v) for gap in gaps)
-            if not gaps:
-                normals = ca.SX(0, e.v.numel())
-            lifts = ca.SX.sym("lift", len(keys))
-            open_gaps = [
-                gap[0] if presses else lifts[n]
-                for n, (gap, (_, presses)) in enumerate(zip(gaps, keys, strict=True))
-            ]
-            rows = ca.vertcat(jacobian, -normals)
-            z = ca.SX.sym("z", e.v.numel() + rows.shape[0])
-            shift, forces = z[: e.v.numel()], z[e.v.numel() :]
-            equations = ca.vertcat(
-                ca.mtimes(e.mass, shift) + ca.mtimes(rows.T, forces),
-                ca.mtimes(jacobian, shift) + open_by,
-                ca.mtimes(normals, shift) + stack(open_gaps),
-            )
-            following = ca.vertcat(e.manifold.going(e.y, shift), e.v)
-            self._openings[keys] = ImplicitMap(z, self.x, e.t, e.p, lifts, equations, following)
-        return self._openings[keys]
+        (y, v), n = self._split(x), self.speeds
+        z, still = np.zeros(self.smooth + keys.size), np.zeros(n)
+        for solved in (False, True):
+            smooth, impulses = np.split(z, [self.smooth])
+            state = smooth, y, v, t, self.p, 0.0
+            value, (by_z, by_q), following, slopes = self.equations.position(*state)
+            right, matrix, contacts = value, [(0, 0, by_z)], None
+            if keys.size:
+                moved = StepState(t, y, self.p, still, smooth[:n], 0.0)
+                gaps = self.gaps(moved, keys, impulses[:, None])
+                contacts = ContactEquations.of_openings(gaps, lifts, presses)
+                right, below = self._joined(value, contacts, impulses)
+                matrix += below
+            if not solved:
+                factors = ProximalFactors(matrix, self._weight(impulses.size))
+                z = z - factors.solve(right)
+        next_by_z, next_by_q = slopes
+        return MapAt(z, following, factors, by_q, next_by_z, next_by_q, contacts)
 
-    @cached_property
-    def consistent(self) -> ImplicitMap:
+    def consistent(self, x: np.ndarray, t: float) -> MapAt:
         """Projection to the nearest speeds that satisfy the joints."""
-        e = self.e
-        jacobian, by_time, _ = self._joints(e.t, e.y, e.p)
-        z = ca.SX.sym("z", e.v.numel() + e.constraint_count)
-        change, multiplier = z[: e.v.numel()], z[e.v.numel() :]
-        equations = ca.vertcat(
-            ca.mtimes(e.mass, change) + ca.mtimes(jacobian.T, multiplier),
-            ca.mtimes(jacobian, e.v + change) + by_time,
-        )
-        following = ca.vertcat(e.y, e.v + change)
-        return ImplicitMap(z, self.x, e.t, e.p, self.empty, equations, following)
+        state, z = (*self._split(x), t, self.p, 0.0), np.zeros(self.smooth)
+        value, (by_z, _), *_ = self.equations.consistent(z, *state)
+        factors = ProximalFactors([(0, 0, by_z)], self._weight(0))
+        z = -factors.solve(value)
+        _, (_, by_q), following, slopes = self.equations.consistent(z, *state)
+        return MapAt(z, following, factors, by_q, *slopes)
+
+    def _split(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return x[: self.size], x[self.size :]
+
+    def _joined(
+        self, value: np.ndarray, contacts: ContactEquations, impulses: np.ndarray
+    ) -> tuple[np.ndarray, list[Block]]:
+        """Residual with contacts, and their blocks of the matrix."""
+        across, first = contacts.gaps.directions, self.smooth
+        right = np.concatenate([value, contacts.residual])
+        right[: self.speeds] -= across.T @ impulses
+        away = scipy.sparse.csr_array(-across.T)
+        own = [(first, 0, contacts.by_speed), (first, first, contacts.by_impulse)]
+        return right, [(0, first, away), *own]
+
+    def _weight(self, rows: int) -> np.ndarray:
+        counts = [self.speeds, self.smooth - self.speeds, rows]
+        return np.repeat([0.0, -1.0, 1.0], counts)
+
+
+def _negligible(right: np.ndarray, matrix: list[Block], z: np.ndarray) -> bool:
+    """Whether a residual is small, relative to the largest of its terms."""
+    terms = np.abs(right)
+    for first, left, block in matrix:
+        rows, columns = block.shape
+        terms[first : first + rows] += abs(block) @ np.abs(z[left : left + columns])
+    return bool(np.abs(right).max(initial=0.0) <= SOLVED * terms.max(initial=1.0))

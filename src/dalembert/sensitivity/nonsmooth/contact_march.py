@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.errors import UnsupportedError
 from dalembert.sensitivity.engine import Engine
 from dalembert.sensitivity.marching.walk import BackwardWalk, ForwardWalk
-from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
+from dalembert.sensitivity.nonsmooth.contact_steps import contact_steps
 from dalembert.sensitivity.nonsmooth.moving_impacts import step_tangent
 from dalembert.sensitivity.samples import Sample
 
@@ -28,7 +28,8 @@ class ContactPass:
 
     def __init__(self, samples: Sequence[Sample]):
         self.samples = list(samples)
-        self.steps = ContactSteps(samples[0].motion)
+        self.steps = contact_steps(samples[0].motion)
+        self.steps.refuse_break_away()
         self.p, self.rows = self.steps.p, len(self.samples)
         self.weights: dict[int, StateWeights] = {}
         for row, sample in enumerate(self.samples):
@@ -92,6 +93,7 @@ class ContactAdjoint(ContactPass, BackwardWalk[np.ndarray]):
     def pull(self, begin: int, end: int, weights: np.ndarray) -> np.ndarray:
         weights, p_bar = step_tangent(self.steps, begin).pull(weights)
         self.p_bar += p_bar
+        self.steps.observe_growth(weights)
         return weights + self._add_parameters(begin)
 
     def pull_start(self, weights: np.ndarray) -> None:
@@ -129,7 +131,9 @@ class ContactDirect(ContactPass, ForwardWalk[np.ndarray]):
 
     def push(self, begin: int, end: int, change: np.ndarray) -> np.ndarray:
         self._evaluate(begin, change)
-        return step_tangent(self.steps, begin).push(change, self.directions)
+        change = step_tangent(self.steps, begin).push(change, self.directions)
+        self.steps.observe_growth(change)
+        return change
 
     def arrive(self, change: np.ndarray) -> None:
         self._evaluate(self.count, change)

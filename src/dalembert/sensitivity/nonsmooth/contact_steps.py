@@ -1,13 +1,13 @@
-"""Steps of a nonsmooth run, repeated as smooth maps with known contact states."""
+"""Steps of a nonsmooth run, linearised with the contact states of the run."""
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.contact_step import ContactStep, delassus
 from dalembert.analysis.nonsmooth.correction import (
     SETTINGS,
     PositionCorrection,
@@ -17,14 +17,16 @@ from dalembert.analysis.nonsmooth.correction import (
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.integrators.contact.schemes import MoreauJean
+from dalembert.integrators.contact.contact_laws import FIRST
+from dalembert.integrators.contact.contacts import FrictionProblem
+from dalembert.integrators.contact.schemes import Approach
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
-from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps, Friction, Pattern
-from dalembert.sensitivity.nonsmooth.implicit_map import MapAt
+from dalembert.sensitivity.nonsmooth.active_contacts import STICK_MARGIN, ActiveContacts
+from dalembert.sensitivity.nonsmooth.contact_changes import ContactChanges
+from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
+from dalembert.sensitivity.nonsmooth.linear_map import MapAt
 from dalembert.symbolic.equations import newton
 
-STICK_MARGIN = 1e-6
-"""Friction reserve of a sticking contact, relative to the friction limit [-]."""
 SAME = 1e-6
 """Permitted difference of a repeated state from the recorded one, relative to its size [-]."""
 
@@ -36,20 +38,19 @@ class ContactSteps:
     ----------
     motion : NonsmoothMotion
 
+    Attributes
+    ----------
+    changes : step → ContactChanges of the linearised steps
+    growth : largest entry of a change of the state, or of its weights, in the marches so far
+
     Raises
     ------
     UnsupportedError
-        The integrator is not ``MoreauJean``, or the law of impact not Newton's.
+        The law of impact is not Newton's.
     """
 
     def __init__(self, motion: NonsmoothMotion):
         analysis: Any = motion.analysis
-        if not isinstance(analysis.integrator, MoreauJean):
-            raise UnsupportedError(
-                f"{type(analysis.integrator).__name__} selects contact velocities by "
-                "comparisons that are not differentiable; use integrator=da.MoreauJean(), or "
-                "solve_dynamics, which locates impacts"
-            )
         self.record, self.p = motion.record, motion.parameters
         run = NonsmoothRun(analysis, motion.model, motion.parameters)
         self.step: ContactStep = run.step
@@ -61,43 +62,54 @@ class ContactSteps:
         self.maps = ContactMaps(self.step)
         self.x = np.vstack([self.record.ends.y, self.record.ends.v])
         self.size = self.record.ends.y.shape[0]
+        self.changes: dict[int, ContactChanges] = {}
+        self.growth = 0.0
+        self._starts = np.searchsorted(self.record.step, np.arange(self.count + 1))
 
     @property
     def count(self) -> int:
         """Number of steps."""
         return self.record.t.size - 1
 
-    @cached_property
-    def patterns(self) -> list[dict[int, tuple[tuple[Friction, ...], np.ndarray]]]:
-        """Pressing gaps of each step with their tangential states and impulses.
+    def active(self, k: int) -> ActiveContacts:
+        """Pressing contacts of a step; none before the first."""
+        rows = np.arange(*self._starts[k : k + 2]) if k >= 0 else np.zeros(0, dtype=int)
+        rows = rows[np.argsort(self.record.key[rows])]
+        record = self.record
+        return ActiveContacts(record.key[rows], record.impulse[rows], record.offset[rows])
+
+    def observe_growth(self, columns: np.ndarray) -> None:
+        """Include changes of a state, or weights, in the largest growth."""
+        self.growth = max(self.growth, float(np.abs(columns).max(initial=0.0)))
+
+    def refuse_break_away(self) -> None:
+        """Raise if a contact with higher static friction begins to slip.
 
         Raises
         ------
         UnsupportedError
-            A contact with static friction breaks away.
+            Names the instant.
         """
-        patterns: list[dict] = [{} for _ in range(self.count)]
-        for k, key, impulse in zip(
-            self.record.step, self.record.key, self.record.impulse, strict=True
-        ):
-            state = self.split(int(k))
-            _, speeds, *_, static, friction = self.maps.gap(int(key))(
-                self.record.t[k], *state, self.p
+        record, linear = self.record, 1 + sum(self.step.groups[:1])
+        keys, number = np.unique(record.key, return_inverse=True)
+        if not keys.size or linear == 1:
+            return
+        laws = self.maps.gaps_at(self.x[:, 0], float(record.t[0]), keys).values.laws[number]
+        static, moving = laws[:, FIRST - 1], laws[:, FIRST]
+        limit = moving * record.impulse[:, 0]
+        slip = np.linalg.norm(record.impulse[:, 1:linear], axis=1)
+        slips = np.abs(slip - limit) <= STICK_MARGIN * limit
+        order = np.lexsort((record.step, number))
+        ends, begins = order[1:], order[:-1]
+        breaks = (number[ends] == number[begins]) & (record.step[ends] == record.step[begins] + 1)
+        breaks &= slips[ends] & ~slips[begins] & (static > moving)[ends]
+        if breaks.any():
+            time = record.t[record.step[ends[breaks]].min()]
+            raise UnsupportedError(
+                f"a contact with static friction breaks away at t = {time:.9g} s, "
+                "and gradients do not include the change of this instant; give "
+                "static_friction equal to friction"
             )
-            own = impulse[: speeds.numel()]
-            limits = friction.full().ravel() * own[0]
-            discs = zip(self.maps.groups(int(key)), limits, strict=True)
-            states = tuple(_state(own[components], limit) for components, limit in discs)
-            patterns[int(k)][int(key)] = states, own
-            before, _ = patterns[k - 1].get(int(key), (states, own)) if k else (states, own)
-            slips = states[:1] == (Friction.SLIP,) and before[0] is Friction.STICK
-            if slips and float(static) > float(friction[0]):
-                raise UnsupportedError(
-                    f"a contact with static friction breaks away at t = {self.record.t[k]:.9g} s, "
-                    "and gradients do not include the change of this instant; give "
-                    "static_friction equal to friction"
-                )
-        return patterns
 
     def split(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """``y`` and ``v`` at the start of step ``k``."""
@@ -127,35 +139,50 @@ class ContactSteps:
         return maps
 
     def _maps(self, k: int) -> list[MapAt]:
-        (t, h), pattern = self.span(k), self.patterns[k]
-        maps = [self.free(k, pattern, self.x[:, k], t, h)]
+        (t, h), active, x = self.span(k), self.active(k), self.x[:, k]
+        maps = [self.maps.step(x, self.x[self.size :, k + 1], t, h, active)]
         recorder = RecordedOpening(self.step, t + h, self.step.scheme.projection)
         newton.solve(recorder, maps[0].following[: self.size], SETTINGS)
-        for active in recorder.active:
-            opening = self.maps.opening(tuple((key, key in pattern) for key in active))
-            lifts, x = np.array(list(active.values())), maps[-1].following
-            maps.append(opening.at(np.zeros(opening.size), x, t + h, self.p, lifts))
+        for keys, lifts in recorder.active:
+            presses = np.isin(keys, active.keys)
+            maps.append(self.maps.opening(maps[-1].following, t + h, keys, lifts, presses))
         if self.step.smooth.has_joints:
-            joined, x = self.maps.consistent, maps[-1].following
-            maps.append(joined.at(np.zeros(joined.size), x, t + h, self.p, np.zeros(0)))
+            maps.append(self.maps.consistent(maps[-1].following, t + h))
         return maps
 
-    def free(self, k: int, pattern: dict, x: np.ndarray, t: float, h: float) -> MapAt:
-        """A step with some contacts and without corrections, from any state."""
-        chosen: Pattern = tuple((key, state) for key, (state, _) in sorted(pattern.items()))
-        step, joints = self.maps.step(chosen), self.step.model.equations.constraint_count
-        impulses = [pattern[key][1] for key, _ in chosen]
-        near = self.x[self.size :, k + 1]
-        z = np.concatenate([near, np.zeros(joints), *impulses])
-        return step.at(z, x, t, self.p, np.array([h]))
+    def acceleration(
+        self, x: np.ndarray, t: float, h: float, lasting: ActiveContacts | None
+    ) -> np.ndarray:
+        """Mean accelerations over a step in which ``lasting`` contacts neither impact nor part, or
+        without contacts."""
+        y, v = x[: self.size], x[self.size :]
+        step, scheme = self.step, self.step.scheme
+        after, _, mobility = step.smooth.step(t, y, v, self.p, h, scheme.theta)
+        if lasting is not None and lasting.keys.size:
+            contacts = step.near(t, y, 2 * h * np.column_stack([v, after]))
+            contacts = contacts.some(np.isin(contacts.key, lasting.keys))
+            before = contacts.speeds(v)
+            offsets = Approach(contacts, before, contacts.speeds(after), h).newton()
+            offsets[:, 0] = -before[:, 0]
+            speeds = contacts.speeds(after) + offsets
+            scale = float(np.abs(speeds).max(initial=0.0)) or 1.0
+            matrix = delassus(contacts.directions, mobility)
+            friction = contacts.laws.friction
+            problem = FrictionProblem(matrix, speeds, friction, contacts.groups, scale)
+            start = lasting.impulses[np.searchsorted(lasting.keys, contacts.key)]
+            impulses = step.solver.solve(problem, start).impulses
+            after = after + mobility(contacts.directions.T @ impulses.ravel())[0]
+        return np.asarray((after - v) / h)
 
 
-def _state(impulse: np.ndarray, limit: float) -> Friction:
-    """State of the components of a group, from its impulse and the friction limit."""
-    if limit == 0:
-        return Friction.NONE
-    slips = abs(float(np.linalg.norm(impulse)) - limit) <= STICK_MARGIN * limit
-    return Friction.SLIP if slips else Friction.STICK  # above the limit by static friction
+_STEPS: WeakKeyDictionary[NonsmoothMotion, ContactSteps] = WeakKeyDictionary()
+
+
+def contact_steps(motion: NonsmoothMotion) -> ContactSteps:
+    """Steps of a run, linearised once for all gradients and notes."""
+    if motion not in _STEPS:
+        _STEPS[motion] = ContactSteps(motion)
+    return _STEPS[motion]
 
 
 class RecordedOpening(PositionCorrection):
@@ -163,20 +190,21 @@ class RecordedOpening(PositionCorrection):
 
     Attributes
     ----------
-    active : for each iteration, key of the active gaps → distance
+    active : for each iteration, keys of the active gaps and their distances
     """
 
     def __init__(self, step: ContactStep, t: float, open_gaps: bool):
         super().__init__(step, t, open_gaps)
-        self.active: list[dict[int, float]] = []
+        self.active: list[tuple[np.ndarray, np.ndarray]] = []
 
     def step(self, x: np.ndarray, residual: newton.Residual) -> np.ndarray:
         assert isinstance(residual, PositionResidual)
         shift, gaps = self.shift(x, residual)
-        active: dict[int, float] = {}
+        keys, lifts = np.zeros(0, dtype=int), np.zeros(0)
         if gaps is not None:
             remainder = np.abs(gaps.distance + normals_of(gaps) @ shift)
-            for n in np.flatnonzero(remainder <= SAME * -gaps.distance.min()):
-                active[int(gaps.key[n])] = float(gaps.distance[n])
-        self.active.append(active)
+            active = np.flatnonzero(remainder <= SAME * -gaps.distance.min())
+            active = active[np.argsort(gaps.key[active])]
+            keys, lifts = gaps.key[active], gaps.distance[active]
+        self.active.append((keys, lifts))
         return shift

@@ -13,47 +13,75 @@ shifts: exact for all changes that keep them simultaneous.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from dalembert.errors import SingularityError
-from dalembert.sensitivity.nonsmooth.contact_maps import Friction
+from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations
+from dalembert.sensitivity.nonsmooth.contact_changes import MARGIN, ContactChanges, near_change
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
-from dalembert.sensitivity.nonsmooth.implicit_map import MapAt
+from dalembert.sensitivity.nonsmooth.impact_groups import moving_parts, remain_closed
+from dalembert.sensitivity.nonsmooth.linear_map import MapAt
 
 SLOW = 2.0
 """Threshold of the approach speed of an impact, relative to the change by forces in a step [-]."""
-RESTING = 1e-8
-"""Threshold of the speed of a closed contact after an impact, relative to that before [-]."""
-SIMULTANEOUS = 1e-6
-"""Threshold of the distance of simultaneous impacts, relative to the step [-]."""
-MOVED = 1e-9
-"""Threshold of a change of speed by an impulse, relative to the largest change [-]."""
 
 
 @dataclass(frozen=True, eq=False)
-class MovingImpact:
-    """Contribution of a moving impact to the changes of a step.
+class Closing:
+    """Newly pressing gaps of a step that may close by an impact.
 
     Attributes
     ----------
-    jump : (n,) derivative of the state at the end of the step by the instant
-    by_x, by_p : derivatives of the instant
+    rows : (n,) numbers among the pressing contacts
+    speed, forced : (n,) closing speeds, and their changes by forces in the step
     """
 
-    jump: np.ndarray
-    by_x: np.ndarray
-    by_p: np.ndarray
+    rows: np.ndarray
+    speed: np.ndarray
+    forced: np.ndarray
 
-    def push(self, dx: np.ndarray, dp: np.ndarray) -> np.ndarray:
-        return np.outer(self.jump, self.by_x @ dx + self.by_p @ dp)
+    @property
+    def impacting(self) -> np.ndarray:
+        """Rows of the gaps that close by an impact."""
+        return self.rows[self.speed > SLOW * self.forced]
 
-    def pull(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        weight = self.jump @ weights
-        return np.outer(self.by_x, weight), np.outer(self.by_p, weight)
+
+@dataclass(frozen=True, eq=False)
+class MovingImpacts:
+    """Contribution of moving impacts to the changes of a step.
+
+    Attributes
+    ----------
+    contacts : pressing contacts of the step
+    groups : rows of the contacts of each impact
+    jumps : (n, impacts) derivatives of the state at the end of the step by the instants
+    """
+
+    contacts: ContactEquations
+    groups: list[np.ndarray]
+    jumps: np.ndarray
+
+    def push(self, dq: np.ndarray) -> np.ndarray:
+        """Change of the state at the end."""
+        shifts = -self.contacts.gaps.push(dq)[0].distance / self._speeds
+        instants = [shifts[rows].mean(axis=0) for rows in self.groups]
+        return self.jumps @ np.array(instants).reshape(len(instants), dq.shape[1])
+
+    def pull(self, weights: np.ndarray) -> np.ndarray:
+        """Weights of ``q``."""
+        gaps = self.contacts.gaps
+        own = gaps.values.like(weights.shape[1])
+        for rows, instant in zip(self.groups, self.jumps.T @ weights, strict=True):
+            own.distance[rows] -= instant / rows.size
+        own.distance[:] /= self._speeds
+        return gaps.pull(own, np.zeros((gaps.directions.shape[1], weights.shape[1])))
+
+    @property
+    def _speeds(self) -> np.ndarray:
+        speeds = self.contacts.gaps.values.before[:, :1]
+        return np.where(speeds != 0, speeds, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,28 +91,30 @@ class StepTangent:
     Attributes
     ----------
     maps : sequence of maps of the step
-    impacts : moving impacts in this step
+    impacts : moving impacts, or None
     """
 
     maps: list[MapAt]
-    impacts: list[MovingImpact]
+    impacts: MovingImpacts | None
 
     def push(self, dx: np.ndarray, dp: np.ndarray) -> np.ndarray:
         """Change of the state at the end."""
-        return sum(
-            (impact.push(dx, dp) for impact in self.impacts), push_maps(self.maps, dx, 0.0, dp)
-        )
+        change = push_maps(self.maps, dx, 0.0, dp)
+        if self.impacts is None:
+            return change
+        return change + self.impacts.push(np.vstack([dx, np.zeros((1, dx.shape[1])), dp]))
 
     def pull(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Weights of the state at the start, and of the parameters."""
-        of_impacts = [impact.pull(weights) for impact in self.impacts]
+        shifted = None if self.impacts is None else self.impacts.pull(weights)
         total: Any = 0.0
         for one_map in reversed(self.maps):
             weights, p_bar = one_map.pull(weights)
             total = total + p_bar
-        for x_bar, p_bar in of_impacts:
-            weights, total = weights + x_bar, total + p_bar
-        return weights, total
+        if shifted is None:
+            return weights, total
+        n = weights.shape[0]
+        return weights + shifted[:n], total + shifted[n + 1 :]
 
 
 def push_maps(maps: list[MapAt], dx: np.ndarray, dt: float, dp: np.ndarray) -> np.ndarray:
@@ -95,130 +125,87 @@ def push_maps(maps: list[MapAt], dx: np.ndarray, dt: float, dp: np.ndarray) -> n
 
 
 def step_tangent(steps: ContactSteps, k: int) -> StepTangent:
-    """Linearisation of step ``k`` of a run."""
-    maps = steps.at(k)
-    closing = _impacting_gaps(steps, k)
-    return StepTangent(maps, _impacts(steps, k, maps, closing) if closing else [])
-
-
-def _persistent(steps: ContactSteps, k: int) -> dict[int, tuple[tuple[Friction, ...], np.ndarray]]:
-    """Contacts that press in step ``k`` and in the step before."""
-    earlier = steps.patterns[k - 1] if k else {}
-    return {key: contact for key, contact in steps.patterns[k].items() if key in earlier}
-
-
-def _acceleration_before(steps: ContactSteps, k: int) -> np.ndarray:
-    """Accelerations before the impacts of step ``k``."""
-    t, h = steps.span(k)
-    end = steps.free(k, _persistent(steps, k), steps.x[:, k], t, h).following
-    return (end - steps.x[:, k])[steps.size :] / h
-
-
-def closing_speeds(steps: ContactSteps, k: int) -> dict[int, tuple[float, float]]:
-    """Newly pressing gap → closing speed, and its change by forces in the step."""
-    persistent, before = _persistent(steps, k), _acceleration_before(steps, k)
-    (t, h), state = steps.span(k), steps.split(k)
-    closing = {}
-    for key in steps.patterns[k].keys() - persistent.keys():
-        speed, by_v, *_ = steps.maps.closing(key)(t, *state, steps.p)
-        closing[key] = -float(speed), float(np.abs(by_v.full() @ before).max()) * h
-    return closing
-
-
-def _impacting_gaps(steps: ContactSteps, k: int) -> list[int]:
-    """Gaps that close by an impact in step ``k``."""
-    if steps.patterns[k].keys() == _persistent(steps, k).keys():
-        return []
-    speeds = closing_speeds(steps, k)
-    return [key for key, (speed, forced) in speeds.items() if speed > SLOW * forced]
-
-
-def _impacts(
-    steps: ContactSteps, k: int, maps: list[MapAt], closing: list[int]
-) -> list[MovingImpact]:
-    t, h = steps.span(k)
-    begin, end, pattern = steps.x[:, k], steps.x[:, k + 1], steps.patterns[k]
-    state = steps.split(k)
-    closed = {key: pattern[key] for key in pattern if _remains_closed(steps, k, key)}
-    after = (steps.free(k, closed, end, t + h, h).following - end)[steps.size :] / h
-    rate_after = np.concatenate([_kinematic_matrix(steps, end) @ end[steps.size :], after])
-    rate_before = np.concatenate(
-        [_kinematic_matrix(steps, begin) @ begin[steps.size :], _acceleration_before(steps, k)]
-    )
-    jump = push_maps(maps, rate_before[:, None], 1.0, np.zeros((steps.p.size, 1))).ravel()
-    jump = jump - rate_after
-    impacts = []
-    for keys, part in moving_parts(steps, k, closing).items():
-        instants = []
-        for key in keys:
-            speed, _, by_y, by_p = (s.full() for s in steps.maps.closing(key)(t, *state, steps.p))
-            by_x = np.concatenate([by_y.ravel(), 0 * after])
-            instants.append(-np.concatenate([by_x, by_p.ravel()]) / speed[0, 0])
-        by_x, by_p = np.split(np.mean(instants, axis=0), [steps.x.shape[0]])
-        impacts.append(MovingImpact(part * jump, by_x, by_p))
-    return impacts
-
-
-def _remains_closed(steps: ContactSteps, k: int, key: int) -> bool:
-    """True if a contact remains closed after step ``k``."""
-    gap, t = steps.maps.gap(key), steps.record.t
-    y, v = steps.x[: steps.size], steps.x[steps.size :]
-    speeds = [float(gap(t[n], y[:, n], v[:, n], steps.p)[1][0]) for n in (k, k + 1)]
-    fastest = float(np.abs(steps.x[steps.size :, k : k + 2]).max())
-    return abs(speeds[1]) <= RESTING * max(abs(speeds[0]), fastest)
-
-
-def _kinematic_matrix(steps: ContactSteps, x: np.ndarray) -> np.ndarray:
-    """(n_y, n_v) ``A`` with ``ẏ = A v``."""
-    return steps.maps.kinematic_matrix(x[: steps.size]).full()
-
-
-def simultaneous(steps: ContactSteps, k: int, keys: Sequence[int]) -> bool:
-    """True if gaps close at one instant, extrapolated from the step before their correction."""
-    before = max(k - 1, 0)
-    (t, h), state = steps.span(before), steps.split(before)
-    values = [steps.maps.gap(key)(t, *state, steps.p) for key in keys]
-    instants = [-float(distance) / float(speeds[0]) for distance, speeds, *_ in values]
-    return max(instants) - min(instants) <= SIMULTANEOUS * h
-
-
-def moving_parts(steps: ContactSteps, k: int, keys: list[int]) -> dict[tuple[int, ...], np.ndarray]:
-    """Mask of the state entries that each impact of step ``k`` changes, as ones and zeros.
-
-    Gaps that close simultaneously and change the same entries make one impact.
+    """Linearisation of step ``k`` of a run.
 
     Raises
     ------
     SingularityError
-        Two successive impacts change the same entries.
+        Impacts on the same bodies come one after the other within the step.
     """
-    (t, _), (y, v) = steps.span(k), steps.split(k)
-    if len(keys) == 1:
-        return {tuple(keys): np.ones(steps.x.shape[0])}
-    solve = steps.step.smooth.at(t, y, steps.p)[0]
-    changed = {}
-    for key in steps.patterns[k]:
-        direction = steps.maps.closing(key)(t, y, v, steps.p)[1].full()[0]
-        speeds = np.abs(solve(direction, None)[0])
-        changed[key] = speeds > MOVED * speeds.max()
-    parts: dict[tuple[int, ...], np.ndarray] = {}
-    for key in keys:
-        part, remaining = changed[key], dict(changed)
-        while coupled := [other for other, own in remaining.items() if (own & part).any()]:
-            part = np.logical_or.reduce([part, *(remaining.pop(other) for other in coupled)])
-        overlapping = [keys_of for keys_of, own in parts.items() if (part & own).any()]
-        if overlapping and simultaneous(steps, k, [key, *overlapping[0]]):
-            parts[(*overlapping[0], key)] = parts.pop(overlapping[0])
-            continue
-        if overlapping:
-            raise SingularityError(
-                f"impacts on the same bodies come within one step at t = {t:.9g} s: which is "
-                "first depends on parameters, and so does the motion after them; take shorter "
-                "steps"
-            )
-        parts[(key,)] = part
-    matrix = np.abs(_kinematic_matrix(steps, steps.x[:, k]))
-    return {
-        group: np.concatenate([matrix @ part > 0, part]).astype(float)
-        for group, part in parts.items()
-    }
+    maps = steps.at(k)
+    closing, before = _closing(steps, k, maps[0].contacts)
+    impacts = _impacts(steps, k, maps, closing, before) if closing.impacting.size else None
+    steps.changes[k] = contact_changes(steps, k, maps[0], closing, impacts)
+    return StepTangent(maps, impacts if impacts and impacts.groups else None)
+
+
+def contact_changes(
+    steps: ContactSteps,
+    k: int,
+    step_map: MapAt,
+    closing: Closing,
+    impacts: MovingImpacts | None,
+) -> ContactChanges:
+    """Changes of contact states in a step and near it."""
+    contacts = step_map.contacts
+    if contacts is None:
+        return ContactChanges()
+    moving = [rows.size for rows in impacts.groups] if impacts else []
+    margin = np.abs(closing.speed - SLOW * closing.forced)
+    impulses, v = steps.active(k).impulses, steps.x[steps.size :, k : k + 2]
+    change = float(np.abs(v[:, 1] - v[:, 0]).max())
+    return ContactChanges(
+        sum(moving),
+        max(moving, default=0) > 1,
+        closing.impacting.size - sum(moving),
+        bool((margin <= MARGIN * closing.speed).any()),
+        bool(near_change(contacts, impulses, steps.step.groups, change).any()),
+        not step_map.consistent,
+    )
+
+
+def _persistent(steps: ContactSteps, k: int) -> ActiveContacts:
+    """Contacts that press in step ``k`` and in the step before."""
+    active = steps.active(k)
+    return active.some(np.isin(active.keys, steps.active(k - 1).keys))
+
+
+def _closing(
+    steps: ContactSteps, k: int, contacts: ContactEquations | None
+) -> tuple[Closing, np.ndarray]:
+    """Gaps that close in step ``k``, and accelerations before."""
+    none = np.zeros(0)
+    if contacts is None:
+        return Closing(np.zeros(0, dtype=int), none, none), none
+    keys, values = steps.active(k).keys, contacts.gaps.values
+    rows = np.flatnonzero(contacts.slopes.bounces & ~np.isin(keys, steps.active(k - 1).keys))
+    if not rows.size:
+        return Closing(rows, none, none), none
+    (t, h), width = steps.span(k), values.before.shape[1]
+    state = steps.x[:, k], t, h
+    before, alone = (steps.acceleration(*state, part) for part in (_persistent(steps, k), None))
+    normals = contacts.gaps.directions[rows * width]
+    forced = h * np.maximum(np.abs(normals @ before), np.abs(normals @ alone))
+    return Closing(rows, -values.before[rows, 0], forced), before
+
+
+def _impacts(
+    steps: ContactSteps, k: int, maps: list[MapAt], closing: Closing, before: np.ndarray
+) -> MovingImpacts:
+    (t, h), active, size = steps.span(k), steps.active(k), steps.size
+    begin, end, contacts = steps.x[:, k], steps.x[:, k + 1], maps[0].contacts
+    assert contacts is not None
+    parts = moving_parts(steps, k, contacts, closing.impacting)
+    if not parts:
+        return MovingImpacts(contacts, [], np.zeros((begin.size, 0)))
+    closed = remain_closed(steps, k, contacts)
+    after = steps.acceleration(end, t + h, h, active.some(closed))
+    rates = steps.maps.equations.rates
+    rate_after = np.concatenate([rates(end[:size], end[size:])[0], after])
+    rate_before = np.concatenate([rates(begin[:size], begin[size:])[0], before])
+    impact = [replace(maps[0], contacts=contacts.impact_law(closing.impacting)), *maps[1:]]
+    jump = push_maps(impact, rate_before[:, None], 1.0, np.zeros((steps.p.size, 1))).ravel()
+    masks = np.array([part for _, part in parts]).T
+    return MovingImpacts(
+        contacts, [rows for rows, _ in parts], masks * (jump - rate_after)[:, None]
+    )

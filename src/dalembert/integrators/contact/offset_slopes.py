@@ -1,0 +1,88 @@
+"""Derivatives of the velocity offsets of contacts on the branches taken."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from dalembert.integrators.contact.contacts import Contacts
+
+
+@dataclass(frozen=True, eq=False)
+class OffsetSlopes:
+    """Derivatives (n,) of the velocity offsets, ``u⁺ + offset`` satisfying the conditions.
+
+    Attributes
+    ----------
+    gap, speed, restitution : of the normal offset, by ``g``, ``u_N⁻``, ``e``
+    forced : of the normal offset, by the largest change of a normal speed by forces in the step
+    idle : mask of the contacts whose tangential offsets are ``u_T⁻``; others follow Newton's law
+    bounces : mask of the contacts that follow Newton's law, or stop in time to remain open
+    """
+
+    gap: np.ndarray
+    speed: np.ndarray
+    restitution: np.ndarray
+    forced: np.ndarray
+    idle: np.ndarray
+    bounces: np.ndarray
+
+
+def newton_slopes(contacts: Contacts, before: np.ndarray, offsets: np.ndarray) -> OffsetSlopes:
+    """Derivatives of Newton's law, ``e u_N⁻`` and ``e_T u_T⁻``, or ``u_N⁻`` if the offset is."""
+    zero, u, e = np.zeros(contacts.count), before[:, 0], contacts.laws.restitution
+    parts = np.abs(offsets[:, 0] - u) < np.abs(offsets[:, 0] - e * u)
+    speed, restitution = np.where(parts, 1.0, e), np.where(parts, 0.0, u)
+    return OffsetSlopes(zero, speed, restitution, zero, zero > 0, ~parts)
+
+
+def anticipated_slopes(
+    contacts: Contacts,
+    before: np.ndarray,
+    offsets: np.ndarray,
+    h: float,
+    closing: float,
+    rounding: float,
+) -> OffsetSlopes:
+    """Derivatives of the branch of ``AnticipatedImpacts`` that an offset equals.
+
+    Where branches tie, as at rest, closed contacts remain closed.
+
+    Parameters
+    ----------
+    before, offsets : (n, k)
+    closing : fraction of a gap that a resting contact closes per step
+    rounding : difference of speeds that counts as rounding [m/s]
+    """
+    gap, u, e = np.maximum(contacts.distance, 0), before[:, 0], contacts.laws.restitution
+    room, zero, one = h * (1 - e / 2), np.zeros(u.size), np.ones(u.size)
+    margin = (gap + h * u / 2) / room
+    branches = np.array(  # value, derivatives by g, u and e, by the change of speed by forces
+        [
+            [closing * gap / h, closing / h * one, zero, zero, zero],  # at rest
+            [2 * gap / h + u, 2 / h * one, one, zero, zero],  # remains open
+            [e * u, zero, e, u, zero],  # impact
+            [gap / h + u / 2, one / h, one / 2, zero, zero],  # separates
+            [margin, one / room, h / 2 / room, margin / (2 - e), zero],  # room for an impact
+            [u, zero, one, zero, zero],  # no work
+            [offsets[:, 0], zero, zero, zero, one],  # approaches as forces change its speed
+        ]
+    )
+    tied = np.abs(branches[:, 0] - offsets[:, 0]) <= rounding
+    tied[0] &= ~tied[2] | (np.abs(u) <= rounding)
+    tied[1] &= u <= 0
+    tied[3] &= u > 0
+    number = np.argmax(tied, axis=0)
+    _, by_gap, speed, restitution, forced = branches[number, :, np.arange(u.size)].T
+    law = contacts.laws.tangential[:, None] * before[:, 1:]
+    law[:, contacts.linear - 1 :] = 0.0
+    idle = _lengths(offsets[:, 1:] - before[:, 1:]) < _lengths(offsets[:, 1:] - law)
+    bounces = ((number == 1) | (number == 2)) & (u < -rounding)
+    return OffsetSlopes(by_gap, speed, restitution, forced, idle, bounces)
+
+
+def _lengths(vectors: np.ndarray) -> np.ndarray:
+    return np.asarray(np.linalg.norm(vectors, axis=1))

@@ -1,0 +1,196 @@
+"""Pressing contacts of a step, and the equations that they satisfy.
+
+    P − proj(P − ρ (u⁺ + offset)) = 0
+
+with the branches of the projection (sticking, slipping) and of the offset that the step took. The
+equation of an active gap is that of its normal component, ``u_N⁺ + offset_N = 0``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy
+
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
+from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
+from dalembert.integrators.contact.offset_slopes import OffsetSlopes
+from dalembert.integrators.contact.schemes import Approach
+from dalembert.integrators.contact.semismooth_newton import pieces
+from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
+from dalembert.sensitivity.nonsmooth.slope_function import Sparse
+
+STICK_MARGIN = 1e-6
+"""Excess of a friction force over the sliding one that static friction explains [-]."""
+
+
+@dataclass(frozen=True, eq=False)
+class ActiveContacts:
+    """Pressing contacts, in the order of their keys.
+
+    Attributes
+    ----------
+    keys : (n,)
+    impulses, offsets : (n, k)
+    """
+
+    keys: np.ndarray
+    impulses: np.ndarray
+    offsets: np.ndarray
+
+    def some(self, selected: np.ndarray) -> ActiveContacts:
+        """The selected contacts."""
+        return ActiveContacts(self.keys[selected], self.impulses[selected], self.offsets[selected])
+
+    def pressing(self, impulses: np.ndarray) -> ActiveContacts:
+        """The same contacts with other impulses."""
+        return ActiveContacts(self.keys, impulses.reshape(self.impulses.shape), self.offsets)
+
+
+@dataclass(frozen=True, eq=False)
+class ContactEquations:
+    """Linearised equations ``own P + coupled (u⁺ + offset) = 0`` of contacts.
+
+    Attributes
+    ----------
+    gaps : Gaps
+    own, coupled : (n, k, k)
+    slopes : of the offsets
+    limit : (n, k) derivatives of the equations by the coefficients of friction
+    column : (n, k) numbers of these coefficients
+    factors : (n, k) derivatives of the offsets by the velocities before
+    residual : (n k,)
+    """
+
+    gaps: Gaps
+    own: np.ndarray
+    coupled: np.ndarray
+    slopes: OffsetSlopes
+    limit: np.ndarray
+    column: np.ndarray
+    factors: np.ndarray
+    residual: np.ndarray
+
+    @classmethod
+    def of(
+        cls, gaps: Gaps, step: ContactStep, active: ActiveContacts, h: float, inertia: np.ndarray
+    ) -> ContactEquations:
+        """Equations of a step as it was taken, scaled by an approximate ``inertia`` (n_v,)."""
+        values, w, groups = gaps.values, gaps.directions, step.groups
+        (count, k), keys = values.before.shape, active.keys
+        laws = ContactLaws.of(values.laws.T, groups)
+        contacts = Contacts(values.distance, w, np.zeros((count, k)), laws, groups, keys, 0 * keys)
+        approach = Approach(contacts, values.before, values.after, h)
+        slopes = step.scheme.slopes(approach, active.offsets, 2 * step.rounding / h)
+        row = np.repeat(np.arange(count * k), np.diff(w.indptr))
+        diagonal = np.bincount(row, w.data**2 / inertia[w.indices], count * k).astype(float)
+        speeds, impulses = values.after + active.offsets, active.impulses
+        friction, static = laws.friction.copy(), _static(laws, groups, impulses)
+        friction[static, :1] = laws.static_friction[static, None]
+        problem = FrictionProblem(scipy.sparse.diags_array(diagonal), speeds, friction, groups)
+        z = impulses - speeds / problem.mobility
+        own, coupled = pieces(problem, z, np.arange(count))
+        residual = (own @ impulses[..., None] + coupled @ speeds[..., None]).ravel()
+        limit, column = _limit_slopes(problem, own, z)
+        column[:, 1 : contacts.linear] -= static[:, None]
+        factors = np.zeros((count, k))
+        factors[:, 1 : contacts.linear] = laws.tangential[:, None]
+        factors[slopes.idle] = 1.0
+        factors[:, 0] = slopes.speed
+        return cls(gaps, own, coupled, slopes, limit, column, factors, residual)
+
+    @classmethod
+    def of_openings(cls, gaps: Gaps, distance: np.ndarray, presses: np.ndarray) -> ContactEquations:
+        """``N δ + g = 0``, with ``g`` constant unless the contact presses."""
+        zero, one = np.zeros(distance.size), np.ones((distance.size, 1, 1))
+        slopes = OffsetSlopes(presses.astype(float), zero, zero, zero, ~presses, ~presses)
+        residual, still = gaps.values.after[:, 0] + distance, zero[:, None]
+        column = np.zeros((distance.size, 1), dtype=int)
+        return cls(gaps, 0 * one, one, slopes, still, column, still, residual)
+
+    def impact_law(self, impacting: np.ndarray) -> ContactEquations:
+        """The same equations if some contacts follow Newton's law, and the others remain closed."""
+        zero, laws = np.zeros(self.slopes.gap.size), self.gaps.values.laws
+        speed, factors = zero.copy(), self.factors.copy()
+        speed[impacting] = laws[impacting, 0]
+        factors[:, 0] = speed
+        slopes = replace(self.slopes, gap=zero, speed=speed, restitution=zero)
+        return replace(self, slopes=slopes, factors=factors)
+
+    @property
+    def by_forced(self) -> np.ndarray:
+        """(n k,) derivatives by the largest change of a normal speed by forces."""
+        return np.asarray((self.coupled[:, :, 0] * self.slopes.forced[:, None]).ravel())
+
+    @property
+    def by_impulse(self) -> Sparse:
+        """(n k, n k) derivatives by the impulses."""
+        return scipy.sparse.csr_array(_diagonal(self.own))
+
+    @property
+    def by_speed(self) -> Sparse:
+        """(n k, n_v) derivatives by the speeds at the end."""
+        return scipy.sparse.csr_array(_diagonal(self.coupled) @ self.gaps.directions)
+
+    def push(self, dq: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Changes of ``Wᵀ P`` and of the equations by those of ``q``."""
+        change, momentum = self.gaps.push(dq)
+        s, before = self.slopes, self.gaps.values.before
+        offset = self.factors[..., None] * change.before
+        offset[:, 1:] += self._restituted[..., None] * change.laws[:, 1, None]
+        offset[:, 0] += s.gap[:, None] * change.distance
+        offset[:, 0] += s.restitution[:, None] * change.laws[:, 0]
+        rows = self.coupled @ (change.after + offset)
+        friction = change.laws[np.arange(before.shape[0])[:, None], self.column]
+        return momentum, (rows + self.limit[..., None] * friction).reshape(-1, dq.shape[1])
+
+    def pull(self, momentum: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """Weights of ``q`` from those of ``Wᵀ P`` and of the equations."""
+        s, values = self.slopes, self.gaps.values
+        rows = weights.reshape(*self.coupled.shape[:2], -1)
+        after = self.coupled.swapaxes(1, 2) @ rows
+        own, normal = values.like(rows.shape[2]), after[:, 0]
+        own.after[:], own.before[:] = after, self.factors[..., None] * after
+        own.distance[:] = s.gap[:, None] * normal
+        own.laws[:, 0] = s.restitution[:, None] * normal
+        own.laws[:, 1] = (self._restituted[..., None] * after[:, 1:]).sum(axis=1)
+        limits, row = self.limit[..., None] * rows, np.arange(normal.shape[0])
+        for component, column in enumerate(self.column.T):
+            own.laws[row, column] += limits[:, component]
+        return self.gaps.pull(own, momentum)
+
+    @property
+    def _restituted(self) -> np.ndarray:
+        """(n, k − 1) derivatives of the offsets by the tangential restitution."""
+        before = self.gaps.values.before[:, 1:]
+        return np.where((self.column[:, 1:] <= FIRST) & ~self.slopes.idle[:, None], before, 0.0)
+
+
+def _static(laws: ContactLaws, groups: tuple[int, ...], impulses: np.ndarray) -> np.ndarray:
+    """Mask of the contacts that stick by static friction."""
+    slip = np.linalg.norm(impulses[:, 1 : 1 + sum(groups[:1])], axis=1)
+    moving = laws.friction[:, 0] if groups else 0.0
+    return np.asarray(laws.higher_at_rest & (slip > (1 + STICK_MARGIN) * moving * impulses[:, 0]))
+
+
+def _limit_slopes(
+    problem: FrictionProblem, own: np.ndarray, z: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(n, k) derivatives of the equations by the coefficients of friction, and their numbers."""
+    slopes, columns = np.zeros(z.shape), np.zeros(z.shape, dtype=int)
+    for number, (components, _) in enumerate(problem.discs):
+        length = np.linalg.norm(z[:, components], axis=1)
+        slips = own[:, components].any(axis=(1, 2)) & (length > 0)
+        share = np.where(slips, -z[:, 0] / np.where(slips, length, 1.0), 0.0)
+        slopes[:, components] = share[:, None] * z[:, components]
+        columns[:, components] = FIRST + number
+    return slopes, columns
+
+
+def _diagonal(blocks: np.ndarray) -> scipy.sparse.bsr_array:
+    """Block-diagonal matrix."""
+    count, k, _ = blocks.shape
+    numbers = np.arange(count), np.arange(count + 1)
+    return scipy.sparse.bsr_array((blocks, *numbers), shape=(count * k, count * k))

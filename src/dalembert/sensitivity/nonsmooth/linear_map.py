@@ -1,0 +1,197 @@
+"""Linearised maps of a state: ``G(z, q) = 0``, ``x⁺ = F(z, q)``, with ``q = (x, t, p)``.
+
+    dz = −G_z⁻¹ G_q dq,      dx⁺ = F_z dz + F_q dq
+
+``G_z`` is sparse and may be singular if unknowns are not unique, as for impulses of redundant
+contacts. The factors of ``G_z + ε D`` then solve the equations by proximal iterations,
+``z ← z + (G_z + ε D)⁻¹ (r − G_z z)``; unique quantities do not depend on ``ε``. Where redundant
+contacts contradict each other, so that some open or slip, whichever depends on the direction of the
+change, speeds satisfy them on average.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+
+from dalembert.errors import SingularityError
+from dalembert.sensitivity.nonsmooth.active_contacts import ContactEquations
+from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
+from dalembert.sensitivity.nonsmooth.slope_function import Sparse
+from dalembert.sparse.factorise import SuperLUFactors
+
+WEIGHT, ITERATIONS = 1e-9, 3
+"""``ε``, relative to the entries of a row; number of proximal iterations."""
+REMAINDER = 1e-6
+"""Remainder of equations that count as consistent, relative to the right-hand side [-]."""
+Block = tuple[int, int, Sparse]
+"""First row, first column and entries of a block of a matrix."""
+
+
+class ProximalFactors:
+    """Factors of a matrix that may be singular, for both directions.
+
+    Parameters
+    ----------
+    blocks : of the matrix
+    weight : (n,) diagonal of ``D``: 1 for impulses, −1 for joint multipliers, 0 for speeds
+
+    Attributes
+    ----------
+    consistent : whether all equations solved so far were consistent
+
+    Raises
+    ------
+    SingularityError
+        The equations cannot be factorised.
+    """
+
+    def __init__(self, blocks: Sequence[Block], weight: np.ndarray):
+        parts = [_entries(*block) for block in blocks]
+        row, column, value = (np.concatenate(part) for part in zip(*parts, strict=True))
+        n, smallest = weight.size, np.finfo(float).tiny
+        largest = np.full(n, smallest)
+        np.maximum.at(largest, row, np.abs(value))
+        self.rows = 1 / largest
+        value = value * self.rows[row]
+        largest = np.full(n, smallest)
+        np.maximum.at(largest, column, np.abs(value))
+        self.columns = 1 / largest
+        value = value * self.columns[column]
+        self.matrix = _compressed(value, row, column, n)
+        diagonal = np.arange(n)
+        row, column = (np.concatenate([part, diagonal]) for part in (row, column))
+        shifted = _compressed(np.concatenate([value, WEIGHT * weight]), row, column, n)
+        try:
+            self._factors = SuperLUFactors(shifted)
+        except np.linalg.LinAlgError:
+            text = "a step with contacts has no derivative: its equations are singular"
+            raise SingularityError(text) from None
+        self.consistent = True
+
+    def solve(self, right: np.ndarray, transposed: bool = False) -> np.ndarray:
+        """Solution, the same linear map and its transpose."""
+        before, after = (self.columns, self.rows) if transposed else (self.rows, self.columns)
+        matrix, trans = (self.matrix.T, "T") if transposed else (self.matrix, "N")
+        rhs = before[:, None] * right.reshape(right.shape[0], -1)
+        solution, remainder = np.zeros(rhs.shape), rhs
+        for _ in range(ITERATIONS):
+            solution = solution + self._factors.solve(remainder, trans)
+            remainder = rhs - matrix @ solution
+        size = np.abs(rhs).max(initial=0.0)
+        self.consistent &= bool(np.abs(remainder).max(initial=0.0) <= REMAINDER * size)
+        return (after[:, None] * solution).reshape(right.shape)
+
+
+@dataclass(frozen=True, eq=False)
+class MapAt:
+    """Map at one state, with its derivatives.
+
+    Attributes
+    ----------
+    z : unknowns: speeds, joint multipliers, impulses
+    following : ``x⁺``
+    factors : of ``G_z``
+    by_q : ``G_q`` of the equations without contacts
+    next_by_z, next_by_q : ``F_z`` without the columns of impulses, ``F_q``
+    contacts : equations of the contacts
+    forced : largest change of a normal speed by forces, where offsets depend on it
+    """
+
+    z: np.ndarray
+    following: np.ndarray
+    factors: ProximalFactors
+    by_q: Sparse
+    next_by_z: Sparse
+    next_by_q: Sparse
+    contacts: ContactEquations | None = None
+    forced: ForcedChange | None = None
+
+    def change(self, dq: np.ndarray) -> np.ndarray:
+        """Change ``dz`` (n, c) of the unknowns."""
+        right = self.by_q @ dq
+        if self.contacts is not None:
+            momentum, rows = self.contacts.push(dq)
+            right[: momentum.shape[0]] -= momentum
+            if self.forced is not None:
+                rows += self.contacts.by_forced[:, None] * self.forced.push(dq)
+            right = np.concatenate([right, rows])
+        return -self.factors.solve(right)
+
+    def weights(self, z_bar: np.ndarray) -> np.ndarray:
+        """Weights of ``q`` from those of the unknowns."""
+        inner = -self.factors.solve(z_bar, transposed=True)
+        size = self.by_q.shape[0]
+        q_bar = self.by_q.T @ inner[:size]
+        if self.contacts is not None:
+            speeds = self.contacts.gaps.directions.shape[1]
+            q_bar += self.contacts.pull(-inner[:speeds], inner[size:])
+            if self.forced is not None:
+                q_bar += self.forced.pull(self.contacts.by_forced @ inner[size:])
+        return np.asarray(q_bar)
+
+    def push(self, dx: np.ndarray, dt: float, dp: np.ndarray) -> np.ndarray:
+        """Change (n, c) of ``x⁺``."""
+        dq = np.vstack([dx, np.full((1, dx.shape[1]), dt), dp])
+        dz = self.change(dq)[: self.next_by_z.shape[1]]
+        return np.asarray(self.next_by_z @ dz + self.next_by_q @ dq)
+
+    def pull(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Weights of the state and of the parameters from those of ``x⁺``."""
+        z_bar = np.zeros((self.z.size, weights.shape[1]))
+        z_bar[: self.next_by_z.shape[1]] = self.next_by_z.T @ weights
+        q_bar = self.weights(z_bar) + self.next_by_q.T @ weights
+        return q_bar[: weights.shape[0]], q_bar[weights.shape[0] + 1 :]
+
+    @property
+    def consistent(self) -> bool:
+        """Whether the equations have a solution for an arbitrary change of ``q``."""
+        change = np.random.default_rng(0).normal(size=(self.by_q.shape[1], 1))
+        self.change(change)
+        return self.factors.consistent
+
+
+@dataclass(frozen=True, eq=False)
+class ForcedChange:
+    """Change of the normal speed of one gap by forces in a step, without impulses.
+
+    Attributes
+    ----------
+    free : map of the step without contacts
+    gaps : the gap, with the speeds at the end of that step
+    sign : of the change
+    """
+
+    free: MapAt
+    gaps: Gaps
+    sign: float
+
+    def push(self, dq: np.ndarray) -> np.ndarray:
+        """(c,) change of its magnitude by those of ``q``."""
+        change, normal = self.gaps.push(dq)[0], self.gaps.directions[:1]
+        speeds = self.free.change(dq)[: normal.shape[1]]
+        after = change.after[0, 0] + (normal @ speeds)[0]
+        return np.asarray(self.sign * (after - change.before[0, 0]))
+
+    def pull(self, weights: np.ndarray) -> np.ndarray:
+        """Weights of ``q`` from those (r,) of the magnitude."""
+        own, normal = self.gaps.values.like(weights.size), self.gaps.directions[:1]
+        own.after[0, 0], own.before[0, 0] = self.sign * weights, -self.sign * weights
+        z_bar = np.zeros((self.free.z.size, weights.size))
+        z_bar[: normal.shape[1]] = normal.T @ (self.sign * weights[None])
+        q_bar = self.gaps.pull(own, np.zeros((normal.shape[1], weights.size)))
+        return np.asarray(q_bar + self.free.weights(z_bar))
+
+
+def _entries(first: int, left: int, matrix: Sparse) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
+    return first + row, left + matrix.indices, matrix.data
+
+
+def _compressed(
+    value: np.ndarray, row: np.ndarray, column: np.ndarray, n: int
+) -> scipy.sparse.csc_array:
+    return scipy.sparse.csc_array((value, (row, column)), shape=(n, n))

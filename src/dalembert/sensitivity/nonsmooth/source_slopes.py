@@ -1,0 +1,156 @@
+"""Gaps of a source with some keys, and their derivatives.
+
+All gaps of a kind are evaluated together by one function of their shapes, so that no graph depends
+on the pattern of contacts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.gaps import GapKind, GapSource
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.model import Model
+from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
+from dalembert.sensitivity.nonsmooth.gap_slopes import KindSlopes, SourceGaps, scatter
+from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction
+from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.once import once
+
+SMALLEST = 16
+"""Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
+
+
+@dataclass(frozen=True, eq=False)
+class StepState:
+    """Arguments of the gaps of a step.
+
+    Attributes
+    ----------
+    t, y, p : position
+    before, after : speeds at the start and at the end
+    drift : 1 for velocities, 0 for displacements in their place
+    """
+
+    t: float
+    y: np.ndarray
+    p: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+    drift: float = 1.0
+
+
+class SourceSlopes:
+    """Derivatives of the gaps of one source.
+
+    Parameters
+    ----------
+    source : GapSource
+    e : equations of the model
+    """
+
+    def __init__(self, source: GapSource, e: Equations):
+        self.source, self.first = source, e.y.numel()
+        formulas = source.formulas
+        moving = ca.sparsify(ca.jacobian(formulas.velocities, e.v))
+        q = ca.vertcat(e.y, e.v, e.t, e.p)
+        still = ca.substitute(formulas.velocities, e.v, ca.SX.zeros(e.v.numel()))
+        share, wrench = ca.SX.sym("share"), ca.SX.sym("f", formulas.velocities.numel())
+        velocities = ca.mtimes(moving, e.v) + share * still
+        elsewhere = ca.vertcat(e.y, ca.SX.sym("none", e.v.numel()), e.t, e.p)
+        self._geometry = SlopeFunction("geometry", [e.t, e.y, e.p], formulas.geometry, [q])
+        self._velocities = SlopeFunction(
+            "velocities", [e.t, e.y, e.v, e.p, share], velocities, [elsewhere, e.v]
+        )
+        self._momenta = SlopeFunction(
+            "momenta", [e.t, e.y, e.p, wrench], ca.mtimes(moving.T, wrench), [elsewhere]
+        )
+        self._kernels: dict[tuple[ca.Function, int, int], Kernel] = {}
+
+    def at(
+        self,
+        state: StepState,
+        rows: np.ndarray,
+        keys: np.ndarray,
+        impulses: np.ndarray,
+        laws: int,
+    ) -> SourceGaps:
+        """The gaps with some keys.
+
+        Parameters
+        ----------
+        rows : their numbers among all
+        impulses : (n, k), as many components as the velocities have in the result
+        laws : number of coefficients
+        """
+        t, y, p, share = state.t, state.y, state.p, state.drift
+        geometry, (by_q,) = self._geometry(t, y, p)
+        before, (before_by_q, moving) = self._velocities(t, y, state.before, p, share)
+        after, (after_by_q, _) = self._velocities(t, y, state.after, p, share)
+        kinds = [
+            self._evaluate(kind, geometry, before, after, impulses[kind.row])
+            for kind in self.source.kinds(keys)
+        ]
+        wrench = np.zeros((before.size, 1))
+        for part in kinds:
+            scatter(wrench, part.kind.velocities, part.wrench[..., None])
+        momenta = self._momenta(t, y, p, wrench)[1][0]
+        slopes = [before_by_q, after_by_q]
+        shape = impulses.shape[1], laws
+        return SourceGaps(rows, kinds, by_q, slopes, moving, momenta, self.first, shape)
+
+    def _evaluate(
+        self,
+        kind: GapKind,
+        geometry: np.ndarray,
+        before: np.ndarray,
+        after: np.ndarray,
+        impulses: np.ndarray,
+    ) -> KindSlopes:
+        count, width = impulses.shape
+        size = SMALLEST << max(0, int(np.ceil(np.log2(count / SMALLEST))))
+        key = kind.function, width, size
+        if key not in self._kernels:
+            self._kernels[key] = Kernel(_gap_slopes(kind.function, width).map(size))
+        padded = np.arange(size) % count
+        columns = [geometry[entries[padded]].T for entries in kind.arguments]
+        columns += [speeds[kind.velocities[padded]].T for speeds in (before, after)]
+        results = [
+            result.T.reshape(size, -1, result.shape[0])[:count].swapaxes(1, 2)
+            for result in self._kernels[key](*columns, impulses[padded].T)
+        ]
+        distance, speeds, wrench, blocks, by_distance, *slopes = results
+        laws = geometry[kind.laws]
+        values = GapChanges(distance[:, 0, 0], speeds[..., 0], speeds[..., 1], laws)
+        entries = np.hstack(kind.arguments)
+        return KindSlopes(kind, entries, values, wrench[..., 0], blocks, by_distance[:, 0], *slopes)
+
+
+@once
+def source_slopes(model: Model) -> list[SourceSlopes]:
+    """Derivatives of the gaps of all sources of a model."""
+    return [SourceSlopes(source, model.equations) for source in gap_sources(model)]
+
+
+@cache
+def _gap_slopes(function: ca.Function, width: int) -> ca.Function:
+    """``(arguments, τ⁻, τ⁺, P) → g, (u⁻, u⁺), f, B``, and derivatives of ``g``, ``u⁻``, ``u⁺`` and
+    ``f`` by the arguments."""
+    arguments = [ca.SX.sym("s", function.numel_in(k)) for k in range(function.n_in())]
+    distance, blocks, *_ = function.call(arguments)
+    rows = min(width, blocks.shape[0])
+    blocks = ca.vertcat(blocks[:rows, :], ca.SX.zeros(width - rows, blocks.shape[1]))
+    before, after = (ca.SX.sym(name, blocks.shape[1]) for name in ("before", "after"))
+    impulse = ca.SX.sym("P", width)
+    speeds = [ca.mtimes(blocks, twist) for twist in (before, after)]
+    wrench, geometry = ca.mtimes(blocks.T, impulse), ca.vertcat(*arguments)
+    slopes = [ca.jacobian(value, geometry) for value in (distance, *speeds, wrench)]
+    outputs = [distance, ca.horzcat(*speeds), wrench, blocks, *slopes]
+    inputs = [*arguments, before, after, impulse]
+    dense = [ca.densify(output) for output in outputs]
+    return ca.Function("gap_slopes", inputs, dense, {"cse": True})

@@ -1,0 +1,119 @@
+"""Contact-free equations of a step and of its corrections, with sparse derivatives.
+
+step:       (M − h θ D − h² θ² K)(v⁺ − v) + Cᵀ Λ = h F,     C (σ v⁺ + (1−σ) v) = −Φ_t
+position:   M δ + Cᵀ λ = 0,     C δ = −Φ
+speeds:     M c + Cᵀ λ = 0,     C (v + c) = −Φ_t
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.nonsmooth.smooth_motion import constrained_fraction
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.model import Model
+from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction
+from dalembert.symbolic.once import once
+
+
+class SmoothMap:
+    """Equations ``G(z, q)`` without contacts, and the state ``F(z, q)`` that follows.
+
+    Parameters
+    ----------
+    e : equations of the model
+    h : symbol of the step
+    z, equations, following : SX
+    """
+
+    def __init__(self, e: Equations, h: ca.SX, z: ca.SX, equations: ca.SX, following: ca.SX):
+        q, inputs = ca.vertcat(e.y, e.v, e.t, e.p), [z, e.y, e.v, e.t, e.p, h]
+        self._equations = SlopeFunction("equations", inputs, equations, [z, q])
+        self._following = SlopeFunction("following", inputs, following, [z, q])
+
+    def __call__(
+        self, z: np.ndarray, y: np.ndarray, v: np.ndarray, t: float, p: np.ndarray, h: float
+    ) -> tuple[np.ndarray, list, np.ndarray, list]:
+        """``G`` with ``G_z`` and ``G_q``, ``F`` with ``F_z`` and ``F_q``."""
+        arguments = z, y, v, t, p, h
+        return *self._equations(*arguments), *self._following(*arguments)  # type: ignore[return-value]
+
+
+class StepEquations:
+    """Equations of one model, built when used.
+
+    Parameters
+    ----------
+    e : equations of the model
+    theta : parameter of the θ-method
+    """
+
+    def __init__(self, e: Equations, theta: float):
+        self.e, self.theta, self.h = e, theta, ca.SX.sym("h")
+        self.speeds = ca.SX.sym("speeds", e.v.numel())
+        self.multiplier = ca.SX.sym("multiplier", e.constraint_count)
+        self.z = ca.vertcat(self.speeds, self.multiplier)
+
+    @cached_property
+    def _joints(self) -> ca.Function:
+        """``(t, y, p) → C, Φ_t, Φ``."""
+        e = self.e
+        by_time = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
+        return ca.Function("joints", [e.t, e.y, e.p], [e.jacobian, by_time, e.constraints])
+
+    @cached_property
+    def step(self) -> SmoothMap:
+        """From the start of a step to its end, before corrections."""
+        e, h, theta, after = self.e, self.h, self.theta, self.speeds
+        driving = ca.densify(e.force - e.bias)
+        outputs = [e.mass, driving, ca.jacobian(driving, e.v), e.by_displacement(driving)]
+        smooth = ca.Function("smooth", [e.t, e.y, e.v, e.p], outputs)
+        middle = e.manifold.going(e.y, theta * h * e.v)
+        mass, force, damping, stiffness = smooth(e.t + theta * h, middle, e.v, e.p)
+        part = constrained_fraction(theta)
+        between = e.manifold.going(e.y, part * h * e.v)
+        jacobian, by_time, _ = self._joints(e.t + part * h, between, e.p)
+        matrix = mass - h * theta * damping - (h * theta) ** 2 * stiffness
+        momentum = ca.mtimes(matrix, after - e.v) + ca.mtimes(jacobian.T, self.multiplier)
+        rates = ca.mtimes(jacobian, part * after + (1 - part) * e.v) + by_time
+        positions = e.manifold.going(e.y, h * (theta * after + (1 - theta) * e.v))
+        equations = ca.vertcat(momentum - h * force, rates)
+        return SmoothMap(e, h, self.z, equations, ca.vertcat(positions, after))
+
+    @cached_property
+    def position(self) -> SmoothMap:
+        """One iteration towards closed joints."""
+        e, shift = self.e, self.speeds
+        jacobian, _, open_by = self._joints(e.t, e.y, e.p)
+        momentum = ca.mtimes(e.mass, shift) + ca.mtimes(jacobian.T, self.multiplier)
+        equations = ca.vertcat(momentum, ca.mtimes(jacobian, shift) + open_by)
+        following = ca.vertcat(e.manifold.going(e.y, shift), e.v)
+        return SmoothMap(e, self.h, self.z, equations, following)
+
+    @cached_property
+    def consistent(self) -> SmoothMap:
+        """Projection to the nearest speeds that satisfy the joints."""
+        e, change = self.e, self.speeds
+        jacobian, by_time, _ = self._joints(e.t, e.y, e.p)
+        momentum = ca.mtimes(e.mass, change) + ca.mtimes(jacobian.T, self.multiplier)
+        rates = ca.mtimes(jacobian, e.v + change) + by_time
+        following = ca.vertcat(e.y, e.v + change)
+        return SmoothMap(e, self.h, self.z, ca.vertcat(momentum, rates), following)
+
+    @cached_property
+    def rates(self) -> SlopeFunction:
+        """``(y, v) → A v``, ``ẏ``, and ``A``."""
+        manifold, e = self.e.manifold, self.e
+        zero = ca.SX.zeros(manifold.delta.numel())
+        rate = ca.substitute(ca.jacobian(manifold.moved, manifold.delta), manifold.delta, zero)
+        rate = ca.substitute(rate, manifold.y, e.y)
+        return SlopeFunction("rates", [e.y, e.v], ca.mtimes(rate, e.v), [e.v])
+
+
+@once
+def step_equations(model: Model, theta: float) -> StepEquations:
+    """Equations of a model, for a parameter of the θ-method."""
+    return StepEquations(model.equations, theta)

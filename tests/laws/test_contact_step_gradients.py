@@ -1,0 +1,88 @@
+"""Law of all models with contacts: the derivative of each step is that of its differences.
+
+States and parameters change in random directions. Steps in which a contact changes its state near
+by have no derivative; the second difference identifies them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
+from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
+from dalembert.sensitivity.nonsmooth.moving_impacts import push_maps
+from tests.registry.contact_models import CONTACT_MODELS
+
+SCHEMES = {
+    "anticipated": da.AnticipatedImpacts(),
+    "Moreau": da.MoreauJean(projection=False),
+    "implicit": da.MoreauJean(theta=0.8, projection=False),
+}
+EPSILON, KINK = 1e-6, 1e-3
+"""Step of the differences; largest ratio of second to first differences of a smooth step."""
+
+
+class Repeated:
+    """Steps of a run from nearby states, with nearby parameters.
+
+    Parameters
+    ----------
+    motion : NonsmoothMotion
+    """
+
+    def __init__(self, motion):
+        self.motion, self.steps = motion, ContactSteps(motion)
+        self.size, self.before = self.steps.size, None
+        self.manifold = motion.model.equations.manifold
+
+    def run(self, p: np.ndarray) -> NonsmoothRun:
+        return NonsmoothRun(self.motion.analysis, self.motion.model, p)
+
+    def end(self, k: int, x: np.ndarray, p: np.ndarray, last: bool = False) -> np.ndarray:
+        """State after step ``k``; the ``last`` call starts the next step."""
+        (t, h), run = self.steps.span(k), self.run(p)
+        result = run.step.advance(t, h, x[: self.size], x[self.size :], self.before)
+        position = run.corrected(t + h, h, result)
+        speeds, _ = run.speeds(t + h, position.x, result)
+        if last:
+            self.before = result
+        return np.concatenate([position.x, speeds])
+
+    def errors(self, k: int, rng: np.random.Generator) -> tuple[float, float]:
+        """Relative error of the derivative of a step in a direction, and second difference."""
+        x, p = self.steps.x[:, k], self.steps.p
+        way, speeds = rng.normal(size=(2, x.size - self.size))
+        change = rng.normal(size=p.size) * np.maximum(np.abs(p), 0.1)
+        ends = []
+        for s in (EPSILON, 0.0, -EPSILON):
+            moved = self.manifold.go(x[: self.size], s * way)
+            state = np.concatenate([moved, x[self.size :] + s * speeds])
+            ends.append(self.end(k, state, p + s * change))
+        first = (ends[0] - ends[2]) / (2 * EPSILON)
+        second = (ends[0] - 2 * ends[1] + ends[2]) / EPSILON
+        rate = self.steps.maps.equations.rates(x[: self.size], way)[0]
+        dx = np.concatenate([rate, speeds])[:, None]
+        exact = push_maps(self.steps.at(k), dx, 0.0, change[:, None]).ravel()
+        scale = 1 + np.abs(first).max()
+        return np.abs(exact - first).max() / scale, np.abs(second).max() / scale
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("name", CONTACT_MODELS)
+def test_derivative_of_a_step_is_that_of_its_differences(name, scheme):
+    case = CONTACT_MODELS[name]
+    solver = da.ContactSolver(tolerance=1e-13)
+    options = {"step": case.step, "integrator": SCHEMES[scheme], "solver": solver}
+    motion = da.solve_nonsmooth(case.build(), case.duration, **options)
+    assert motion.status.success
+    repeated, rng, smooth = Repeated(motion), np.random.default_rng(5), 0
+    for k in range(repeated.steps.count):
+        pressing = repeated.steps.active(k).keys.size
+        if pressing:
+            error, kink = repeated.errors(k, rng)
+            smooth += kink < KINK
+            assert error < 1e-6 or kink > KINK, f"step {k}"
+        repeated.end(k, repeated.steps.x[:, k], repeated.steps.p, last=True)
+    assert smooth >= 1

@@ -1,0 +1,133 @@
+"""Models with rigid contacts and parameters of all kinds, for laws of gradients."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+import dalembert as da
+from dalembert import planar, spatial
+
+
+@dataclass(frozen=True)
+class ContactModel:
+    """A model and a run in which contacts open, close, stick and slip.
+
+    Attributes
+    ----------
+    build : returns the model
+    duration, step : of the run [s]
+    """
+
+    build: Callable[[], da.Model]
+    duration: float
+    step: float
+
+
+def bouncing_ball() -> da.Model:
+    """Restitution, friction, mass, radius, gravity, start and position of the floor."""
+    system = da.System("ball", gravity=(0.3, -9.81))
+    height, speed = system.parameter("height", 0.2, "m"), system.parameter("speed", 0.4, "m/s")
+    size, mass = system.parameter("radius", 0.1, "m"), system.parameter("mass", 1.2, "kg")
+    friction, bounce = system.parameter("friction", 0.3), system.parameter("bounce", 0.5)
+    floor = system.parameter("floor", 0.01, "m")
+    start = {"position": (0.0, height), "velocity": (speed, 0.0), "angle": 0.1}
+    ball = system.add(planar.Body("ball", mass=mass, inertia=0.4 * mass * size**2, **start))
+    shapes = [planar.contact.Circle(ball, size)]
+    shapes.append(planar.contact.HalfPlane(system.ground.point(0.0, floor)))
+    system.add(planar.Collisions("floor_contact", shapes, restitution=bounce, friction=friction))
+    return system.build()
+
+
+def rocking_block() -> da.Model:
+    """Corners that turn about the floor."""
+    system = da.System("block", gravity=(0.0, -9.81))
+    width, angle = system.parameter("width", 0.2, "m"), system.parameter("angle", 0.1, "rad")
+    friction = system.parameter("friction", 0.5)
+    block = planar.Body("block", mass=1.0, inertia=0.02, position=(0.0, 0.33), angle=angle)
+    shapes = [planar.contact.Rectangle(system.add(block), (width, 0.6))]
+    shapes.append(planar.contact.HalfPlane(system.ground))
+    system.add(planar.Collisions("floor_contact", shapes, friction=friction))
+    return system.build()
+
+
+def pendulum_at_a_moving_wall() -> da.Model:
+    """Joints, and a gap stated by a formula of time."""
+    system = da.System("pendulum", gravity=(0.0, -9.81))
+    length, pace = system.parameter("length", 0.5, "m"), system.parameter("pace", 3.0, "rad/s")
+    bar = system.add(planar.Bar("bar", length=length, mass=1.0, angle=-0.6))
+    system.add(planar.Revolute("O", system.ground.center, bar.start))
+    gap = bar.end.x - 0.05 * da.cos(pace * da.t)
+    system.add(planar.UnilateralConstraint("wall", gap, restitution=0.6))
+    return system.build()
+
+
+def driven_rod_and_disc() -> da.Model:
+    """A driven rod that pushes a disc over the floor, by friction at both."""
+    system = da.System("pusher", gravity=(0.0, -9.81))
+    rate, size = system.parameter("rate", 2.0, "rad/s"), system.parameter("size", 0.1, "m")
+    friction, length = system.parameter("friction", 0.2), system.parameter("length", 0.3, "m")
+    rod = system.add(planar.Bar("rod", length=length, mass=0.5, angle=-np.pi / 2))
+    system.add(planar.Revolute("O", system.ground.point(0.0, 0.35), rod.start))
+    law = rate * da.t - np.pi / 2
+    system.add(planar.RotationalDriver("motor", system.ground, rod, law))
+    disc = planar.Body("disc", mass=1.0, inertia=0.005, position=(0.15, size), angle=0.0)
+    shapes = [planar.contact.Circle(system.add(disc), size)]
+    shapes.append(planar.contact.Capsule(rod.start, rod.end, 0.02))
+    shapes.append(planar.contact.HalfPlane(system.ground))
+    system.add(planar.Collisions("touch", shapes, friction=friction))
+    return system.build()
+
+
+def discs_in_a_box() -> da.Model:
+    """Many contacts at once, one of them of a light disc that approaches slowly."""
+    system = da.System("discs", gravity=(0.0, -9.81))
+    size, friction = system.parameter("size", 0.1, "m"), system.parameter("friction", 0.3)
+    mass, width = system.parameter("mass", 2.0, "kg"), system.parameter("width", 0.66, "m")
+    shapes: list[planar.contact.Shape] = []
+    for k in range(6):
+        row, column = divmod(k, 3)
+        place = 0.2 * column - 0.19 + 0.013 * row, 0.105 + 0.203 * row
+        disc = planar.Body(
+            f"disc{k}", mass=mass * (1 + k), inertia=0.01, position=place, velocity=(0.1 * k, -0.3)
+        )
+        shapes.append(planar.contact.Circle(system.add(disc), size))
+    shapes.append(planar.contact.HalfPlane(system.ground))
+    for side in (-0.5, 0.5):
+        wall = system.ground.point(side * width, 0.0)
+        shapes.append(planar.contact.HalfPlane(wall, normal=(-2 * side, 0.0)))
+    system.add(planar.Collisions("box", shapes, friction=friction))
+    return system.build()
+
+
+def ball_and_box_in_space() -> da.Model:
+    """Friction in two directions, rotations, and features of a box."""
+    system = da.System("spatial", gravity=(0.5, 0.0, -9.81))
+    size, friction = system.parameter("size", 0.1, "m"), system.parameter("friction", 0.2)
+    edge, rolling = system.parameter("edge", 0.2, "m"), system.parameter("rolling", 0.004, "m")
+    inertia = (0.01, 0.012, 0.02)
+    start = {"velocity": (0.4, 0.2, 0.0), "angular_velocity": (0.3, 2.0, 0.5)}
+    ball = spatial.Body(
+        "ball", mass=2.0, inertia=inertia, rotation=np.eye(3), position=(0.0, 0.0, 0.13), **start
+    )
+    box = spatial.Body(
+        "box", mass=1.0, inertia=inertia, rotation=np.eye(3), position=(0.02, 0.01, 0.35)
+    )
+    shapes = [spatial.contact.Sphere(system.add(ball), size)]
+    shapes.append(spatial.contact.Box(system.add(box).center, (edge, edge, edge)))
+    shapes.append(spatial.contact.HalfSpace(system.ground.frame()))
+    law = {"friction": friction, "restitution": 0.3, "rolling": rolling}
+    system.add(spatial.Collisions("touch", shapes, **law))
+    return system.build()
+
+
+CONTACT_MODELS = {
+    "bouncing ball": ContactModel(bouncing_ball, 0.3, 5e-3),
+    "rocking block": ContactModel(rocking_block, 0.3, 5e-3),
+    "pendulum at a moving wall": ContactModel(pendulum_at_a_moving_wall, 0.4, 5e-3),
+    "driven rod and disc": ContactModel(driven_rod_and_disc, 0.2, 5e-3),
+    "discs in a box": ContactModel(discs_in_a_box, 0.05, 1e-3),
+    "ball and box in space": ContactModel(ball_and_box_in_space, 0.2, 5e-3),
+}
