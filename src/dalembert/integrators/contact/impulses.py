@@ -111,7 +111,8 @@ def _proximal(
     while best[1] > allowed and rounds < max_iterations and np.isfinite(residual):
         proximal = proximal_problem(problem, impulses, weight)
         tolerance = max(RESIDUAL_SHARE * residual, TOLERANCE_SHARE * allowed)
-        trial = semismooth_newton(proximal, impulses, tolerance)
+        start = swept(proximal, impulses, SWEEP_SHARE * tolerance)
+        trial = semismooth_newton(proximal, start, tolerance)
         solved = proximal.residual(trial) <= tolerance
         changed = weight * (DECREASE if solved else INCREASE)
         weight = min(max(changed, WEIGHT_MIN), WEIGHT_MAX)

@@ -57,7 +57,7 @@ def machine_code(name: str) -> Call | None:
         return None
     text = (resources.files(__package__) / name).read_text(encoding="utf-8")
     try:
-        return compiled_loop(text + LOOP.format(entry=ENTRY, function=FIRST), toolchain)
+        return compiled_loop(text + LOOP.format(entry=ENTRY, function=FIRST), toolchain.for_loops())
     except UnsupportedError:  # an optional acceleration
         return None
 

@@ -21,9 +21,15 @@ static void casadi_push(const casadi_real* value, const int* column, casadi_int 
 }
 static casadi_real casadi_product(const casadi_real* x, const casadi_real* y, casadi_int size) {
   casadi_int i;
-  casadi_real sum = 0;
-  for (i=0; i<size; ++i) sum += x[i]*y[i];
-  return sum;
+  casadi_real a = 0, b = 0, c = 0, d = 0;
+  for (i=0; i+3<size; i+=4) {
+    a += x[i]*y[i];
+    b += x[i+1]*y[i+1];
+    c += x[i+2]*y[i+2];
+    d += x[i+3]*y[i+3];
+  }
+  for (; i<size; ++i) a += x[i]*y[i];
+  return a + b + c + d;
 }
 /* y -= share*x */
 static void casadi_reduce(casadi_real* y, const casadi_real* x, casadi_real share,

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -46,6 +46,7 @@ class Llvm(Toolchain):
     short : upper limit of operations of a body that is compiled as a whole; in longer ones equal
         pieces are compiled once
     uniform : indices of arguments that are equal in all lanes and passed once
+    vectorised : whether loops are optimised, which takes longer and does not change rounding
     """
 
     name: ClassVar[str] = "LLVM"
@@ -56,6 +57,7 @@ class Llvm(Toolchain):
     lanes: int = 1
     short: int = SHORT
     uniform: tuple[int, ...] = ()
+    vectorised: bool = False
 
     @cached_property
     def identity(self) -> tuple[str, ...]:
@@ -64,7 +66,11 @@ class Llvm(Toolchain):
         features = llvm.get_host_cpu_features().flatten()
         identity = (*llvm_identity(), llvm.get_host_cpu_name(), features)
         identity += (str(OPTIMISED), str(VERSION), str(self.lanes), str(self.short))
-        return (*identity, str(self.uniform)) if self.uniform else identity
+        identity += (str(self.uniform),) if self.uniform else ()
+        return (*identity, "vectorised") if self.vectorised else identity
+
+    def for_loops(self) -> Llvm:
+        return replace(self, vectorised=True)
 
     def least_compile_time(self, text: str) -> float:
         return BEGIN + READING * len(text)
@@ -82,9 +88,8 @@ class Llvm(Toolchain):
         from dalembert.symbolic.native.translation import translate
 
         try:
-            code = emit_object(
-                translate(text, [ENTRY], self.lanes, self.short, self.uniform), _machine()
-            )
+            module = translate(text, [ENTRY], self.lanes, self.short, self.uniform)
+            code = emit_object(module, _machine(), vectorised=self.vectorised)
         except NotTranslated:
             raise
         except Exception as error:  # other versions of CasADi may write unknown C
@@ -149,7 +154,7 @@ def _machine() -> Any:
     )
 
 
-def emit_object(module: Module, machine: Any, triple: str = "") -> bytes:
+def emit_object(module: Module, machine: Any, triple: str = "", vectorised: bool = False) -> bytes:
     """Object file of a module for a target machine; ``triple`` names another than this one."""
     import llvmlite.binding as llvm
 
@@ -158,6 +163,9 @@ def emit_object(module: Module, machine: Any, triple: str = "") -> bytes:
         parsed.triple, parsed.data_layout = triple, str(machine.target_data)
     parsed.verify()
     builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options())
+    if vectorised:
+        builder.getModulePassManager().run(parsed, builder)
+        return bytes(machine.emit_object(parsed))
     for name in module.in_memory:
         passes = llvm.create_new_function_pass_manager()
         passes.add_simplify_cfg_pass()

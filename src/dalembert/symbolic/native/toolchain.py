@@ -87,6 +87,10 @@ class Toolchain(Compiler):
     maker: ClassVar[tuple[str, str]]
     longest: ClassVar[int | None] = None
 
+    def for_loops(self) -> Toolchain:
+        """The toolchain for texts that consist of long loops over arrays."""
+        return self
+
     @abstractmethod
     def least_compile_time(self, text: str) -> float:
         """Lower bound of the estimated compile time of a text [s]."""
