@@ -168,6 +168,7 @@ SHAPE_TABLES = {
     "HalfPlane": 'point = "a.P", normal = ["k", 2]',
     "Polygon": 'body = "a", vertices = [["k", 0], [0, 1], [-1, 0]]',
     "Rectangle": 'point = "a", size = [1, "k"]',
+    "Outline": 'body = "a", vertices = [["k", 0], [0, 1], [-1, 0], [0, 0.1]]',
     "Capsule": 'point_i = "a", point_j = "a.P", radius = "k"',
     "Sprocket": 'point = "a", teeth = 9, pitch = 0.1, roller = "0.06*k/k"',
     "Profile": f'body = "a", curve = {{ type = "FormulaCurve", {CURVE_TABLES["FormulaCurve"]} }}',

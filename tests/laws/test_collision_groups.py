@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import dalembert as da
-from dalembert import planar
+from dalembert import planar, spatial
 from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
 from dalembert.errors import ModelError
 from dalembert.io import load
@@ -99,10 +99,14 @@ def test_laws_in_files_have_units(tmp_path, schema):
         ("friction = 0.2", 'impact_law = "brach"', "box.impact_law: unknown law 'brach'"),
         ("touching = false", "restitution = 1.5", r"pairs\[1\]: restitution is above 1: 1.5"),
         ("radius = 0.1", "radius = 0", r"shapes.discs\[0\].radius: is 0 m"),
-        ('"Rectangle", point = "crate", size = [0.2, 0.1]', '"Bore", point = "crate", radius = 1',
-         r"shapes.crates\[0\]: type Bore is not available here, only in Contact; known here: Ver"),
+        ('"Rectangle", point = "crate", size = [0.2, 0.1]',
+         '"Outline", body = "crate", vertices = [[0, 0], [0, 1], [1, 0]]',
+         r"shapes.crates\[0\]: its vertices run clockwise"),
+        ('"Rectangle", point = "crate", size = [0.2, 0.1]',
+         '"Outline", body = "crate", vertices = [[0, 0], [3, 0], [1, 1], [2, -1]]',
+         r"shapes.crates\[0\]: its edges cross each other"),
         ('"Rectangle", point = "crate", size = [0.2, 0.1]', '"Prism", point = "crate"',
-         r"crates\[0\]: unknown type 'Prism'; known: Vertex, Circle, HalfPlane, Polygon, Rec"),
+         r"crates\[0\]: unknown type 'Prism' .did you mean 'Profile'.*known: Vertex, Circle, Bore"),
         ('"Rectangle", point = "crate", size = [0.2, 0.1]',
          '"Polygon", body = "crate", vertices = [[0, 0], [0, 1], [1, 0]]',
          r"shapes.crates\[0\]: its vertices are no convex polygon"),
@@ -177,6 +181,6 @@ def test_wrong_shapes_are_refused():
         planar.Collisions("c", [disc], pairs=[contact.Pair(("a", "b"))])
     with pytest.raises(ModelError, match="touching is 3"):
         contact.Pair(("a", "b"), touching=3)
-    profile = contact.Profile(body, da.FormulaCurve(da.cos(da.curves.u), da.sin(da.curves.u)))
-    with pytest.raises(ModelError, match="Profile is not available here"):
-        planar.Collisions("c", [profile])
+    ball = spatial.Body("b", mass=1.0, inertia=(1, 1, 1))
+    with pytest.raises(ModelError, match="Socket is not available here"):
+        spatial.Collisions("c", [spatial.contact.Socket(ball.center, 1.0)])

@@ -8,13 +8,8 @@ import dalembert as da
 from dalembert import planar, spatial
 from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.planar_features import PARALLEL
-from dalembert.integrators.contact.contact_laws import FIRST
-from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
-from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
-from dalembert.sensitivity.nonsmooth.source_slopes import SourceSlopes, StepState
-from dalembert.sensitivity.nonsmooth.step_equations import step_equations
-from dalembert.symbolic.evaluation.kernel import dense_array
 from tests.registry.collision_shapes import PAIRS, SHAPES, WALLS
+from tests.registry.gap_derivatives import GapDerivatives
 
 SEEDS = range(6)
 DEEP = 0.01
@@ -161,49 +156,14 @@ def test_velocities_of_gaps_are_rates_of_distances(meetings, dimension, i, j):
 def test_derivatives_of_gaps_are_those_of_the_numbers(meetings, dimension, i, j):
     """Distances, velocities and momenta change by the position as the numbers do."""
     meeting = meeting_of(meetings, dimension, i, j)
-    e, p, go = meeting.model.equations, meeting.model.nominal, meeting.model.equations.manifold.go
-    slopes, rng = SourceSlopes(meeting.source, e), np.random.default_rng(4)
-    v, way = rng.normal(size=(2, e.speed_count))
-    rates = step_equations(meeting.model, 0.5).rates
+    rng = np.random.default_rng(4)
+    v, way = rng.normal(size=(2, meeting.model.equations.speed_count))
+    formulas = GapDerivatives(meeting.source, meeting.model, v, way)
     for seed in SEEDS:
         y = meeting.state(meeting.poses(seed, 0.3))
         gaps = meeting.gaps(y)
-        impulses = rng.normal(size=gaps.drift.shape)
-
-        def at(position, gaps=gaps, impulses=impulses):
-            state = StepState(0.0, position, p, v, v)
-            return slopes.at(state, np.arange(gaps.count), gaps.key, impulses, FIRST + 1)
-
-        here = Gaps.of([at(y)])
-        np.testing.assert_allclose(here.values.distance, gaps.distance, atol=1e-12)
-        np.testing.assert_allclose(here.values.before, gaps.speeds(v), atol=1e-12)
-        directions = dense_array(here.directions), dense_array(gaps.directions)
-        np.testing.assert_allclose(*directions, atol=1e-12)
-        dq = np.zeros((y.size + v.size + 1 + p.size, 1))
-        dq[: y.size, 0] = rates(y, way)[0]
-        change, momentum = here.push(dq)
-        ends = [Gaps.of([at(go(y, step * way))]) for step in (1e-6, -1e-6)]
-        distances, speeds, momenta = (
-            [pick(end) for end in ends]
-            for pick in (
-                lambda end: end.values.distance,
-                lambda end: end.values.before,
-                lambda end, impulses=impulses: end.directions.T @ impulses.ravel(),
-            )
-        )
-        for exact, values in (
-            (change.distance, distances),
-            (change.before, speeds),
-            (change.after, speeds),
-            (momentum, momenta),
-        ):
-            difference = (values[0] - values[1]) / 2e-6
-            scale = 1 + np.abs(difference).max(initial=0.0)
-            np.testing.assert_allclose(exact[..., 0], difference, atol=1e-6 * scale)
-        weights = GapChanges(*(rng.normal(size=part.shape) for part in vars(change).values()))
-        back = rng.normal(size=momentum.shape)
-        forward = sum((getattr(weights, name) * part).sum() for name, part in vars(change).items())
-        assert here.pull(weights, back).T @ dq == pytest.approx(forward + (back * momentum).sum())
+        formulas.check_values(y, gaps)
+        formulas.check_slopes(y, gaps, rng)
 
 
 @pairs

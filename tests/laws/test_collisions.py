@@ -181,3 +181,33 @@ def test_nothing_to_touch_and_wrong_strategies():
         da.solve_dynamics(box_of_discs(2).build(), 1.0)
     with pytest.raises(AnalysisError, match="AnticipatedImpacts"):
         da.solve_nonsmooth(model, 1.0, integrator=da.RK4())
+
+
+def stacked(single: bool) -> da.Model:
+    """Two discs and a floor: contacts of one element, or of elements of three kinds."""
+    system = da.System("stack", gravity=(0.0, -9.81))
+    low = planar.Body("low", mass=1.0, inertia=0.005, position=(0, 0.15), angle=0.0)
+    high = planar.Body("high", mass=2.0, inertia=0.01, position=(0.05, 0.42), angle=0.0)
+    discs = [planar.contact.Circle(system.add(body), 0.1) for body in (low, high)]
+    floor = planar.contact.HalfPlane(system.ground.center)
+    law = {"restitution": 0.3, "friction": 0.2}
+    if single:
+        system.add(planar.Collisions("all", [*discs, floor], **law))
+        return system.build()
+    system.add(planar.Collisions("discs", discs, **law))
+    rigid, rough = planar.contact.Restitution(0.3), planar.contact.Coulomb(0.2)
+    system.add(planar.Contact("floor", floor, discs[0], law=rigid, friction=rough))
+    slip = high.vx + (high.y + 0.1) / 2 * high.angular_velocity  # halfway in the gap
+    system.add(planar.UnilateralConstraint("base", high.y - 0.1, slip, **law))
+    return system.build()
+
+
+@pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
+def test_contacts_of_several_elements_are_one_problem(scheme):
+    motions = [
+        da.solve_nonsmooth(stacked(single), 0.6, step=2e-3, integrator=scheme)
+        for single in (True, False)
+    ]
+    assert all(motion.status.success for motion in motions)
+    one, other = (motion.trajectory.y for motion in motions)
+    assert np.abs(one - other).max() < 1e-6

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import casadi as ca
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -15,6 +14,7 @@ from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
 from dalembert.errors import ModelError
 from dalembert.io import load
 from tests.laws.test_cylinders import SHAPES, core, cylinder
+from tests.registry.gap_derivatives import GapDerivatives
 
 G = 9.81
 contact = spatial.contact
@@ -118,6 +118,7 @@ def test_velocities_of_gaps_are_rates_of_distances_and_formulas_are_the_numbers(
         np.random.default_rng(2),
     )
     travels, count = np.full((e.speed_count, 1), 0.1), 0
+    another = np.random.default_rng(3)
     for _ in range(4):
         turns = [Rotation.random(random_state=rng.integers(1 << 30)) for _ in range(2)]
         place = turns[1].apply([0.1, -0.6 * 0.12, 0.8 * 0.12])
@@ -138,12 +139,9 @@ def test_velocities_of_gaps_are_rates_of_distances_and_formulas_are_the_numbers(
             count += 1
             rate = (distances[0][key] - distances[1][key]) / 2e-6
             assert rate == pytest.approx(gaps.speeds(v)[k, 0], abs=1e-6)
-            if k < 5:
-                gap = source.symbolic(int(key))
-                formula = ca.Function("gap", [e.t, e.y, e.v, e.p], [gap.distance, gap.speeds])
-                distance, speeds = formula(0.0, y, v, p)
-                assert float(distance) == pytest.approx(gaps.distance[k], abs=1e-12)
-                assert speeds.full().ravel() == pytest.approx(gaps.speeds(v)[k], abs=1e-12)
+        formulas = GapDerivatives(source, model, v, another.normal(size=v.size))
+        formulas.check_values(y, gaps)
+        formulas.check_slopes(y, gaps, another)
     assert count >= 4
 
 

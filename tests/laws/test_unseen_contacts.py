@@ -91,5 +91,5 @@ def test_modes_beside_a_contact_in_a_motion():
 
 
 def test_dynamics_refuses_many_gaps():
-    with pytest.raises(UnsupportedError, match="floor: gaps among many balls"):
+    with pytest.raises(UnsupportedError, match="floor: gaps among many shapes"):
         da.solve_dynamics(hung("collisions", 1.0), 1.0)

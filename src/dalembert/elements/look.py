@@ -216,11 +216,12 @@ class Travel(Look):
 
 @dataclass(frozen=True, eq=False)
 class Limit(Look):
-    """Upper (``above``) or lower limit of a coordinate."""
+    """Upper (``above``) or lower limit of a coordinate; ``slip`` is the velocity along it."""
 
     coordinate: ca.SX
     value: ca.SX
     above: bool
+    slip: ca.SX | None = None
 
 
 @dataclass(frozen=True, eq=False)

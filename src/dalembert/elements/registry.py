@@ -195,6 +195,7 @@ SHAPES = {
         planar.contact.HalfPlane,
         planar.contact.Polygon,
         planar.contact.Rectangle,
+        planar.contact.Outline,
         planar.contact.Capsule,
         planar.contact.Sprocket,
         planar.contact.Profile,

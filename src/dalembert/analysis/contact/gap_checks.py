@@ -126,8 +126,11 @@ def refuse_collisions(model: Model) -> None:
         The model has such elements.
     """
     if names := [element.name for element in _collisions_of(model)]:
-        text = f"{', '.join(names)}: gaps among many balls or other shapes need solve_nonsmooth"
-        raise UnsupportedError(text)
+        raise UnsupportedError(
+            f"{', '.join(names)}: gaps among many shapes need solve_nonsmooth, which treats all "
+            "rigid contacts of the model together; to locate the impacts of a few bodies, give a "
+            "Contact with law=contact.Restitution(…) for each pair"
+        )
 
 
 def _collisions_of(model: Model) -> list[Collisions]:

@@ -7,6 +7,7 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.nonsmooth.boundary_gaps import BoundaryGaps
 from dalembert.analysis.nonsmooth.gap_functions import Feature, gap_function
 from dalembert.analysis.nonsmooth.gaps import (
     FormulaGaps,
@@ -22,6 +23,7 @@ from dalembert.analysis.nonsmooth.shape_velocities import TWIST, ShapeVelocities
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact_point import contact_at_wall, contact_of_balls
 from dalembert.elements.contact.pairs import APART, COEFFICIENTS
+from dalembert.elements.contact.shapes import Round
 from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
@@ -251,10 +253,12 @@ def collision_gaps(model: Model) -> list[GapSource]:
 
 
 def _collision_gaps(model: Model, element: Collisions) -> GapSource:
-    """Gaps of balls, and of other shapes where there are any."""
+    """Gaps of balls, of other convex shapes and of boundaries where there are any."""
     balls = [CollisionGaps(model, element)] if element.balls else []
-    hulls = [HullGaps(model, element)] if element.solids else []
-    sources: list[GapSource] = [*balls, *hulls]
+    shapes = any(not isinstance(shape, Round) for shape, _ in element.hulls)
+    hulls = [HullGaps(model, element)] if shapes else []
+    boundaries = [BoundaryGaps(model, element)] if element.boundaries else []
+    sources: list[GapSource] = [*balls, *hulls, *boundaries]
     return sources[0] if len(sources) == 1 else JoinedGaps(sources)
 
 

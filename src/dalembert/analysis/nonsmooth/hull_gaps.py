@@ -2,56 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 
-import casadi as ca
 import numpy as np
 
 from dalembert.analysis.nonsmooth.feature_pairs import Pairs, some_pairs
-from dalembert.analysis.nonsmooth.gap_functions import Feature, gap_function
-from dalembert.analysis.nonsmooth.gaps import GapKind, GapSource, Instant
-from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Positions
+from dalembert.analysis.nonsmooth.gap_functions import Feature
+from dalembert.analysis.nonsmooth.gaps import GapKind, Instant
+from dalembert.analysis.nonsmooth.hull_geometry import Positions
 from dalembert.analysis.nonsmooth.hull_search import HullSearch
-from dalembert.analysis.nonsmooth.shape_velocities import TWIST
+from dalembert.analysis.nonsmooth.searched_gaps import LastPosition, SearchedGaps
 from dalembert.elements.contact.collisions import Collisions
-from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
-from dalembert.symbolic.evaluation.kernel import Kernel
-
-SMALLEST = 16
-"""Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
 
 
-@dataclass(eq=False)
-class LastPosition:
-    """Gaps at one position, which a step evaluates several times.
-
-    Attributes
-    ----------
-    time, y, p : position and parameters
-    at, velocities : positions and velocities of the shapes
-    reach : distance within which gaps are evaluated; at first that of the position before
-    requested : largest distance of a request
-    contacts : the gaps; None before the first request
-    """
-
-    time: float
-    y: np.ndarray
-    p: np.ndarray
-    at: Positions
-    velocities: np.ndarray
-    reach: float
-    requested: float = 0.0
-    contacts: Contacts | None = None
-
-    def is_at(self, time: float, y: np.ndarray, p: np.ndarray) -> bool:
-        """Whether this is the position."""
-        return time == self.time and np.array_equal(y, self.y) and np.array_equal(p, self.p)
-
-
-class HullGaps(GapSource):
+class HullGaps(SearchedGaps):
     """Gaps of one ``Collisions`` element, except those of balls with balls and walls.
 
     A numerical search selects features of near hulls; the gap of two features is a smooth function.
@@ -63,37 +29,25 @@ class HullGaps(GapSource):
     """
 
     def __init__(self, model: Model, element: Collisions):
-        self.elements, self.groups = [element], element.friction_groups
-        self.dimension: int = element.dimension
-        self.law = element.law
-        self.geometry = geometry = HullGeometry(model, element)
-        self.formulas = geometry.formulas
-        self._groups, self._laws = element.group_of(geometry.shapes), element.laws
-        self._search = HullSearch(geometry, self._groups, self._laws)
-        self._first = np.cumsum([0, *geometry.feature_counts])
-        self._speeds = model.all_equations.speed_count
-        self._last: LastPosition | None = None
-        self._kernels: dict[tuple[Feature, int], Kernel] = {}
+        super().__init__(model, element)
+        self.formulas = self.geometry.formulas
+        self._search = HullSearch(self.geometry)
+        self._first = np.cumsum([0, *self.geometry.feature_counts])
 
-    def near(
-        self,
-        time: float,
-        y: np.ndarray,
-        p: np.ndarray,
-        travels: np.ndarray,
-        groups: tuple[int, ...],
-    ) -> Contacts:
-        last = self._last = self._position(time, y, p)
-        reach = self._reach(last.at, last.velocities, travels)
-        if last.contacts is None or reach > last.reach or last.contacts.groups != groups:
-            last.reach = max(last.reach, reach)
-            parts = [
-                self._contacts(pairs, last, last.reach, groups)
-                for pairs in self._search(last.at, last.reach, partial(self._normals, last.at))
-            ]
-            last.contacts = Contacts.joined(parts or [self._none(groups)])
-        last.requested = max(last.requested, reach)
-        return last.contacts.some(last.contacts.distance <= reach)
+    def within(self, last: LastPosition, groups: tuple[int, ...]) -> list[Contacts]:
+        near = self._search(last.at, last.reach, partial(self._normals, last.at))
+        pairs = [self._with_ends(part) for part in near]
+        return [self._contacts(part, last, last.reach, groups) for part in pairs if part.first.size]
+
+    def _with_ends(self, pairs: Pairs) -> Pairs:
+        """The pairs without corners of endless shapes."""
+        endless, feature = self.geometry.endless, pairs.feature
+        if not endless.any() or feature is Feature.EDGES:
+            return pairs
+        corners = endless[pairs.second]
+        if feature is Feature.CORNERS:
+            corners = corners | endless[pairs.first]
+        return some_pairs(pairs, ~corners)
 
     def selected(
         self,
@@ -103,23 +57,13 @@ class HullGaps(GapSource):
         keys: np.ndarray,
         groups: tuple[int, ...],
     ) -> Contacts:
-        position, kinds = self._position(time, y, p), keys // self._first[-1] ** 2
+        position, kinds = self.position(time, y, p), keys // self._first[-1] ** 2
         rows = [np.flatnonzero(kinds == kind) for kind in np.unique(kinds)]
         parts = [
             self._contacts(self._pairs_of(keys[own]), position, np.inf, groups) for own in rows
         ]
         order = np.argsort(np.concatenate([np.zeros(0, dtype=int), *rows]))
-        return Contacts.joined(parts or [self._none(groups)]).some(order)
-
-    def _position(self, time: float, y: np.ndarray, p: np.ndarray) -> LastPosition:
-        """The last position if it is this one, else a new one."""
-        last = self._last
-        if last is not None and last.is_at(time, y, p):
-            return last
-        geometry = self.geometry
-        at, velocities = geometry.positions(time, y, p), geometry.velocities(time, y, p)
-        ahead = 0.0 if last is None else last.requested
-        return LastPosition(time, y.copy(), p.copy(), at, velocities, ahead)
+        return Contacts.joined(parts or [self.none(groups)]).some(order)
 
     def separating(
         self, start: Instant, end: Instant, p: np.ndarray, keys: np.ndarray, rounding: float
@@ -133,7 +77,7 @@ class HullGaps(GapSource):
             return keys[:0]
         faces = Pairs(Feature.FACE, *np.hstack(tables))
         opened, closed = (
-            self._evaluate(faces, self._position(*instant, p).at)[0] for instant in (start, end)
+            self._evaluate(faces, self.position(*instant, p).at)[0] for instant in (start, end)
         )
         sides = np.stack([faces.first, faces.second, faces.own])
         face = np.unique(sides, axis=1, return_inverse=True)[1]
@@ -146,11 +90,8 @@ class HullGaps(GapSource):
         for number in np.unique(numbers):
             rows = np.flatnonzero(numbers == number)
             pairs = self._pairs_of(keys[rows])
-            shapes = np.stack([pairs.first, pairs.second], 1)[..., None]
-            velocities = (TWIST * shapes + np.arange(TWIST)).reshape(rows.size, -1)
-            laws = self.geometry.law_entries(self._law(pairs), FIRST + len(self.groups))
-            function, entries = self._function(pairs.feature), self.geometry.entries
-            kinds.append(GapKind(function, rows, entries(pairs), velocities, laws))
+            function, entries = self.function(pairs.feature), self.geometry.entries(pairs)
+            kinds.append(self.kind(function, rows, entries, pairs.first, pairs.second))
         return kinds
 
     def points(
@@ -165,77 +106,23 @@ class HullGaps(GapSource):
             places[own], directions[own] = self._evaluate(self._pairs_of(keys[own]), at)[2:]
         return places, directions
 
-    def _reach(self, at: Positions, velocities: np.ndarray, travels: np.ndarray) -> float:
-        """Largest distance that two shapes cover by displacements of their twists."""
-        moved = self.geometry.velocities.displacements(velocities, travels)
-        hulls, starts = len(self.geometry.hulls), self.geometry.starts
-        arms = at.corners - np.repeat(at.origins[:hulls], np.diff(starts), axis=0)
-        arm = np.zeros(at.radii.size)
-        arm[:hulls] = np.maximum.reduceat(np.linalg.norm(arms, axis=1), starts[:-1])
-        straight, turned = (np.linalg.norm(moved[:, s], axis=1) for s in (slice(3), slice(3, 6)))
-        return 2 * float((straight + arm[:, None] * turned).max(initial=0.0))
-
     # gaps of pairs -------------------------------------------------------------------------------
     def _contacts(
         self, pairs: Pairs, last: LastPosition, reach: float, groups: tuple[int, ...]
     ) -> Contacts:
         """Gaps of pairs within reach."""
-        distance, blocks, *_ = self._evaluate(pairs, last.at)
-        near = distance <= reach
-        pairs, count = some_pairs(pairs, near), int(near.sum())
-        laws, width = last.at.coefficients[:, self._law(pairs)], 1 + sum(groups)
-        directions = self.geometry.velocities.gap_derivatives(
-            blocks[near], pairs.first, pairs.second, last.velocities
-        )
-        return Contacts(
-            distance[near],
-            directions.rows(np.arange(count), width),
-            np.zeros((count, width)),
-            ContactLaws.of(laws, groups),
-            groups,
-            self._keys(pairs),
-            np.zeros(count, dtype=int),
-        )
+        gaps = self._evaluate(pairs, last.at)
+        near = gaps[0] <= reach
+        pairs, gaps = some_pairs(pairs, near), [part[near] for part in gaps]
+        return self.contacts(last, pairs.first, pairs.second, gaps, self._keys(pairs), groups)
 
     def _evaluate(self, pairs: Pairs, at: Positions) -> list[np.ndarray]:
-        """(n,) distances, (n, k, 12) derivatives of gap velocities by twists, (n, 3) places and
-        (n, 3, k) directions."""
-        count, k = pairs.first.size, self.dimension
-        size = SMALLEST << max(0, int(np.ceil(np.log2(count / SMALLEST))))
-        padded = np.arange(size) % count
-        kernel = self._kernel(pairs.feature, size)
-        distance, blocks, place, directions = kernel(
-            *(column[:, padded] for column in self.geometry.columns(pairs, at))
-        )
-        return [
-            distance.ravel()[:count],
-            blocks.T.reshape(size, 2 * TWIST, -1)[:count].swapaxes(1, 2),
-            place.T[:count],
-            directions.T.reshape(size, k, 3)[:count].swapaxes(1, 2),
-        ]
+        return self.evaluate(pairs.feature, self.geometry.columns(pairs, at))
 
     def _normals(self, at: Positions, pairs: Pairs) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(n,) distances, (n, 3) places and (n, 3) normals."""
         gap, _, place, directions = self._evaluate(pairs, at)
         return gap, place, directions[:, :, 0]
-
-    def _kernel(self, feature: Feature, size: int) -> Kernel:
-        """Gap function mapped over ``size`` pairs."""
-        if (feature, size) not in self._kernels:
-            function = self._function(feature)
-            self._kernels[feature, size] = Kernel(function.map(size))
-        return self._kernels[feature, size]
-
-    @property
-    def _turns(self) -> bool:
-        """Whether there is friction of rotations."""
-        return len(self.groups) > 1
-
-    def _function(self, feature: Feature) -> ca.Function:
-        return gap_function(feature, self.dimension, self._turns)
-
-    def _law(self, pairs: Pairs) -> np.ndarray:
-        return self._laws[self._groups[pairs.first], self._groups[pairs.second]]
 
     def _keys(self, pairs: Pairs) -> np.ndarray:
         own, other = self._first[pairs.first] + pairs.own, self._first[pairs.second] + pairs.other
@@ -249,9 +136,3 @@ class HullGaps(GapSource):
         first, second = (np.searchsorted(self._first, n, side="right") - 1 for n in (own, other))
         own, other = own - self._first[first], other - self._first[second]
         return Pairs(Feature(int(kind[0])), first, second, own, other)
-
-    def _none(self, groups: tuple[int, ...]) -> Contacts:
-        empty, numbers = np.zeros(0), np.zeros(0, dtype=int)
-        rows = np.zeros((0, self._speeds)), np.zeros((0, 1 + sum(groups)))
-        laws = ContactLaws.of(np.zeros((FIRST + len(groups), 0)), groups)
-        return Contacts(empty, *rows, laws, groups, numbers, numbers)

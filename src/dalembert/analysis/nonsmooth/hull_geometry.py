@@ -13,13 +13,16 @@ from dalembert.analysis.nonsmooth.cylinders import SECTORS, Cylinders, sector_di
 from dalembert.analysis.nonsmooth.feature_pairs import Pairs
 from dalembert.analysis.nonsmooth.gap_functions import RIM_POINTS, WALLS, point_counts
 from dalembert.analysis.nonsmooth.gaps import GapFormulas
+from dalembert.analysis.nonsmooth.geometry_entries import GeometryEntries
 from dalembert.analysis.nonsmooth.planar_features import Polygons
 from dalembert.analysis.nonsmooth.polyhedra import Form, Polyhedra
 from dalembert.analysis.nonsmooth.shape_velocities import ShapeVelocities
+from dalembert.analysis.nonsmooth.strands import Strands
 from dalembert.analysis.nonsmooth.terrain import Terrain, TerrainForm
+from dalembert.elements.contact.beam_parts import Chord
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.hull import MARKS
-from dalembert.elements.contact.pairs import COEFFICIENTS
+from dalembert.elements.contact.pairs import APART
 from dalembert.elements.contact.shapes import Shape
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
@@ -33,9 +36,10 @@ class Positions:
     ----------
     corners : (n, 3) of all hulls
     walls : (f, 2, 3) point and normal
-    radii : (s,) of hulls and walls; a wall has none
+    radii : (s,) of all shapes; walls and boundaries have none
     origins : (s, 3) reference points of the bodies
     coefficients : (c, l) of each law, as in ``Collisions.coefficients``
+    axes : (b, 2) first axis of the body of each boundary
     """
 
     corners: np.ndarray
@@ -43,10 +47,11 @@ class Positions:
     radii: np.ndarray
     origins: np.ndarray
     coefficients: np.ndarray
+    axes: np.ndarray
 
 
 class HullGeometry:
-    """Shapes of one ``Collisions`` element: hulls, then walls.
+    """Shapes of one ``Collisions`` element: hulls, then walls, then boundaries.
 
     Parameters
     ----------
@@ -55,18 +60,23 @@ class HullGeometry:
 
     Attributes
     ----------
-    shapes, hulls : all shapes; forms of those before the walls
+    shapes, hulls, boundaries : all shapes; forms of the first and the last ones
     starts : (h + 1,) number of the first corner of each hull
     owner : (s,) number of the body of each shape
+    endless : (s,) whether corners of a shape are those of others, which touch instead
+    formulas, numbers : GapFormulas, and the numbers of their entries
     velocities : twists of all shapes by the speeds
     """
 
     def __init__(self, model: Model, element: Collisions):
-        walls = element.walls
-        self.shapes: list[Shape] = [*(shape for shape, _ in element.hulls), *walls]
-        self.carriers = [solid.carrier for _, solid in element.hulls]
-        self.carriers += [wall.carrier for wall in walls]
-        self.hulls, self.dimension = [solid.hull for _, solid in element.hulls], element.dimension
+        hulls, walls, boundaries = element.hulls, element.walls, element.boundaries
+        surroundings = [*walls, *(shape for shape, _ in boundaries)]
+        self.shapes: list[Shape] = [*(shape for shape, _ in hulls), *surroundings]
+        self.carriers = [solid.carrier for _, solid in hulls]
+        self.carriers += [shape.carrier for shape in surroundings]
+        self.hulls, self.dimension = [solid.hull for _, solid in hulls], element.dimension
+        self.boundaries = [boundary for _, boundary in boundaries]
+        self._groups, self._laws = element.group_of(self.shapes), element.laws
         self.starts = np.cumsum([0, *(len(hull.corners) for hull in self.hulls)])
         self._edge_starts = np.cumsum([0, *(len(hull.edges) for hull in self.hulls)])
         self._face_starts = np.cumsum([0, *(len(hull.faces) for hull in self.hulls)])
@@ -81,9 +91,13 @@ class HullGeometry:
         self._surfaces = {k: TerrainForm(self.hulls[k]) for k in self.terrains}
         self._last_terrain: dict[int, Terrain] = {}
         self.owner = _first_equal([id(carrier.owner) for carrier in self.carriers])
+        self.endless = np.array([isinstance(carrier, Chord) for carrier in self.carriers])
+        beams = self.endless.any()
+        self._strands = Strands(model, self.carriers, self.hulls) if beams else None
         sharp = [hull.is_sharp for hull in self.hulls]
         self.rounded = ~np.array(sharp, dtype=bool)
-        self.flat_ends = np.array([hull.flat_ends for hull in self.hulls] + [False] * len(walls))
+        others = [False] * len(surroundings)
+        self.flat_ends = np.array([hull.flat_ends for hull in self.hulls] + others)
         self._symbols(model, element)
 
     @property
@@ -106,8 +120,8 @@ class HullGeometry:
 
     def _symbols(self, model: Model, element: Collisions) -> None:
         e = model.all_equations
-        carriers, zero = self.carriers, ca.SX.zeros(self.dimension)
-        origins = [_in_space(carrier.locate(zero)) for carrier in carriers]
+        carriers, d = self.carriers, self.dimension
+        origins = [_in_space(carrier.locate(ca.SX.zeros(d))) for carrier in carriers]
         twists = [
             ca.vertcat(carrier.velocity_at(origin), carrier.turning)
             for carrier, origin in zip(carriers, origins, strict=True)
@@ -121,30 +135,64 @@ class HullGeometry:
             ca.vertcat(_in_space(wall.point.position.sx), _in_space(wall.outward))
             for wall in element.walls
         ]
-        radii = ca.vertcat(*(hull.radius for hull in self.hulls), ca.SX.zeros(len(walls)))
+        others = len(self.shapes) - len(self.hulls)
+        axes = [s.carrier.turned(ca.SX([1, 0])) for s, _ in element.boundaries]
         outputs = [
-            ca.horzcat(*corners),
+            ca.horzcat(*corners) if corners else ca.SX(3, 0),
             ca.horzcat(*walls) if walls else ca.SX(6, 0),
-            radii,
+            ca.vertcat(*(hull.radius for hull in self.hulls), ca.SX.zeros(others)),
             ca.horzcat(*origins),
             element.coefficients,
+            ca.horzcat(*axes) if axes else ca.SX(2, 0),
         ]
         outputs = [model.at_ground(ca.densify(s)) if s.numel() else s for s in outputs]
         moving = model.at_ground(ca.vertcat(*twists))
         sectors = ca.vec(ca.SX(sector_directions(np.arange(SECTORS)).T))
         columns = [*(ca.vec(out) for out in outputs), ca.vertcat(0, sectors)]  # constants last
         self.formulas = GapFormulas(ca.vertcat(*columns), moving)
-        self._starts = np.cumsum([0, *(column.numel() for column in columns[:-1])])
+        self.numbers = GeometryEntries([column.numel() for column in columns], len(self.hulls))
         inputs = [e.t, e.y, e.p]
         self._positions = Kernel(ca.Function("positions", inputs, outputs))
         self.velocities = ShapeVelocities(moving, e.v, inputs)
 
     def positions(self, time: float, y: np.ndarray, p: np.ndarray) -> Positions:
         """Positions at an instant."""
-        corners, walls, radii, origins, coefficients = self._positions(time, y, p)
-        return Positions(
-            corners.T, walls.T.reshape(-1, 2, 3), radii.ravel(), origins.T, coefficients
-        )
+        corners, walls, radii, origins, laws, axes = self._positions(time, y, p)
+        points = walls.T.reshape(-1, 2, 3)
+        return Positions(corners.T, points, radii.ravel(), origins.T, laws, axes.T)
+
+    def may_touch(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """Mask of pairs of shapes of different bodies, or distant parts of a beam, whose groups
+        touch."""
+        apart: np.ndarray = self.owner[first] != self.owner[second]
+        if self._strands is not None:
+            apart = self._strands.apart(first, second, apart)
+        return apart & (self.law(first, second) != APART)
+
+    def law(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """(n,) numbers of the laws of pairs of shapes."""
+        numbers: np.ndarray = self._laws[self._groups[first], self._groups[second]]
+        return numbers
+
+    def reach(self, arms: np.ndarray, moved: np.ndarray) -> float:
+        """Largest distance that two shapes cover by displacements of their twists.
+
+        Parameters
+        ----------
+        arms : (s,) largest distances of points of the shapes from the origins of their bodies
+        moved : (s, 6, m) displacements and rotations
+        """
+        straight, turned = (np.linalg.norm(moved[:, s], axis=1) for s in (slice(3), slice(3, 6)))
+        return 2 * float((straight + arms[:, None] * turned).max(initial=0.0))
+
+    def arms(self, at: Positions) -> np.ndarray:
+        """(s,) largest distances of corners from the origins of their bodies."""
+        arms, count = np.zeros(at.radii.size), len(self.hulls)
+        if count:
+            from_origin = at.corners - np.repeat(at.origins[:count], np.diff(self.starts), axis=0)
+            distances = np.linalg.norm(from_origin, axis=1)
+            arms[:count] = np.maximum.reduceat(distances, self.starts[:-1])
+        return arms
 
     def batches(
         self, first: np.ndarray, second: np.ndarray, at: Positions
@@ -208,31 +256,19 @@ class HullGeometry:
 
     def entries(self, pairs: Pairs) -> list[np.ndarray]:
         """Numbers of the same entries in the formulas."""
-        corners, walls, radii, origins, _, constants = self._starts
-        place, columns = np.arange(3), []
-        for count, shape, feature in self._sides(
-            pairs, point_counts(pairs.feature, self.dimension)
-        ):
+        counts, columns, numbers = point_counts(pairs.feature, self.dimension), [], self.numbers
+        for count, shape, feature in self._sides(pairs, counts):
             if shape is pairs.first and pairs.feature in WALLS:
-                points = walls + 6 * (shape - len(self.hulls))[:, None] + np.arange(6)
+                points = numbers.walls(shape)
             else:
-                numbers = self._corners_of(count, shape, feature)[..., None]
-                points = (corners + 3 * numbers + place).reshape(shape.size, -1)
+                points = numbers.corners(self._corners_of(count, shape, feature))
             if count == RIM_POINTS:
-                sector = constants + 1 + 3 * (feature % SECTORS)[:, None] + place
-                points = np.hstack([points, sector])
-            radius = radii + shape
+                points = np.hstack([points, numbers.sectors(feature % SECTORS)])
+            radius, origin = numbers.radii(shape), numbers.origins(shape)
             if count == 1:
-                radius = np.where(self.flat_ends[shape], constants, radius)
-            columns.append(
-                np.hstack([points, radius[:, None], origins + 3 * shape[:, None] + place])
-            )
+                radius = np.where(self.flat_ends[shape][:, None], numbers.zero, radius)
+            columns.append(np.hstack([points, radius, origin]))
         return columns
-
-    def law_entries(self, laws: np.ndarray, count: int) -> np.ndarray:
-        """(n, count) numbers of the first coefficients of laws in the formulas."""
-        first = self._starts[-2] + len(COEFFICIENTS) * laws
-        return np.asarray(first[:, None] + np.arange(count))
 
     @staticmethod
     def _sides(pairs: Pairs, counts: tuple[int, int]) -> list[tuple[int, np.ndarray, np.ndarray]]:

@@ -16,7 +16,6 @@ from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Positions
 from dalembert.analysis.nonsmooth.planar_features import Rows, planar_features
 from dalembert.analysis.nonsmooth.spatial_features import spatial_features
 from dalembert.analysis.nonsmooth.terrain_search import TerrainSearch
-from dalembert.elements.contact.pairs import APART
 from dalembert.elements.contact.shapes import Round
 
 
@@ -26,13 +25,14 @@ class HullSearch:
     Parameters
     ----------
     geometry : HullGeometry
-    groups : (s,) numbers of the groups of the shapes
-    laws : (groups, groups) numbers of the laws
     """
 
-    def __init__(self, geometry: HullGeometry, groups: np.ndarray, laws: np.ndarray):
-        self.geometry, self._groups, self._laws = geometry, groups, laws
+    def __init__(self, geometry: HullGeometry):
+        self.geometry = geometry
         self._round = np.array([isinstance(shape, Round) for shape in geometry.shapes])
+        points = [len(hull.corners) == 1 and hull.is_sharp for hull in geometry.hulls]
+        self._point = np.pad(points, (0, len(geometry.shapes) - len(points)))
+        self._end = np.array([shape.boundary() is not None for shape in geometry.shapes])
         self._terrain = np.isin(np.arange(len(geometry.shapes)), geometry.terrains)
         hulls = np.flatnonzero(~self._terrain[: len(geometry.hulls)])
         self._terrains = [
@@ -46,11 +46,12 @@ class HullSearch:
         return [*self._walls(at, reach), *self._hulls(at, reach, evaluate), *on_terrain]
 
     def _may_touch(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-        """Mask of pairs of shapes of different bodies, whose groups touch, not both of balls."""
-        groups = self._groups[first], self._groups[second]
-        apart = self.geometry.owner[first] != self.geometry.owner[second]
-        solid = ~(self._round[first] & self._round[second])
-        return apart & solid & (self._laws[groups] != APART)
+        """Mask of pairs of shapes that may touch, not both of balls, nor corners of boundaries and
+        points, which do not hit each other."""
+        point, end = self._point, self._end
+        apart = ~(self._round[first] & self._round[second])
+        apart &= ~(end[first] & point[second]) & ~(point[first] & end[second])
+        return apart & self.geometry.may_touch(first, second)
 
     def _walls(self, at: Positions, reach: float) -> list[Pairs]:
         """Corners and rims near walls."""

@@ -98,6 +98,9 @@ class JoinedGaps(GapSource):
     ) -> np.ndarray:
         return separating_of(self.sources, SOURCE, start, end, p, keys, rounding)
 
+    def deepest(self, time: float, y: np.ndarray, p: np.ndarray, speeds: int) -> float:
+        return min(source.deepest(time, y, p, speeds) for source in self.sources)
+
     def kinds(self, keys: np.ndarray) -> list[GapKind]:
         kinds, geometry, velocity = [], 0, 0
         for number, source in enumerate(self.sources):

@@ -11,6 +11,7 @@ import casadi as ca
 
 from dalembert.budget import check_budget, numeral
 from dalembert.elements.base import Scalar, option, quantity
+from dalembert.elements.contact.hull import Solid
 from dalembert.elements.contact.shapes import Ball, Spot
 from dalembert.elements.coordinates import Coordinates, rate_of
 from dalembert.elements.flexible.beam import NODE, Beam
@@ -86,7 +87,8 @@ class BeamLine(Ball):
     It touches other shapes at stations, the Gauss points of its elements. The contact law is that
     of the whole beam: a station that represents the fraction ``w`` of its length has the force
     ``w N(δ, δ̇)``, so that all together have ``∫ N ds/L``, independently of their number. A contact
-    stiffness ``k'`` per length is a stiffness ``k' L``.
+    stiffness ``k'`` per length is a stiffness ``k' L``. In ``Collisions`` it is a chain of capsules
+    between the nodes of the beam, which needs a radius; distant parts touch each other.
 
     Parameters
     ----------
@@ -141,6 +143,11 @@ class BeamLine(Ball):
     @property
     def bodies(self) -> list[Coordinates]:
         return self.beam.parts()
+
+    def solids(self) -> list[Solid]:
+        from dalembert.elements.contact.beam_parts import beam_solids
+
+        return beam_solids(self.beam, self.radius.sx, "BeamLine")
 
     def spots(self) -> list[Spot]:
         beam, (points, weights) = self.beam, gauss(int(self.stations or 1))

@@ -11,6 +11,7 @@ import casadi as ca
 from dalembert.elements.base import Scalar, option, quantity
 from dalembert.elements.contact.beam_line import Station, need_beam
 from dalembert.elements.contact.contact_point import ContactPoint
+from dalembert.elements.contact.hull import Solid
 from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Shape, Spot
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.flexible.beam import Beam
@@ -27,7 +28,8 @@ class BeamSurface(Shape):
 
     ``g = min |r_P − r(s)| − R − radius``; the force acts on the nodes of the nearest element. It is
     for rollers, pins and rings that are small beside the elements, and for a ``BeamLine`` of
-    another beam. A large drum touches along a length: use a ``BeamLine``.
+    another beam. A large drum touches along a length: use a ``BeamLine``. In ``Collisions`` both
+    are the same.
 
     Parameters
     ----------
@@ -73,6 +75,11 @@ class BeamSurface(Shape):
     @property
     def bodies(self) -> list[Coordinates]:
         return self.beam.parts()
+
+    def solids(self) -> list[Solid]:
+        from dalembert.elements.contact.beam_parts import beam_solids
+
+        return beam_solids(self.beam, self.radius.sx, "BeamSurface")
 
     def _contact_point(self, spot: Spot) -> ContactPoint:
         place = spot.point.position.sx

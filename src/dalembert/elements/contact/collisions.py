@@ -12,7 +12,7 @@ import numpy as np
 from dalembert.elements.base import Condition, Element, Look, Scalar, option, quantity
 from dalembert.elements.body import BodyElement
 from dalembert.elements.component import Component
-from dalembert.elements.contact.hull import Solid
+from dalembert.elements.contact.hull import Boundary, Solid
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.elements.contact.pairs import COEFFICIENTS, Pair, checked_pairs, law_numbers
 from dalembert.elements.contact.shapes import Flat, Round, Shape, Vertex
@@ -37,8 +37,7 @@ class Collisions(Element):
 
     Parameters
     ----------
-    shapes : convex shapes of ``contact``, meshes as hulls, half-planes, terrain, points of bodies;
-        or lists of these by the names of groups
+    shapes : shapes of ``contact``, points of bodies; or lists of these by the names of groups
     restitution : ``e`` along the normal, 0 to 1
     tangential : restitution of the slip, 0 to 1
     friction : ``μ``
@@ -52,7 +51,7 @@ class Collisions(Element):
     Raises
     ------
     ModelError
-        No convex shape, another shape, an unknown group, or spinning in the plane.
+        No shape, a shape that is not available, an unknown group, or spinning in the plane.
 
     Examples
     --------
@@ -112,15 +111,15 @@ class Collisions(Element):
                 raise ModelError(error.message, f"{entity}.normal") from None
         elif not takes(type(shape)):
             raise ModelError(
-                f"a {type(shape).__name__} is not available here, only convex shapes; give shapes "
-                f"such as {EXAMPLE}, or use Contact",
+                f"a {type(shape).__name__} is not available here; give shapes such as {EXAMPLE}, "
+                "or use Contact",
                 entity,
             )
         return shape
 
     def _check_shapes(self) -> None:
-        if not self.hulls:
-            text = "there is no ball nor another convex shape; give shapes such as "
+        if not self.hulls and not self.boundaries:
+            text = "there is no ball nor another shape; give shapes such as "
             raise ModelError(text + EXAMPLE, self.name)
         first = self.members[0]
         for shape in self.members:
@@ -165,6 +164,12 @@ class Collisions(Element):
         """Shapes, and their convex parts."""
         return [(shape, solid) for shape in self.members for solid in shape.solids()]
 
+    @cached_property
+    def boundaries(self) -> list[tuple[Shape, Boundary]]:
+        """Shapes that may be concave, and their boundaries."""
+        boundaries = ((shape, shape.boundary()) for shape in self.members)
+        return [(shape, boundary) for shape, boundary in boundaries if boundary is not None]
+
     @property
     def balls(self) -> list[Round]:
         """Circles or spheres."""
@@ -174,11 +179,6 @@ class Collisions(Element):
     def walls(self) -> list[Flat]:
         """Half-planes or half-spaces."""
         return [shape for shape in self.members if isinstance(shape, Flat)]
-
-    @property
-    def solids(self) -> list[Shape]:
-        """Convex shapes except circles and spheres."""
-        return [shape for shape in self.members if not isinstance(shape, (Round, Flat))]
 
     @property
     def coefficients(self) -> ca.SX:
@@ -247,11 +247,11 @@ class Collisions(Element):
         return conditions
 
     def parts(self) -> list[Coordinates]:
-        bodies: dict[int, BodyElement] = {id(s.carrier): s.carrier for s in self.members}
-        return list(bodies.values())
+        return list(dict.fromkeys(body for shape in self.members for body in shape.bodies))
 
     def look(self) -> list[Look]:
         places = [s.carrier.locate(corner) for _, s in self.hulls for corner in s.hull.corners]
+        places += [shape.carrier.locate(ca.SX.zeros(2)) for shape, _ in self.boundaries]
         shapes = [shape for shape in self.members if not isinstance(shape, Flat)]
         parts = [part for shape in shapes for part in shape.look(places[0])]
         if self.dimension == 2:
@@ -270,7 +270,7 @@ class Collisions(Element):
 def takes(kind: type[Shape]) -> bool:
     """Whether shapes of a class take part in collisions."""
     solid = kind.hull is not Shape.hull or kind.solids is not Shape.solids
-    return solid or issubclass(kind, Flat)
+    return solid or kind.boundary is not Shape.boundary or issubclass(kind, Flat)
 
 
 def _placed(condition: Condition, place: str) -> Condition:

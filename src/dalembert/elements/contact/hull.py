@@ -1,4 +1,4 @@
-"""Forms of shapes in collisions: rounded convex hulls of corners, cylinders and terrain."""
+"""Forms of shapes in collisions: rounded hulls, cylinders, terrain and concave boundaries."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from dalembert.elements.curves import Curve
 from dalembert.symbolic.rotation import across
 
 MARKS = 8
@@ -86,3 +87,26 @@ class Solid:
 
     carrier: Any
     hull: Hull
+
+
+@dataclass(frozen=True, eq=False)
+class Boundary:
+    """A curve in the axes of a body, with the material on its left.
+
+    Attributes
+    ----------
+    curve : a curve; None for a polygon
+    vertices : of a polygon, anticlockwise around its material
+    tips : convex corners of a curve, which is smooth between them
+    """
+
+    curve: Curve | None = None
+    vertices: tuple[ca.SX, ...] = ()
+    tips: tuple[ca.SX, ...] = ()
+
+    def corners(self) -> list[Hull]:
+        """Tips, ends of an open curve, or vertices of a polygon, as hulls of one corner."""
+        places = [*self.vertices, *self.tips]
+        if self.curve is not None and not self.curve.closed:
+            places += [self.curve.position(ca.SX(end)) for end in self.curve.interval()]
+        return [Hull((place,), ca.SX(0)) for place in places]

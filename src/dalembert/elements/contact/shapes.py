@@ -5,7 +5,7 @@ position from its surface, or both. The contact of two shapes is that of the spo
 surface of the other.
 
 A new shape states ``carrier``, ``spots`` if it is ``Spotted``, ``distance`` if it ``feels``,
-``hull`` or ``solids`` if it takes part in ``Collisions``.
+``hull``, or ``solids`` and ``boundary``, if it takes part in ``Collisions``.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import casadi as ca
 from dalembert.elements.base import Look, Scalar, option, quantity
 from dalembert.elements.component import Component
 from dalembert.elements.contact.contact_point import ContactPoint
-from dalembert.elements.contact.hull import Hull, Solid
+from dalembert.elements.contact.hull import Boundary, Hull, Solid
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.look import Ball as Dot, Rail
 from dalembert.elements.pair import need_point
@@ -110,6 +110,10 @@ class Shape(Component):
         """Its convex parts in collisions."""
         hull = self.hull()
         return [] if hull is None else [Solid(self.carrier, hull)]
+
+    def boundary(self) -> Boundary | None:
+        """Its boundary in collisions, if it may be concave; corners are among the solids."""
+        return None
 
     def look(self, near: ca.SX) -> list[Look]:
         """Primitives that represent it in pictures, given (d, m) inertial contact points."""

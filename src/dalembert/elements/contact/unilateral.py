@@ -192,4 +192,5 @@ class UnilateralConstraint(Unilateral, ForceElement):
         return []
 
     def look(self) -> list[Look]:
-        return [Limit(self.distance.sx, ca.SX(0), False)]
+        slip = None if self.slip is None else self.slip.sx
+        return [Limit(self.distance.sx, ca.SX(0), False, slip)]

@@ -10,13 +10,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
 
 from dalembert.integrators.contact.contact_laws import ContactLaws
-from dalembert.integrators.contact.delassus import Delassus
 from dalembert.symbolic.evaluation.kernel import Matrix
+
+if TYPE_CHECKING:
+    from dalembert.integrators.contact.delassus import Delassus
 
 
 @dataclass(frozen=True, eq=False)

@@ -76,7 +76,33 @@ def straight_wall(look: Limit, body: Body, reach: float) -> ca.SX | None:
     size = ca.sumsqr(slope)
     normal = (-1 if look.above else 1) * slope / ca.sqrt(size)
     distance = look.value - look.coordinate
-    return ca.vertcat(origin + slope * (distance / size) - reach * normal, normal)
+    arm = contact_arm(look, body, slope, -reach * normal)
+    return ca.vertcat(origin + arm + slope * (distance / size), normal)
+
+
+def contact_arm(look: Limit, body: Body, slope: ca.SX, otherwise: ca.SX) -> ca.SX:
+    """Position of the contact point relative to the origin of a planar body.
+
+    The moment of the normal force is the slope of the coordinate by the angle; that of the friction
+    force, the slope of the slip by the angular velocity, determines the position along the normal.
+
+    Parameters
+    ----------
+    slope : (2,) of the coordinate by the position of the body
+    otherwise : position of a contact without moments; along the normal where there is no slip
+    """
+    if body.dimension == 3 or not body.rotates:
+        return otherwise
+    size, aside = ca.sumsqr(slope), perpendicular(slope)
+    arm = otherwise - ca.jacobian(look.coordinate, body.pose_angle) / size * aside
+    if look.slip is None:
+        return arm
+    along, turning = (ca.jacobian(look.slip, s) for s in (body.twist[:2], body.twist[2]))
+    share = ca.mtimes(along, aside)
+    if share.is_zero():
+        return arm
+    height = turning / share  # over the length of the slope
+    return arm - ca.dot(otherwise, slope) / size * slope + height * slope
 
 
 def _differ(p: Point, q: Point) -> bool:

@@ -15,6 +15,7 @@ from dalembert.elements.contact.pairs import Pair
 from dalembert.elements.contact.restitution import achieved_restitution, damping_factor
 from dalembert.elements.contact.shapes import Vertex
 from dalembert.elements.planar.contact.capsule import Capsule
+from dalembert.elements.planar.contact.outline import Outline
 from dalembert.elements.planar.contact.polygon import Polygon, Rectangle
 from dalembert.elements.planar.contact.profile import Profile
 from dalembert.elements.planar.contact.shapes import Bore, Circle, HalfPlane
@@ -34,6 +35,7 @@ __all__ = [
     "KelvinVoigt",
     "LankaraniNikravesh",
     "LuGre",
+    "Outline",
     "Pair",
     "Polygon",
     "Profile",

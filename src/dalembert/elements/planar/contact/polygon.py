@@ -18,6 +18,7 @@ from dalembert.elements.pair import need_body
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression
 
 
 class ConvexShape(Spotted):
@@ -49,11 +50,31 @@ class ConvexShape(Spotted):
     def look(self, near: ca.SX) -> list[Look]:
         corners = ca.horzcat(*self.corners())
         return [
-            Path(self.carrier, lambda u: _outline(corners, u), (0.0, float(corners.shape[1])), True)
+            Path(self.carrier, lambda u: outline(corners, u), (0.0, float(corners.shape[1])), True)
         ]
 
 
 ConvexShape.feels = (Ball, ConvexShape)
+
+
+def checked_vertices(vertices: Rows, owner: str) -> list[Expression]:
+    """Vertices of a polygon as expressions.
+
+    Raises
+    ------
+    ModelError
+        No list, fewer than three vertices, or a vertex without two coordinates.
+    """
+    if not isinstance(vertices, (list, tuple, np.ndarray)) or len(vertices) < 3:
+        raise ModelError(f"needs at least 3 vertices, got {vertices!r:.60}", owner)
+    return [as_expression(v, f"{owner} vertex {k + 1}", "m", 2) for k, v in enumerate(vertices)]
+
+
+def outline(corners: ca.SX, u: ca.SX) -> ca.SX:
+    """Position on the closed line through (2, n) corners; corner ``k`` is at ``u = k``."""
+    count = corners.shape[1]
+    weights = [ca.fmax(0, 1 - ca.fabs(u - k)) for k in range(count + 1)]
+    return ca.mtimes(corners, ca.vertcat(weights[0] + weights[count], *weights[1:count]))
 
 
 def _height(place: ca.SX, start: ca.SX, end: ca.SX) -> ca.SX:
@@ -67,13 +88,6 @@ def _squared_distance(place: ca.SX, start: ca.SX, end: ca.SX) -> ca.SX:
     edge, relative = end - start, place - start
     fraction = ca.fmin(1, ca.fmax(0, ca.dot(edge, relative) / ca.sumsqr(edge)))
     return ca.sumsqr(relative - fraction * edge)
-
-
-def _outline(corners: ca.SX, u: ca.SX) -> ca.SX:
-    """Position on the outline; corner ``k`` is at ``u = k``."""
-    count = corners.shape[1]
-    weights = [ca.fmax(0, 1 - ca.fabs(u - k)) for k in range(count + 1)]
-    return ca.mtimes(corners, ca.vertcat(weights[0] + weights[count], *weights[1:count]))
 
 
 @dataclass(eq=False)
@@ -106,11 +120,7 @@ class Polygon(ConvexShape):
 
     def __post_init__(self) -> None:
         self.body = need_body(self.body, "Polygon", "body")
-        if not isinstance(self.vertices, (list, tuple, np.ndarray)) or len(self.vertices) < 3:
-            raise ModelError(f"needs at least 3 vertices, got {self.vertices!r:.60}", "Polygon")
-        self.vertices = [
-            as_expression(v, f"Polygon vertex {k + 1}", "m", 2) for k, v in enumerate(self.vertices)
-        ]
+        self.vertices = checked_vertices(self.vertices, "Polygon")
         super().__post_init__()
 
     @property

@@ -10,6 +10,7 @@ import casadi as ca
 from dalembert.elements.base import Constraint, Look, option
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.contact_point import ContactPoint
+from dalembert.elements.contact.hull import Boundary, Solid
 from dalembert.elements.contact.shapes import Ball, Flat, Shape, Spot
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.curves import Curve
@@ -24,7 +25,9 @@ class Profile(Shape):
 
     The parameter of the point nearest to another shape, and its distance, are massless coordinates;
     assembly finds the nearest point, which is then followed. The radius of curvature of a concave
-    curve must exceed that of the other shape; a straight line can touch convex curves only.
+    curve must exceed that of the other shape; a straight line can touch convex curves only. In
+    ``Collisions`` there are no such coordinates: all near points of other shapes touch, at several
+    places of a concave curve, and the ends of an open curve are corners.
 
     Parameters
     ----------
@@ -62,6 +65,12 @@ class Profile(Shape):
     @property
     def carrier(self) -> Any:
         return self.body
+
+    def boundary(self) -> Boundary:
+        return Boundary(self.curve)
+
+    def solids(self) -> list[Solid]:
+        return [Solid(self.body, corner) for corner in self.boundary().corners()]
 
     def look(self, near: ca.SX) -> list[Look]:
         curve = self.curve

@@ -6,12 +6,16 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from dalembert.elements import curves
 from dalembert.elements.base import Look, Vector, quantity
 from dalembert.elements.contact.contact import ClearanceJoint
+from dalembert.elements.contact.hull import Boundary
 from dalembert.elements.contact.shapes import Flat, Hollow, Round
+from dalembert.elements.curves import FormulaCurve
 from dalembert.elements.look import Disc, Pin
 from dalembert.elements.planar.joint import InPlane
 from dalembert.elements.rotation import unit
+from dalembert.symbolic.formulas.expression import Expression
 
 
 @dataclass(eq=False)
@@ -60,6 +64,12 @@ class Bore(Hollow):
     """
 
     space = 2
+
+    def boundary(self) -> Boundary:
+        (x, y), radius = ca.vertsplit(self.point.local.sx), self.radius.sx
+        u = curves.u.sx
+        across, up = Expression(x + radius * ca.cos(u)), Expression(y - radius * ca.sin(u))
+        return Boundary(FormulaCurve(across, up))
 
     def look(self, near: ca.SX) -> list[Look]:
         return [Disc(self.point, self.radius.sx)]

@@ -8,7 +8,9 @@ from math import cos, sin
 import casadi as ca
 
 from dalembert.elements.base import Condition, Look, Scalar, option, quantity
+from dalembert.elements.contact.hull import Boundary, Solid
 from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Pointed
+from dalembert.elements.curves import Curve
 from dalembert.elements.look import Path
 from dalembert.errors import ModelError
 
@@ -72,6 +74,37 @@ class Sprocket(Pointed):
         clearance = self.pitch.sx - 2 * SEAT * self.roller.sx
         return [(clearance, "the rollers of a chain are smaller than its pitch; check both")]
 
+    def boundary(self) -> Boundary:
+        tips = tuple(self.tooth(ca.SX(k), ca.SX(0)) for k in range(self.teeth))
+        return Boundary(TeethCurve(self), tips=tips)
+
+    def solids(self) -> list[Solid]:
+        return [Solid(self.carrier, tip) for tip in self.boundary().corners()]
+
+    def tooth(self, number: ca.SX, fraction: ca.SX) -> ca.SX:
+        """Position on a seat between its tips, from 0 to 1: a flank, the arc, the other flank."""
+        from_middle = fraction - 0.5
+        side, away = ca.if_else(from_middle < 0, -1, 1), 3 * ca.fabs(from_middle) - 0.5
+        center, seat, direction, flank = self._arcs
+        flank_center, tip = center + (seat + flank) * direction, self._tip
+        begin, end = (
+            ca.atan2(arm[1], arm[0]) for arm in (-direction, (tip - flank_center) / flank)
+        )
+        turn = ca.atan2(ca.sin(end - begin), ca.cos(end - begin))
+        on_flank = begin + away * turn
+        on_seat = 3 * from_middle * self.seating.sx
+        x = ca.if_else(
+            away > 0, flank_center[0] + flank * ca.cos(on_flank), center[0] - seat * ca.cos(on_seat)
+        )
+        y = ca.if_else(
+            away > 0,
+            side * (flank_center[1] + flank * ca.sin(on_flank)),
+            seat * ca.sin(on_seat),
+        )
+        angle = 2 * ca.pi * number / self.teeth
+        c, s = ca.cos(angle), ca.sin(angle)
+        return self.point.local.sx + ca.vertcat(c * x - s * y, s * x + c * y)
+
     @property
     def pitch_radius(self) -> ca.SX:
         """``R``."""
@@ -113,15 +146,21 @@ class Sprocket(Pointed):
 
         return [Path(self.carrier, outline, (0.0, float(count)), True)]
 
-    def _outline(self) -> list[ca.SX]:
-        """Corners of half a tooth, a seat and half a tooth."""
-        center, seat, direction, flank = self._arcs
-        end, half = self.seating.sx / 2, ca.pi / self.teeth
+    @property
+    def _tip(self) -> ca.SX:
+        """Tip of the tooth on the left of the first seat."""
+        (center, seat, direction, flank), half = self._arcs, ca.pi / self.teeth
         flank_center = center + (seat + flank) * direction
         normal = ca.vertcat(-ca.sin(half), ca.cos(half))  # of the centre line of a tooth
         offset = ca.dot(flank_center, normal)
         height = ca.sqrt(flank**2 - offset**2)
-        tip = flank_center - offset * normal + height * ca.vertcat(ca.cos(half), ca.sin(half))
+        return flank_center - offset * normal + height * ca.vertcat(ca.cos(half), ca.sin(half))
+
+    def _outline(self) -> list[ca.SX]:
+        """Corners of half a tooth, a seat and half a tooth."""
+        center, seat, direction, flank = self._arcs
+        end, tip = self.seating.sx / 2, self._tip
+        flank_center = center + (seat + flank) * direction
         begin = center + seat * direction
         flanks = []
         for k in range(DRAWN):
@@ -132,6 +171,27 @@ class Sprocket(Pointed):
         half_seat = [*flanks, *upper]
         mirrored = [ca.vertcat(c[0], -c[1]) for c in half_seat]
         return [*mirrored[:-1], *half_seat[:0:-1]]
+
+
+class TeethCurve(Curve):
+    """The outline of a sprocket; seat ``k`` is at parameters from k to k + 1.
+
+    Parameters
+    ----------
+    sprocket : Sprocket
+    """
+
+    closed = True
+
+    def __init__(self, sprocket: Sprocket):
+        self._sprocket = sprocket
+
+    def position(self, parameter: ca.SX) -> ca.SX:
+        number = ca.floor(parameter)
+        return self._sprocket.tooth(number, parameter - number)
+
+    def interval(self) -> tuple[float, float]:
+        return 0.0, float(self._sprocket.teeth)
 
 
 def _rotation(angle: float) -> ca.SX:

@@ -1,0 +1,212 @@
+"""Gaps of boundaries that may be concave with all other shapes."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.nonsmooth.boundaries import Boundaries, PlacedBoundaries
+from dalembert.analysis.nonsmooth.boundary_formulas import Arc, touch_function
+from dalembert.analysis.nonsmooth.boundary_search import BoundarySearch, Feet, Touch
+from dalembert.analysis.nonsmooth.gap_functions import Feature
+from dalembert.analysis.nonsmooth.gaps import GapFormulas, GapKind
+from dalembert.analysis.nonsmooth.hull_geometry import Positions
+from dalembert.analysis.nonsmooth.searched_gaps import LastPosition, SearchedGaps
+from dalembert.analysis.nonsmooth.shape_velocities import TWIST
+from dalembert.elements.contact.collisions import Collisions
+from dalembert.integrators.contact.contacts import Contacts
+from dalembert.model.graph.model import Model
+from dalembert.symbolic.evaluation.kernel import Kernel
+
+
+class BoundaryGaps(SearchedGaps):
+    """Gaps of smooth curves and of polygons with dents in one ``Collisions`` element.
+
+    At a contact point the gap is that of a straight surface and a ball, or a point: both are at the
+    nearest points of the shapes, so that first derivatives are exact.
+
+    Parameters
+    ----------
+    model : Model
+    element : Collisions
+    """
+
+    def __init__(self, model: Model, element: Collisions):
+        super().__init__(model, element)
+        geometry = self.geometry
+        self._boundaries = Boundaries(model, geometry.boundaries)
+        features = max(
+            self._boundaries.features, *(len(hull.corners) for hull in geometry.hulls), 1
+        )
+        self._radix = features, len(geometry.shapes)
+        self._first_shape = len(geometry.shapes) - len(geometry.boundaries)
+        curve_of = self._boundaries.curve_of
+        self._curve_of = np.concatenate([np.full(self._first_shape, -1), curve_of])
+        shapes, p, vertices = geometry.formulas, model.all_equations.p, self._boundaries.vertices
+        self._vertices = shapes.geometry.numel()
+        self._parameters = self._vertices + vertices.numel()
+        self.formulas = GapFormulas(
+            ca.vertcat(shapes.geometry, ca.vec(vertices), p), shapes.velocities
+        )
+        e = model.all_equations
+        self._values = Kernel(ca.Function("values", [e.t, e.y, e.p], [self.formulas.geometry]))
+        self._functions: dict[tuple[int, ...], ca.Function] = {}
+        self._placed: tuple[Positions, PlacedBoundaries] | None = None
+
+    def within(self, last: LastPosition, groups: tuple[int, ...]) -> list[Contacts]:
+        parts = []
+        search = BoundarySearch(self.geometry, self._at(last.at, last.p), last.at, last.reach)
+        for feet in search.feet():
+            if feet.first.size:
+                gaps = self.evaluate(Feature.WALL, self._columns(feet, last.at))
+                near = gaps[0] <= last.reach
+                feet, gaps = feet.some(near), [part[near] for part in gaps]
+                key = self._keys(feet)
+                parts.append(self.contacts(last, feet.first, feet.second, gaps, key, groups))
+        return parts
+
+    def arms(self, at: Positions) -> np.ndarray:
+        arms = super().arms(at)
+        if self._last is not None:
+            placed = self._at(at, self._last.p)
+            arms[placed.first_shape :] = placed.arms
+        return arms
+
+    def selected(
+        self,
+        time: float,
+        y: np.ndarray,
+        p: np.ndarray,
+        keys: np.ndarray,
+        groups: tuple[int, ...],
+    ) -> Contacts:
+        if not keys.size:
+            return self.none(groups)
+        values, (_, first, second, *_) = self._values(time, y, p)[0].ravel(), self._parts(keys)
+        distance, blocks = np.zeros(keys.size), list[np.ndarray]()
+        kinds = self.kinds(keys)
+        for kind in kinds:
+            results = kind.function.call([ca.DM(values[entries].T) for entries in kind.arguments])
+            distance[kind.row] = results[0].full().ravel()
+            own = results[1].full().T.reshape(kind.row.size, 2 * TWIST, -1).swapaxes(1, 2)
+            blocks.append(own)
+        order = np.argsort(np.concatenate([kind.row for kind in kinds]))
+        gaps = [distance, np.concatenate(blocks)[order]]
+        return self.contacts(self.position(time, y, p), first, second, gaps, keys, groups)
+
+    def kinds(self, keys: np.ndarray) -> list[GapKind]:
+        touch, *columns = self._parts(keys)
+        curves = [self._curve_of[shapes] for shapes in columns[:2]]
+        arcs = [np.where(c >= 0, part, -1) for c, part in zip(curves, columns[2:], strict=True)]
+        labels, number = np.unique(
+            np.column_stack([touch, *curves, *arcs]), axis=0, return_inverse=True
+        )
+        kinds = []
+        for k, label in enumerate(labels):
+            rows = np.flatnonzero(number.ravel() == k)
+            parts = tuple(int(n) for n in label)
+            first, second, own, other = (column[rows] for column in columns)
+            entries = [
+                self._first_entries(Touch(parts[0]), first, own),
+                self._second_entries(second, other),
+            ]
+            kinds.append(self.kind(self._touch_function(*parts), rows, entries, first, second))
+        return kinds
+
+    def points(
+        self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        places, directions = super().points(time, y, p, keys)
+        at = self.geometry.positions(time, y, p)
+        placed = self._at(at, p)
+        reach = 0.0 if self._last is None else self._last.requested
+        reach = max(reach, 0.1 * float(placed.balls[1].max(initial=0.0)))
+        for feet in BoundarySearch(self.geometry, placed, at, reach).feet():
+            own = self._keys(feet)
+            order = np.argsort(own)
+            place = np.searchsorted(own, keys, sorter=order)
+            row = order[np.minimum(place, max(own.size - 1, 0))] if own.size else place
+            same = own[row] == keys if own.size else np.zeros(keys.size, dtype=bool)
+            if same.any():
+                gaps = self.evaluate(Feature.WALL, self._columns(feet.some(row[same]), at))
+                places[same], directions[same] = gaps[2:]
+        return places, directions
+
+    def _at(self, at: Positions, p: np.ndarray) -> PlacedBoundaries:
+        """Boundaries at the last position."""
+        if self._placed is None or self._placed[0] is not at:
+            self._placed = at, PlacedBoundaries(self._boundaries, self.geometry, at, p)
+        return self._placed[1]
+
+    def _columns(self, feet: Feet, at: Positions) -> list[np.ndarray]:
+        """Arguments of the gap function of a wall and a ball."""
+        count = feet.first.size
+        rest = np.zeros((1, count))
+        radii = at.radii[feet.second] if feet.kind in (Touch.CORNER, Touch.SIDE) else rest[0]
+        surface = [feet.surface.T, rest, feet.normal.T, rest, rest, at.origins[feet.first].T]
+        ball = [feet.place.T, rest, radii[None], at.origins[feet.second].T]
+        return [np.vstack(surface), np.vstack(ball)]
+
+    def _keys(self, feet: Feet) -> np.ndarray:
+        features, shapes = self._radix
+        numbers = (int(feet.kind) * shapes + feet.first) * shapes + feet.second
+        keys: np.ndarray = (numbers * features + feet.own) * features + feet.other
+        return keys
+
+    def _parts(self, keys: np.ndarray) -> list[np.ndarray]:
+        """Kinds, both shapes and their parts."""
+        features, shapes = self._radix
+        rest, other = np.divmod(keys, features)
+        rest, own = np.divmod(rest, features)
+        rest, second = np.divmod(rest, shapes)
+        kind, first = np.divmod(rest, shapes)
+        return [kind, first, second, own, other]
+
+    # entries of the formulas ---------------------------------------------------------------------
+    def _touch_function(
+        self, kind: int, curve: int, another: int, own: int, other: int
+    ) -> ca.Function:
+        """The gap function of two parts; curves and arcs are -1 for lines and corners."""
+        key = kind, curve, another, own, other
+        if key not in self._functions:
+            curves = self._boundaries.curves
+            first = Arc(curves[curve], own) if curve >= 0 else None
+            second = Arc(curves[another], other) if another >= 0 else None
+            self._functions[key] = touch_function(Touch(kind), first, second, self._turns)
+        return self._functions[key]
+
+    def _first_entries(self, kind: Touch, shape: np.ndarray, own: np.ndarray) -> np.ndarray:
+        """Numbers of an arc or a straight line, for each gap."""
+        numbers, geometry = self.geometry.numbers, self.geometry
+        if kind in (Touch.CORNER, Touch.ARCS):
+            return self._arc_entries(shape)
+        if kind is Touch.WALL:
+            return np.hstack([numbers.walls(shape), numbers.origins(shape)])
+        following = np.stack([own, own + 1], axis=1)
+        if kind is Touch.EDGE:
+            start = geometry.starts[shape][:, None]
+            corners = start + following % (geometry.starts[shape + 1][:, None] - start)
+            parts = numbers.corners(corners), numbers.radii(shape), numbers.origins(shape)
+            return np.hstack(parts)
+        b, boundaries = shape - self._first_shape, self._boundaries
+        vertices = boundaries.starts[b][:, None] + following % boundaries.counts[b][:, None]
+        places = self._vertices + 2 * vertices[..., None] + np.arange(2)
+        return np.hstack([self._frame_entries(shape), places.reshape(-1, 4)])
+
+    def _second_entries(self, shape: np.ndarray, other: np.ndarray) -> np.ndarray:
+        """Numbers of an arc or a corner, for each gap."""
+        if self._curve_of[shape[0]] >= 0:
+            return self._arc_entries(shape)
+        numbers, corners = self.geometry.numbers, self.geometry.starts[shape] + other
+        parts = numbers.corners(corners[:, None]), numbers.radii(shape), numbers.origins(shape)
+        return np.hstack(parts)
+
+    def _arc_entries(self, shape: np.ndarray) -> np.ndarray:
+        """Numbers of arcs of one curve."""
+        parameters = self._boundaries.curves[self._curve_of[shape[0]]].parameters
+        of_curve = np.tile(self._parameters + parameters, (shape.size, 1))
+        return np.hstack([self._frame_entries(shape), of_curve])
+
+    def _frame_entries(self, shape: np.ndarray) -> np.ndarray:
+        numbers = self.geometry.numbers
+        return np.hstack([numbers.origins(shape), numbers.axes(shape - self._first_shape)])

@@ -1,0 +1,182 @@
+"""Gaps of shapes at the last position, which a step evaluates several times."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.nonsmooth.gap_functions import Feature, gap_function
+from dalembert.analysis.nonsmooth.gaps import GapKind, GapSource
+from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Positions
+from dalembert.analysis.nonsmooth.shape_velocities import TWIST
+from dalembert.elements.contact.collisions import Collisions
+from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
+from dalembert.integrators.contact.contacts import Contacts
+from dalembert.model.graph.model import Model
+from dalembert.symbolic.evaluation.kernel import Kernel
+
+SMALLEST = 16
+"""Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
+
+
+@dataclass(eq=False)
+class LastPosition:
+    """Gaps at one position.
+
+    Attributes
+    ----------
+    time, y, p : position and parameters
+    at, velocities : positions and velocities of the shapes
+    reach : distance within which gaps are evaluated; at first that of the position before
+    requested : largest distance of a request
+    contacts : the gaps; None before the first request
+    """
+
+    time: float
+    y: np.ndarray
+    p: np.ndarray
+    at: Positions
+    velocities: np.ndarray
+    reach: float
+    requested: float = 0.0
+    contacts: Contacts | None = None
+
+    def is_at(self, time: float, y: np.ndarray, p: np.ndarray) -> bool:
+        """Whether this is the position."""
+        return time == self.time and np.array_equal(y, self.y) and np.array_equal(p, self.p)
+
+
+class SearchedGaps(GapSource):
+    """Gaps of one ``Collisions`` element that a numerical search selects.
+
+    A subclass evaluates all gaps within reach at a position.
+
+    Parameters
+    ----------
+    model : Model
+    element : Collisions
+    """
+
+    def __init__(self, model: Model, element: Collisions):
+        self.elements, self.groups = [element], element.friction_groups
+        self.dimension: int = element.dimension
+        self.law = element.law
+        self.geometry = HullGeometry(model, element)
+        self._speeds = model.all_equations.speed_count
+        self._last: LastPosition | None = None
+        self._kernels: dict[tuple[Feature, int], Kernel] = {}
+
+    @abstractmethod
+    def within(self, last: LastPosition, groups: tuple[int, ...]) -> list[Contacts]:
+        """All gaps within ``last.reach``."""
+
+    def arms(self, at: Positions) -> np.ndarray:
+        """(s,) largest distances of points of the shapes from the origins of their bodies."""
+        return self.geometry.arms(at)
+
+    def near(
+        self,
+        time: float,
+        y: np.ndarray,
+        p: np.ndarray,
+        travels: np.ndarray,
+        groups: tuple[int, ...],
+    ) -> Contacts:
+        last = self._last = self.position(time, y, p)
+        moved = self.geometry.velocities.displacements(last.velocities, travels)
+        reach = self.geometry.reach(self.arms(last.at), moved)
+        if last.contacts is None or reach > last.reach or last.contacts.groups != groups:
+            last.reach = max(last.reach, reach)
+            last.contacts = Contacts.joined(self.within(last, groups) or [self.none(groups)])
+        last.requested = max(last.requested, reach)
+        return last.contacts.some(last.contacts.distance <= reach)
+
+    def position(self, time: float, y: np.ndarray, p: np.ndarray) -> LastPosition:
+        """The last position if it is this one, else a new one."""
+        last = self._last
+        if last is not None and last.is_at(time, y, p):
+            return last
+        geometry = self.geometry
+        at, velocities = geometry.positions(time, y, p), geometry.velocities(time, y, p)
+        ahead = 0.0 if last is None else last.requested
+        return LastPosition(time, y.copy(), p.copy(), at, velocities, ahead)
+
+    def evaluate(self, feature: Feature, columns: list[np.ndarray]) -> list[np.ndarray]:
+        """(n,) distances, (n, k, 12) derivatives of gap velocities by twists, (n, 3) places and
+        (n, 3, k) directions of n pairs of features."""
+        count, k = columns[0].shape[1], self.dimension
+        size = SMALLEST << max(0, int(np.ceil(np.log2(max(count, 1) / SMALLEST))))
+        padded = np.arange(size) % count
+        kernel = self._kernel(feature, size)
+        distance, blocks, place, directions = kernel(*(column[:, padded] for column in columns))
+        return [
+            distance.ravel()[:count],
+            blocks.T.reshape(size, 2 * TWIST, -1)[:count].swapaxes(1, 2),
+            place.T[:count],
+            directions.T.reshape(size, k, 3)[:count].swapaxes(1, 2),
+        ]
+
+    def contacts(
+        self,
+        last: LastPosition,
+        first: np.ndarray,
+        second: np.ndarray,
+        gaps: list[np.ndarray],
+        key: np.ndarray,
+        groups: tuple[int, ...],
+    ) -> Contacts:
+        """Contacts of pairs of shapes with evaluated gaps."""
+        distance, blocks, *_ = gaps
+        laws, width = last.at.coefficients[:, self.geometry.law(first, second)], 1 + sum(groups)
+        directions = self.geometry.velocities.gap_derivatives(
+            blocks, first, second, last.velocities
+        )
+        count = distance.size
+        return Contacts(
+            distance,
+            directions.rows(np.arange(count), width),
+            np.zeros((count, width)),
+            ContactLaws.of(laws, groups),
+            groups,
+            key,
+            np.zeros(count, dtype=int),
+        )
+
+    def kind(
+        self,
+        function: ca.Function,
+        rows: np.ndarray,
+        entries: list[np.ndarray],
+        first: np.ndarray,
+        second: np.ndarray,
+    ) -> GapKind:
+        """Gaps of pairs of shapes with one function."""
+        shapes = np.stack([first, second], axis=1)[..., None]
+        velocities = (TWIST * shapes + np.arange(TWIST)).reshape(rows.size, -1)
+        geometry = self.geometry
+        laws = geometry.numbers.laws(geometry.law(first, second), FIRST + len(self.groups))
+        return GapKind(function, rows, entries, velocities, laws)
+
+    def function(self, feature: Feature) -> ca.Function:
+        """The gap function of a pair of features."""
+        return gap_function(feature, self.dimension, self._turns)
+
+    @property
+    def _turns(self) -> bool:
+        """Whether there is friction of rotations."""
+        return len(self.groups) > 1
+
+    def _kernel(self, feature: Feature, size: int) -> Kernel:
+        """Gap function mapped over ``size`` pairs."""
+        if (feature, size) not in self._kernels:
+            self._kernels[feature, size] = Kernel(self.function(feature).map(size))
+        return self._kernels[feature, size]
+
+    def none(self, groups: tuple[int, ...]) -> Contacts:
+        empty, numbers = np.zeros(0), np.zeros(0, dtype=int)
+        rows = np.zeros((0, self._speeds)), np.zeros((0, 1 + sum(groups)))
+        laws = ContactLaws.of(np.zeros((FIRST + len(groups), 0)), groups)
+        return Contacts(empty, *rows, laws, groups, numbers, numbers)

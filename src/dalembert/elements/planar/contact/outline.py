@@ -1,0 +1,124 @@
+"""Planar polygons with dents."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import casadi as ca
+
+from dalembert.elements.base import Condition, Look, Rows, option
+from dalembert.elements.body import BodyElement
+from dalembert.elements.contact.hull import Boundary, Solid
+from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Shape
+from dalembert.elements.look import Path
+from dalembert.elements.pair import need_body
+from dalembert.elements.planar.contact.polygon import checked_vertices, outline
+
+FAR = 1e300
+"""Distance from a side of places that are beyond its ends [m]."""
+
+
+@dataclass(eq=False)
+class Outline(Shape):
+    """Planar polygon that may have dents.
+
+    In a ``Contact``, a ball touches the nearest side or corner; in ``Collisions`` other shapes
+    touch all sides within reach.
+
+    Parameters
+    ----------
+    body : the body it is fixed in
+    vertices : (x, y) of its corners in the body frame, anticlockwise around its material [m];
+        formulas are allowed
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> system = da.System("ball in a groove", gravity=(0, -10))
+    >>> ball = system.add(planar.Body("ball", mass=1.0, inertia=0.005, position=(0.02, 0.16)))
+    >>> groove = [(-1, -0.5), (1, -0.5), (1, 1), (0, 0), (-1, 1)]
+    >>> shapes = [contact.Outline(system.ground, groove), contact.Circle(ball, 0.1)]
+    >>> hits = system.add(planar.Collisions("hits", shapes, friction=0.5))
+    >>> motion = da.solve_nonsmooth(system.build(), 1.0, step=5e-3)
+    >>> motion["ball.position"][-1].values.round(6) + 0.0  # it touches both sides
+    array([0.      , 0.141421])
+    """
+
+    body: BodyElement = option("the body it is fixed in")
+    vertices: Rows = option("corners (x, y) in the body frame, anticlockwise around its material")
+    feels = (Ball,)
+    space = 2
+
+    def __post_init__(self) -> None:
+        self.body = need_body(self.body, "Outline", "body")
+        self.vertices = checked_vertices(self.vertices, "Outline")
+        super().__post_init__()
+
+    @property
+    def carrier(self) -> Any:
+        return self.body
+
+    @property
+    def corners(self) -> tuple[ca.SX, ...]:
+        """Its corners in the axes of the body."""
+        return tuple(vertex.sx for vertex in self.vertices)
+
+    def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
+        local, nearest, signed = self.local(place), ca.SX(FAR), ca.SX(FAR)
+        before = self.corners[-1]
+        for corner, after in zip(self.corners, self.corners[1:] + self.corners[:1], strict=True):
+            edge, relative = after - corner, local - corner
+            fraction, length = ca.dot(edge, relative), ca.sumsqr(edge)
+            height = -_cross(edge, relative) / ca.sqrt(length)
+            above = ca.logic_and(fraction >= 0, fraction <= length)
+            away = ca.sqrt(ca.sumsqr(relative) + NO_LENGTH**2)
+            convex = ca.if_else(_cross(corner - before, edge) > 0, 1, -1)
+            for size, value in ((ca.if_else(above, ca.fabs(height), FAR), height),
+                                (away, convex * away)):  # fmt: skip
+                signed = ca.if_else(size < nearest, value, signed)
+                nearest = ca.fmin(nearest, size)
+            before = corner
+        return signed
+
+    def boundary(self) -> Boundary:
+        return Boundary(vertices=self.corners)
+
+    def solids(self) -> list[Solid]:
+        return [Solid(self.body, corner) for corner in self.boundary().corners()]
+
+    def look(self, near: ca.SX) -> list[Look]:
+        corners = ca.horzcat(*self.corners)
+        return [Path(self.body, lambda u: outline(corners, u), (0.0, corners.shape[1]), True)]
+
+    def conditions(self) -> list[Condition]:
+        corners = self.corners
+        edges = list(zip(corners, corners[1:] + corners[:1], strict=True))
+        area = sum((_cross(a, b) for a, b in edges), ca.SX(0))
+        disjoint = [
+            ca.fmax(_sides(first, second), _sides(second, first))
+            for (i, first), (j, second) in combinations(enumerate(edges), 2)
+            if 1 < j - i < len(edges) - 1
+        ]
+        conditions = [*super().conditions()]
+        conditions.append((area, "its vertices run clockwise; give them anticlockwise"))
+        if disjoint:
+            crossing = "its edges cross each other; give the vertices in their order"
+            conditions.append((ca.vertcat(*disjoint), crossing))
+        return conditions
+
+
+Edge = tuple[ca.SX, ca.SX]
+
+
+def _cross(a: ca.SX, b: ca.SX) -> ca.SX:
+    return a[0] * b[1] - a[1] * b[0]
+
+
+def _sides(edge: Edge, other: Edge) -> ca.SX:
+    """Negative where the ends of the other edge are on different sides of the line of an edge."""
+    start, along = edge[0], edge[1] - edge[0]
+    return _cross(along, other[0] - start) * _cross(along, other[1] - start)
