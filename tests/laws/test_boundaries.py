@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 import dalembert as da
 from dalembert import planar
-from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from tests.registry.collision_shapes import PLANAR
 from tests.registry.gap_derivatives import GapDerivatives
 

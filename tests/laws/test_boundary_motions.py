@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 import dalembert as da
 from dalembert import planar
-from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 
 contact = planar.contact
 u = da.curves.u

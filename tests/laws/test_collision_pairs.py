@@ -6,8 +6,8 @@ from scipy.spatial.transform import Rotation
 
 import dalembert as da
 from dalembert import planar, spatial
-from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
-from dalembert.analysis.nonsmooth.planar_features import PARALLEL
+from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import PARALLEL
 from tests.registry.collision_shapes import PAIRS, SHAPES, WALLS
 from tests.registry.gap_derivatives import GapDerivatives
 

@@ -5,7 +5,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar, spatial
-from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.errors import AnalysisError, ModelError, UnsupportedError
 
 RADIUS = 0.05

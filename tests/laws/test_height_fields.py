@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import dalembert as da
 from dalembert import spatial
-from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.errors import ModelError
 from dalembert.io import load
 from tests.laws.test_cylinders import SHAPES, core, cylinder

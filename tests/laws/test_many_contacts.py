@@ -7,8 +7,8 @@ import scipy
 
 import dalembert as da
 from dalembert import planar
+from dalembert.analysis.nonsmooth.gaps.neighbours import Neighbours
 from dalembert.analysis.nonsmooth.mobility import Coupling, Mobility
-from dalembert.analysis.nonsmooth.neighbours import Neighbours
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import DENSE, Delassus
 from dalembert.integrators.contact.semismooth_newton import semismooth_newton

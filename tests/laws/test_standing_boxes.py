@@ -5,7 +5,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
-from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 
 G = 9.81
 contact = planar.contact

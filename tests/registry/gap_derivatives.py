@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dalembert.analysis.nonsmooth.gaps import GapSource
+from dalembert.analysis.nonsmooth.gaps.gap_source import GapSource
 from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model

@@ -158,7 +158,7 @@ def _collisions(model: Model, s: Trajectory, p: np.ndarray) -> Iterator[Smallest
     """Smallest gaps among many shapes that are closed or nearly closed."""
     if not _collisions_of(model):
         return
-    from dalembert.analysis.nonsmooth.collision_gaps import collision_gaps
+    from dalembert.analysis.nonsmooth.gaps.collision_gaps import collision_gaps
 
     travels = CLOSED * model.equations.scales.displacements[:, None]
     for source in collision_gaps(model):

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import APART, ContactStep
-from dalembert.analysis.nonsmooth.gaps import Instant
-from dalembert.analysis.nonsmooth.joined_gaps import separating_of
+from dalembert.analysis.nonsmooth.gaps.gap_source import Instant
+from dalembert.analysis.nonsmooth.gaps.joined_gaps import separating_of
 from dalembert.analysis.nonsmooth.mean_gaps import mean_gaps
 from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart
 from dalembert.integrators.contact.contacts import Contacts

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.contact_step import APART
+from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.results.contact_forces import ContactForces
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 

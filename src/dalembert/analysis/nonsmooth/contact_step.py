@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from dalembert.analysis.nonsmooth.gaps import FormulaGaps, GapSource
-from dalembert.analysis.nonsmooth.joined_gaps import selected_of
+from dalembert.analysis.nonsmooth.gaps.gap_source import FormulaGaps, GapSource
+from dalembert.analysis.nonsmooth.gaps.joined_gaps import selected_of
 from dalembert.analysis.nonsmooth.mobility import Mobility
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
 from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart, warm_start

@@ -14,9 +14,9 @@ from dalembert.analysis.dynamics.residual_check import DRIFT, DRIFT_WARNING, Ene
 from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.model_residuals import Violation
 from dalembert.analysis.nonsmooth.advance import advance
-from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import consistent_speeds, correct_position
+from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
 from dalembert.analysis.nonsmooth.step_log import StepLog, interpolate
 from dalembert.analysis.nonsmooth.step_state import StepResult

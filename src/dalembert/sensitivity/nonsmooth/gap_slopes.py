@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from dalembert.analysis.nonsmooth.gaps import GapKind
+from dalembert.analysis.nonsmooth.gaps.gap_source import GapKind
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 

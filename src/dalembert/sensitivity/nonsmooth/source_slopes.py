@@ -12,8 +12,8 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
-from dalembert.analysis.nonsmooth.gaps import GapKind, GapSource
+from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.gaps.gap_source import GapKind, GapSource
 from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.model import Model
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges

@@ -6,12 +6,12 @@ from functools import partial
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.feature_pairs import Pairs, some_pairs
-from dalembert.analysis.nonsmooth.gap_functions import Feature
-from dalembert.analysis.nonsmooth.gaps import GapKind, Instant
-from dalembert.analysis.nonsmooth.hull_geometry import Positions
-from dalembert.analysis.nonsmooth.hull_search import HullSearch
-from dalembert.analysis.nonsmooth.searched_gaps import LastPosition, SearchedGaps
+from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
+from dalembert.analysis.nonsmooth.gaps.gap_source import GapKind, Instant
+from dalembert.analysis.nonsmooth.gaps.hulls.feature_pairs import Pairs, some_pairs
+from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import Positions
+from dalembert.analysis.nonsmooth.gaps.hulls.hull_search import HullSearch
+from dalembert.analysis.nonsmooth.gaps.searched_gaps import LastPosition, SearchedGaps
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model

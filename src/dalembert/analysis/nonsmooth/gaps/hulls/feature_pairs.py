@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.gap_functions import Feature
+from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
 
 
 @dataclass(frozen=True, eq=False)

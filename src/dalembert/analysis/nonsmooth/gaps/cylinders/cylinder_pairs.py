@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.cylinder_features import (
+from dalembert.analysis.nonsmooth.gaps.cylinders.cylinder_features import (
     AGAINST,
     FLAT,
     ROUNDING,
     TILT,
 )
-from dalembert.analysis.nonsmooth.cylinders import SECTORS, Cylinders
-from dalembert.analysis.nonsmooth.gap_functions import Feature
-from dalembert.analysis.nonsmooth.planar_features import Rows
-from dalembert.analysis.nonsmooth.polyhedra import PARALLEL_EDGES
-from dalembert.analysis.nonsmooth.rim_candidates import (
+from dalembert.analysis.nonsmooth.gaps.cylinders.cylinders import SECTORS, Cylinders
+from dalembert.analysis.nonsmooth.gaps.cylinders.rim_candidates import (
     Evaluate,
     evaluated,
     rims_at_lines,
     rims_at_rims,
     some_rows,
 )
+from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
+from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import Rows
+from dalembert.analysis.nonsmooth.gaps.hulls.polyhedra import PARALLEL_EDGES
 from dalembert.elements.contact.hull import MARKS
 
 ON_END = 1e-9

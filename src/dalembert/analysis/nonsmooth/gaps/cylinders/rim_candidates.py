@@ -6,9 +6,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.cylinders import SECTORS, Cylinders, sector_directions
-from dalembert.analysis.nonsmooth.gap_functions import Feature
-from dalembert.analysis.nonsmooth.planar_features import Rows
+from dalembert.analysis.nonsmooth.gaps.cylinders.cylinders import (
+    SECTORS,
+    Cylinders,
+    sector_directions,
+)
+from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
+from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import Rows
 
 Evaluate = Callable[[Rows], tuple[np.ndarray, np.ndarray, np.ndarray]]
 """Gaps (n,), contact points (n, 3) and normals (n, 3), from the first shape to the second."""

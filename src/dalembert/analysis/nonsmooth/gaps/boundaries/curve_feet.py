@@ -14,7 +14,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.smooth_curve import SampledCurve, outward
+from dalembert.analysis.nonsmooth.gaps.boundaries.smooth_curve import SampledCurve, outward
 
 HALVINGS, ITERATIONS = 60, 15
 """Upper limits of the iterations to a point, most of which halve an interval, and to a tangent

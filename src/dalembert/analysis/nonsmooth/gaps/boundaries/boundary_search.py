@@ -8,12 +8,16 @@ from enum import IntEnum
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.boundaries import PlacedBoundaries
-from dalembert.analysis.nonsmooth.bounding_balls import bounding_balls
-from dalembert.analysis.nonsmooth.curve_feet import curve_feet, line_feet, point_feet
-from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Positions
-from dalembert.analysis.nonsmooth.outline_sides import OutlineSides
-from dalembert.analysis.nonsmooth.smooth_curve import outward
+from dalembert.analysis.nonsmooth.gaps.boundaries.boundaries import PlacedBoundaries
+from dalembert.analysis.nonsmooth.gaps.boundaries.curve_feet import (
+    curve_feet,
+    line_feet,
+    point_feet,
+)
+from dalembert.analysis.nonsmooth.gaps.boundaries.outline_sides import OutlineSides
+from dalembert.analysis.nonsmooth.gaps.boundaries.smooth_curve import outward
+from dalembert.analysis.nonsmooth.gaps.bounding_balls import bounding_balls
+from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry, Positions
 
 ROUNDING = 1e-9
 """Extension of an edge beyond its ends, by its length."""

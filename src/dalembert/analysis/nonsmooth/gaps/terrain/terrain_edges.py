@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.cylinders import Cylinders
-from dalembert.analysis.nonsmooth.polyhedra import PARALLEL_EDGES, Polyhedra
-from dalembert.analysis.nonsmooth.rim_candidates import rims_at_lines
-from dalembert.analysis.nonsmooth.terrain import RIDGE, Terrain
+from dalembert.analysis.nonsmooth.gaps.cylinders.cylinders import Cylinders
+from dalembert.analysis.nonsmooth.gaps.cylinders.rim_candidates import rims_at_lines
+from dalembert.analysis.nonsmooth.gaps.hulls.polyhedra import PARALLEL_EDGES, Polyhedra
+from dalembert.analysis.nonsmooth.gaps.terrain.terrain import RIDGE, Terrain
 
 OUTSIDE = 1e-6
 """Sine of the angle by which a surface or a body may lie beyond the tangent plane of a contact."""

@@ -8,7 +8,7 @@ from functools import cache
 
 import casadi as ca
 
-from dalembert.analysis.nonsmooth.rims import (
+from dalembert.analysis.nonsmooth.gaps.cylinders.rims import (
     Rim,
     contact_of_rims,
     contact_with_corner,
@@ -16,7 +16,7 @@ from dalembert.analysis.nonsmooth.rims import (
     contact_with_line,
     contact_with_plane,
 )
-from dalembert.analysis.nonsmooth.shape_velocities import TWIST
+from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
 from dalembert.elements.contact.contact_point import (
     ContactPoint,
     contact_at_wall,

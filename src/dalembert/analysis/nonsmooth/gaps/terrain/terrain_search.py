@@ -6,17 +6,17 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.cylinders import SECTORS, Cylinders
-from dalembert.analysis.nonsmooth.feature_pairs import EvaluatePairs, Pairs, some_pairs
-from dalembert.analysis.nonsmooth.gap_functions import Feature
-from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Positions
-from dalembert.analysis.nonsmooth.terrain import FRAME, Terrain
-from dalembert.analysis.nonsmooth.terrain_corners import (
+from dalembert.analysis.nonsmooth.gaps.cylinders.cylinders import SECTORS, Cylinders
+from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
+from dalembert.analysis.nonsmooth.gaps.hulls.feature_pairs import EvaluatePairs, Pairs, some_pairs
+from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry, Positions
+from dalembert.analysis.nonsmooth.gaps.terrain.terrain import FRAME, Terrain
+from dalembert.analysis.nonsmooth.gaps.terrain.terrain_corners import (
     surface_near_balls,
     triangles_below,
     triangles_below_rims,
 )
-from dalembert.analysis.nonsmooth.terrain_edges import (
+from dalembert.analysis.nonsmooth.gaps.terrain.terrain_edges import (
     on_ridges,
     peaks_under_cylinders,
     peaks_under_faces,

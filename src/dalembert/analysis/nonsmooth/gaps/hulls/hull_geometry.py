@@ -9,16 +9,20 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.nonsmooth.cylinders import SECTORS, Cylinders, sector_directions
-from dalembert.analysis.nonsmooth.feature_pairs import Pairs
-from dalembert.analysis.nonsmooth.gap_functions import RIM_POINTS, WALLS, point_counts
-from dalembert.analysis.nonsmooth.gaps import GapFormulas
-from dalembert.analysis.nonsmooth.geometry_entries import GeometryEntries
-from dalembert.analysis.nonsmooth.planar_features import Polygons
-from dalembert.analysis.nonsmooth.polyhedra import Form, Polyhedra
-from dalembert.analysis.nonsmooth.shape_velocities import ShapeVelocities
-from dalembert.analysis.nonsmooth.strands import Strands
-from dalembert.analysis.nonsmooth.terrain import Terrain, TerrainForm
+from dalembert.analysis.nonsmooth.gaps.cylinders.cylinders import (
+    SECTORS,
+    Cylinders,
+    sector_directions,
+)
+from dalembert.analysis.nonsmooth.gaps.gap_functions import RIM_POINTS, WALLS, point_counts
+from dalembert.analysis.nonsmooth.gaps.gap_source import GapFormulas
+from dalembert.analysis.nonsmooth.gaps.geometry_entries import GeometryEntries
+from dalembert.analysis.nonsmooth.gaps.hulls.feature_pairs import Pairs
+from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import Polygons
+from dalembert.analysis.nonsmooth.gaps.hulls.polyhedra import Form, Polyhedra
+from dalembert.analysis.nonsmooth.gaps.hulls.strands import Strands
+from dalembert.analysis.nonsmooth.gaps.shape_velocities import ShapeVelocities
+from dalembert.analysis.nonsmooth.gaps.terrain.terrain import Terrain, TerrainForm
 from dalembert.elements.contact.beam_parts import Chord
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.hull import MARKS

@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.gap_functions import Feature
+from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
 
 PARALLEL = 0.7
 """Cosine of the angle of two edges that may touch at two points."""

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.planar_features import Polygons
+from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import Polygons
 
 ROUNDING = 1e-12
 """Extension of a side beyond its ends, by its length."""

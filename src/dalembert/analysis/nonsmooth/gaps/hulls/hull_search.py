@@ -6,16 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.bounding_balls import bounding_balls, near_balls
-from dalembert.analysis.nonsmooth.cylinder_features import cylinder_features
-from dalembert.analysis.nonsmooth.cylinder_pairs import features_at_walls, features_of_cylinders
-from dalembert.analysis.nonsmooth.cylinders import Cylinders
-from dalembert.analysis.nonsmooth.feature_pairs import EvaluatePairs, Pairs, some_pairs
-from dalembert.analysis.nonsmooth.gap_functions import Feature
-from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Positions
-from dalembert.analysis.nonsmooth.planar_features import Rows, planar_features
-from dalembert.analysis.nonsmooth.spatial_features import spatial_features
-from dalembert.analysis.nonsmooth.terrain_search import TerrainSearch
+from dalembert.analysis.nonsmooth.gaps.bounding_balls import bounding_balls, near_balls
+from dalembert.analysis.nonsmooth.gaps.cylinders.cylinder_features import cylinder_features
+from dalembert.analysis.nonsmooth.gaps.cylinders.cylinder_pairs import (
+    features_at_walls,
+    features_of_cylinders,
+)
+from dalembert.analysis.nonsmooth.gaps.cylinders.cylinders import Cylinders
+from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
+from dalembert.analysis.nonsmooth.gaps.hulls.feature_pairs import EvaluatePairs, Pairs, some_pairs
+from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry, Positions
+from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import Rows, planar_features
+from dalembert.analysis.nonsmooth.gaps.hulls.spatial_features import spatial_features
+from dalembert.analysis.nonsmooth.gaps.terrain.terrain_search import TerrainSearch
 from dalembert.elements.contact.shapes import Round
 
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.nonsmooth.boundaries import Boundaries, PlacedBoundaries
-from dalembert.analysis.nonsmooth.boundary_formulas import Arc, touch_function
-from dalembert.analysis.nonsmooth.boundary_search import BoundarySearch, Feet, Touch
-from dalembert.analysis.nonsmooth.gap_functions import Feature
-from dalembert.analysis.nonsmooth.gaps import GapFormulas, GapKind
-from dalembert.analysis.nonsmooth.hull_geometry import Positions
-from dalembert.analysis.nonsmooth.searched_gaps import LastPosition, SearchedGaps
-from dalembert.analysis.nonsmooth.shape_velocities import TWIST
+from dalembert.analysis.nonsmooth.gaps.boundaries.boundaries import Boundaries, PlacedBoundaries
+from dalembert.analysis.nonsmooth.gaps.boundaries.boundary_formulas import Arc, touch_function
+from dalembert.analysis.nonsmooth.gaps.boundaries.boundary_search import BoundarySearch, Feet, Touch
+from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
+from dalembert.analysis.nonsmooth.gaps.gap_source import GapFormulas, GapKind
+from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import Positions
+from dalembert.analysis.nonsmooth.gaps.searched_gaps import LastPosition, SearchedGaps
+from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.cylinder_features import TILT
-from dalembert.analysis.nonsmooth.cylinders import Cylinders
-from dalembert.analysis.nonsmooth.terrain import RIDGE, Terrain
+from dalembert.analysis.nonsmooth.gaps.cylinders.cylinder_features import TILT
+from dalembert.analysis.nonsmooth.gaps.cylinders.cylinders import Cylinders
+from dalembert.analysis.nonsmooth.gaps.terrain.terrain import RIDGE, Terrain
 
 Touching = tuple[np.ndarray, np.ndarray]
 """Numbers of places, and of triangles, edges or vertices."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.bounding_balls import near_balls
+from dalembert.analysis.nonsmooth.gaps.bounding_balls import near_balls
 
 MARGIN = 0.25
 """Margin of the list, relative to the largest radius [-]."""

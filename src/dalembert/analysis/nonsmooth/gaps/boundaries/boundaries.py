@@ -8,9 +8,9 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Positions
-from dalembert.analysis.nonsmooth.planar_features import Polygons
-from dalembert.analysis.nonsmooth.smooth_curve import SampledCurve, SmoothCurve
+from dalembert.analysis.nonsmooth.gaps.boundaries.smooth_curve import SampledCurve, SmoothCurve
+from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry, Positions
+from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import Polygons
 from dalembert.elements.contact.hull import Boundary
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel

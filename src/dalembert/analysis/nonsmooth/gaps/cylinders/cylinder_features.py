@@ -10,17 +10,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.cylinders import SECTORS, Cylinders
-from dalembert.analysis.nonsmooth.face_contacts import depth_in_face
-from dalembert.analysis.nonsmooth.gap_functions import Feature
-from dalembert.analysis.nonsmooth.planar_features import Rows
-from dalembert.analysis.nonsmooth.polyhedra import PARALLEL_EDGES, Polyhedra
-from dalembert.analysis.nonsmooth.rim_candidates import (
+from dalembert.analysis.nonsmooth.gaps.cylinders.cylinders import SECTORS, Cylinders
+from dalembert.analysis.nonsmooth.gaps.cylinders.rim_candidates import (
     Evaluate,
     evaluated,
     rims_at_lines,
     some_rows,
 )
+from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
+from dalembert.analysis.nonsmooth.gaps.hulls.face_contacts import depth_in_face
+from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import Rows
+from dalembert.analysis.nonsmooth.gaps.hulls.polyhedra import PARALLEL_EDGES, Polyhedra
 from dalembert.elements.contact.hull import MARKS
 
 FLAT = 1e-3

@@ -7,19 +7,19 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.nonsmooth.boundary_gaps import BoundaryGaps
-from dalembert.analysis.nonsmooth.gap_functions import Feature, gap_function
-from dalembert.analysis.nonsmooth.gaps import (
+from dalembert.analysis.nonsmooth.gaps.boundaries.boundary_gaps import BoundaryGaps
+from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature, gap_function
+from dalembert.analysis.nonsmooth.gaps.gap_source import (
     FormulaGaps,
     GapFormulas,
     GapKind,
     GapSource,
 )
-from dalembert.analysis.nonsmooth.hull_gaps import HullGaps
-from dalembert.analysis.nonsmooth.joined_gaps import JoinedGaps
-from dalembert.analysis.nonsmooth.near_pairs import NearPairs, ShapesAt
-from dalembert.analysis.nonsmooth.neighbours import Neighbours
-from dalembert.analysis.nonsmooth.shape_velocities import TWIST, ShapeVelocities
+from dalembert.analysis.nonsmooth.gaps.hulls.hull_gaps import HullGaps
+from dalembert.analysis.nonsmooth.gaps.joined_gaps import JoinedGaps
+from dalembert.analysis.nonsmooth.gaps.near_pairs import NearPairs, ShapesAt
+from dalembert.analysis.nonsmooth.gaps.neighbours import Neighbours
+from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST, ShapeVelocities
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact_point import contact_at_wall, contact_of_balls
 from dalembert.elements.contact.pairs import APART, COEFFICIENTS

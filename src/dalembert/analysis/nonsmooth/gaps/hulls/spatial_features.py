@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.face_contacts import face_rows
-from dalembert.analysis.nonsmooth.gap_functions import Feature
-from dalembert.analysis.nonsmooth.planar_features import Rows
-from dalembert.analysis.nonsmooth.polyhedra import (
+from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
+from dalembert.analysis.nonsmooth.gaps.hulls.face_contacts import face_rows
+from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import Rows
+from dalembert.analysis.nonsmooth.gaps.hulls.polyhedra import (
     Polyhedra,
     corner_separation,
     edge_distances,

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.nonsmooth.gap_functions import Feature, gap_function
-from dalembert.analysis.nonsmooth.gaps import GapKind, GapSource
-from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Positions
-from dalembert.analysis.nonsmooth.shape_velocities import TWIST
+from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature, gap_function
+from dalembert.analysis.nonsmooth.gaps.gap_source import GapKind, GapSource
+from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry, Positions
+from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts

@@ -5,9 +5,9 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.nonsmooth.boundary_search import Touch
-from dalembert.analysis.nonsmooth.gap_functions import Feature, gap_function
-from dalembert.analysis.nonsmooth.smooth_curve import SmoothCurve
+from dalembert.analysis.nonsmooth.gaps.boundaries.boundary_search import Touch
+from dalembert.analysis.nonsmooth.gaps.boundaries.smooth_curve import SmoothCurve
+from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature, gap_function
 
 ITERATIONS = 8
 """Newton iterations from the nearest sample; the last one has the exact derivatives."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.nonsmooth.gaps import GapFormulas, GapKind, GapSource, Instant
+from dalembert.analysis.nonsmooth.gaps.gap_source import GapFormulas, GapKind, GapSource, Instant
 from dalembert.integrators.contact.contacts import Contacts
 
 SOURCE = 2**50

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.shape_velocities import GapDerivatives
+from dalembert.analysis.nonsmooth.gaps.shape_velocities import GapDerivatives
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.gap_functions import Feature
-from dalembert.analysis.nonsmooth.planar_features import PARALLEL, Rows
-from dalembert.analysis.nonsmooth.polyhedra import Polyhedra
+from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
+from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import PARALLEL, Rows
+from dalembert.analysis.nonsmooth.gaps.hulls.polyhedra import Polyhedra
 
 FLAT = 1e-3
 """Difference of the heights of corners that touch a face together, by the size of the hull."""

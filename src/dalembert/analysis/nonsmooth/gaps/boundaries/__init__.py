@@ -1,0 +1,1 @@
+"""Gaps of boundaries that may be concave."""

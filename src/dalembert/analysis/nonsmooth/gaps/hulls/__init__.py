@@ -1,0 +1,1 @@
+"""Gaps of rounded convex hulls."""
