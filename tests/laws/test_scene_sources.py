@@ -27,7 +27,7 @@ CHANGE = 0.01
 """Relative change of the parameters."""
 MOTION_SIZES = (
     (MechanismScene, "extent"),
-    (SceneCollector, "travel"),
+    (SceneCollector, "limits"),
     (SceneCollector, "distance"),
 )
 """Sizes of symbols that follow from the motion as a whole; a page keeps the initial ones."""
