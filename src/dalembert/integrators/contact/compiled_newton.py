@@ -47,7 +47,12 @@ class CompiledNewton:
         self.impulses, self.status = np.array(impulses), np.zeros(3)
         self.system, self.push = np.zeros(pattern.rows.size), np.zeros(size)
         self.solution = np.zeros(size)
-        arrays = [*problem_arrays(problem), np.array(settings), pattern.constant, self.solution]
+        arrays = [
+            *problem_arrays(problem, operator),
+            np.array(settings),
+            pattern.constant,
+            self.solution,
+        ]
         indices = [pattern.start, pattern.column, pattern.local, pattern.block, pattern.place]
         outputs = [self.impulses, self.system, self.push, np.zeros(rows), np.zeros(rows * width)]
         outputs += [np.zeros(rows) for _ in range(5)]
@@ -60,11 +65,11 @@ class CompiledNewton:
             self.speeds,
             pattern.rows.size,
             size,
-            0,
+            ASSEMBLE,
             widest,
         ]
         work = 3 * width * (width + 1) + 2 * width + 2 * width * widest
-        inputs = [*arrays, *index_arrays(problem), *indices]
+        inputs = [*arrays, *index_arrays(problem, operator), *indices]
         self._loop = Loop(code, inputs, outputs, counts, work)
 
     @property

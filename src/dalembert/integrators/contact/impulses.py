@@ -24,6 +24,9 @@ problem; the larger one counts [-]."""
 PROGRESS, PATIENCE = 0.9, 40
 """Factor by which the residual of the proximal method has to fall, and the number of iterations
 within which it has to, as long as the residual is above the tolerance but acceptable."""
+LARGEST_SHARE = 1e-3
+"""Largest acceptable residual relative to the speeds before the impulses, which may be large
+without any effect where contacts jam [-]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +62,8 @@ def solved_impulses(
     ----------
     guess : (n, k) initial impulses
     share, acceptable : tolerance, and limit of the residual without progress, relative to the
-        largest speed of a contact [-]
+        largest speed of a contact [-]; the limit is never above ``LARGEST_SHARE`` of
+        ``problem.scale``
     max_iterations : upper limit of iterations of the proximal method
     """
     allowed = share * problem.size(guess)
@@ -105,7 +109,7 @@ def _proximal(
 ) -> Impulses:
     """Impulses by the proximal point method."""
     size = problem.size(impulses)
-    allowed, limit = share * size, acceptable * size
+    allowed, limit = share * size, min(acceptable * size, LARGEST_SHARE * problem.scale)
     weight, residual, rounds, progress = WEIGHT, problem.residual(impulses), 0, 0
     best, least = (impulses, residual), residual
     while best[1] > allowed and rounds < max_iterations and np.isfinite(residual):

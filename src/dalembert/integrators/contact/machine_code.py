@@ -8,9 +8,14 @@ from importlib import resources
 import numpy as np
 
 from dalembert.errors import UnsupportedError
+from dalembert.integrators.contact.contacts import FrictionProblem
+from dalembert.integrators.contact.delassus import Delassus
 from dalembert.symbolic.evaluation.switching import best_toolchain
 from dalembert.symbolic.native.code_cache import compiled_loop
 from dalembert.symbolic.native.toolchain import ENTRY, FIRST, LOOP, Call
+
+COMMON = "contacts.c"
+"""File of the functions that all loops use."""
 
 
 class Loop:
@@ -51,28 +56,28 @@ class Loop:
 
 @lru_cache
 def machine_code(name: str) -> Call | None:
-    """Machine code of a file of this package; None without a toolchain."""
+    """Machine code of a file of this package after the common one; None without a toolchain."""
     toolchain = best_toolchain()
     if toolchain is None:
         return None
-    text = (resources.files(__package__) / name).read_text(encoding="utf-8")
+    files = (resources.files(__package__) / part for part in (COMMON, name))
+    text = "".join(file.read_text(encoding="utf-8") for file in files)
     try:
         return compiled_loop(text + LOOP.format(entry=ENTRY, function=FIRST), toolchain.for_loops())
     except UnsupportedError:  # an optional acceleration
         return None
 
 
-def problem_arrays(problem) -> list[np.ndarray]:
-    """Contiguous arrays of numbers of a friction problem with a sparse operator."""
-    operator = problem.matrix
+def problem_arrays(problem: FrictionProblem, operator: Delassus) -> list[np.ndarray]:
+    """Contiguous arrays of numbers of a friction problem and its operator."""
     minimum = np.broadcast_to(problem.minimum, problem.shape[:1])
     arrays = [operator.directions.data, operator.responses.data, problem.velocity]
     arrays += [problem.friction, minimum, problem.mobility, problem.weights, operator.shift]
     return [np.ascontiguousarray(array, dtype=float) for array in arrays]
 
 
-def index_arrays(problem) -> list[np.ndarray]:
-    """Contiguous arrays of rows, columns and groups of a friction problem."""
-    w, x = problem.matrix.directions, problem.matrix.responses
+def index_arrays(problem: FrictionProblem, operator: Delassus) -> list[np.ndarray]:
+    """Contiguous arrays of rows, columns and groups of a friction problem and its operator."""
+    w, x = operator.directions, operator.responses
     arrays = [w.indptr, w.indices, x.indptr, x.indices, problem.starts]
     return [array.astype(np.int32, copy=False) for array in arrays]

@@ -1,19 +1,4 @@
 /* Semismooth Newton method for frictional contact: linear system of a step, and its line search */
-#include <math.h>
-#define casadi_real double
-#define casadi_int long long int
-#ifdef _WIN32
-#define CASADI_SYMBOL_EXPORT __declspec(dllexport)
-#else
-#define CASADI_SYMBOL_EXPORT
-#endif
-static casadi_real casadi_row(const casadi_real* value, const int* column, casadi_int begin,
-    casadi_int end, const casadi_real* speed) {
-  casadi_int j;
-  casadi_real sum = 0;
-  for (j=begin; j<end; ++j) sum += value[j]*speed[column[j]];
-  return sum;
-}
 /* speeds of the bodies by impulses of all contacts */
 static void casadi_respond(const casadi_real* value, const int* row, const int* column,
     const casadi_real* impulse, casadi_int rows, casadi_int speeds, casadi_real* speed) {

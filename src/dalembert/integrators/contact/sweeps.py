@@ -41,7 +41,7 @@ def swept(problem: FrictionProblem, impulses: np.ndarray, tolerance: float) -> n
         return impulses
     result, rows, speeds = np.array(impulses), impulses.size, operator.directions.shape[1]
     settings = np.array([tolerance, GROWTH, REGULARIZATION])
-    inputs = [*problem_arrays(problem), settings, *index_arrays(problem)]
+    inputs = [*problem_arrays(problem, operator), settings, *index_arrays(problem, operator)]
     counts = [*problem.shape, len(problem.groups), SWEEPS, speeds, DEPTH]
     work = problem.shape[1] + (3 + 2 * DEPTH) * rows + (1 + DEPTH) * speeds
     work += DEPTH * (1 + 2 * DEPTH)
