@@ -146,6 +146,7 @@ from dalembert.design.trajectory.shooting import MultipleShooting as MultipleSho
 from dalembert.design.trajectory.trajectory_result import TrajectoryResult as TrajectoryResult
 from dalembert.design.variables import Catalogue as Catalogue, Integer as Integer
 from dalembert.elements import (
+    blocks as blocks,
     curves as curves,
     laws as laws,
     planar as planar,

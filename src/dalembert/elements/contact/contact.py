@@ -14,13 +14,14 @@ from dalembert.elements.body import BodyElement
 from dalembert.elements.component import Component
 from dalembert.elements.contact.compliant import Compliant
 from dalembert.elements.contact.contact_point import ContactPoint
-from dalembert.elements.contact.friction import Bristles, Friction
+from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw, Restitution
 from dalembert.elements.contact.shapes import Hollow, Round, Shape, Vertex
 from dalembert.elements.contact.unilateral import Gap, Impact
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.pair import BetweenPoints, need_point
 from dalembert.elements.point import Point
+from dalembert.elements.states import States
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import Expression
 
@@ -98,18 +99,23 @@ class ShapeContact(Compliant):
         self.contact_points: list[ContactPoint] = contact_points(i, j, self.name)
         self.bristles = self._bristles()
 
-    def _bristles(self) -> list[Bristles]:
+    def _bristles(self) -> list[States]:
         """States of the friction law, one group per gap; empty if the law has none."""
-        groups: list[Bristles] = []
-        if self.friction is None:
-            return groups
-        for k, gap in enumerate(self._gaps):
-            group = Bristles(f"{self.name}.bristles{k + 1}", gap.slip.numel())
-            rate = self.friction.state_rate(gap.slip, group.pose)
-            if rate is not None:
-                group.pose_rate = rate
-                groups.append(group)
-        return groups
+        return [group for k in range(len(self._gaps)) if (group := self._bristles_of(k))]
+
+    def _bristles_of(self, k: int) -> States | None:
+        """Deflections of the bristles of a gap."""
+        gap, friction = self._gaps[k], self.friction
+        count = gap.slip.numel()
+        if friction is None or friction.state_rate(gap.slip, ca.SX.sym("z", count)) is None:
+            return None
+
+        def rates() -> ca.SX:
+            return friction.state_rate(gap.slip, group.pose)
+
+        names = ("z",) if count == 1 else [f"z{i + 1}" for i in range(count)]
+        group = States(f"{self.name}.bristles{k + 1}", names, [""] * count, rates)
+        return group
 
     def _check(self, field: str, valid: bool) -> None:
         if not valid:

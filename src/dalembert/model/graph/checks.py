@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.base import Constraint, ForceElement
+from dalembert.elements.blocks.block import SIGNAL, Block
 from dalembert.elements.coordinates import rate_of
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.model.graph.description import Description
@@ -70,6 +71,10 @@ def check_symbols(d: Description) -> None:
 
             efforts += [(element.name, column) for pair in element.powers(rate) for column in pair]
             positions += [(element.name, s) for s in rated_expressions]
+        elif isinstance(element, Block):
+            efforts.append((element.name, element.rates()))
+            efforts += [(f"{element.name}.{name}", sx) for name, (sx, _) in element.outputs().items()]
+            lengths += [(e, f.sx) for e, f, meta in element.checked_quantities() if SIGNAL not in meta]
         elif not isinstance(element, Constraint):
             lengths += [(entity, f.sx) for entity, f, _ in element.checked_quantities()]
     for gap in rigid_gaps([*d.elements.values()], d.coordinates):

@@ -110,7 +110,9 @@ class Equations:
         """The system with frozen branches of all formulas."""
         moving = ca.vertcat(self.t, self.y, self.v)
         parts = [self.bias, self.force, self.constraints, self.potential, self.powers]
-        (bias, force, constraints, potential, powers), switches = freeze_branches(parts, moving)
+        (bias, force, constraints, potential, powers, rate), switches = freeze_branches(
+            [*parts, self.pose_rate], moving
+        )
         kinematics = None
         if not freeze_branches([self.constraints], moving)[
             1
@@ -124,6 +126,7 @@ class Equations:
             constraints=constraints,
             potential=potential,
             powers=powers,
+            pose_rate=rate,
             switches=switches,
         )
 

@@ -12,6 +12,7 @@ from typing import Any, Protocol
 import casadi as ca
 
 from dalembert.elements.base import Constraint, Element, ForceElement
+from dalembert.elements.blocks.block import Block
 from dalembert.elements.body import BodyElement
 from dalembert.elements.coordinates import Coordinates, rate_of
 from dalembert.elements.fem.element_set import Elements
@@ -144,6 +145,8 @@ def element_measures(element: Element, everything: Everything) -> Measures:
         for name in element.places:
             own |= _about(element, everything, name)
         return own
+    if isinstance(element, Block):
+        return element.measures()
     measures: Measures = {}
     for part in element.own_coordinates():
         if isinstance(part, BodyElement):

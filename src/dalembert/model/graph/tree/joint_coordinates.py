@@ -61,11 +61,5 @@ class JointCoordinates(Coordinates):
                 f"{', '.join(massive)}: mass between bodies has no tree of joints; use "
                 "coordinates=AbsoluteCoordinates()"
             )
-        for group in model.coordinates:
-            if group.pose.numel() and not group.twist.numel():
-                raise UnsupportedError(
-                    f"{group.name} has a rate of its own and no speed, which joint coordinates do "
-                    "not support; use AbsoluteCoordinates()"
-                )
         absolute = self.angles == "absolute"
         return JointView(model, self.cut, absolute, self.reactions, every_equation)

@@ -96,8 +96,9 @@ class JointView(CoordinateView):
         """Equations with all loop equations."""
         e, m = self.bodies, self.motion
         loops = [x[self.loop_rows, :] for x in (e.constraints, e.nonholonomic)]
-        bias, force, potential, powers, mass, *loops = self.moved(
-            [e.bias, e.force, e.potential, e.powers, e.mass, *loops]
+        rate = self.model.at_ground(ca.densify(m.rate))
+        rate, bias, force, potential, powers, mass, *loops = self.moved(
+            [rate, e.bias, e.force, e.potential, e.powers, e.mass, *loops]
         )
         inertia = TreeInertia(m.basis, [mass[b.rows, b.rows] for b in m.basis.branches])
         sizes = self._sizes()
@@ -108,7 +109,7 @@ class JointView(CoordinateView):
             p=e.p,
             a=m.a,
             multiplier=e.multiplier[self.loop_rows, :],
-            pose_rate=m.rate,
+            pose_rate=rate,
             inertia=inertia,
             bias=ca.densify(m.basis.transposed(ca.mtimes(mass, m.gamma) + bias)),
             force=ca.densify(m.basis.transposed(force)),

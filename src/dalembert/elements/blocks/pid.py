@@ -1,0 +1,108 @@
+"""PID controller with limits."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+from dalembert.elements.base import Condition, Scalar, quantity
+from dalembert.elements.blocks.block import Block, Signals, signal
+
+
+@dataclass(eq=False)
+class PID(Block):
+    """Controller of a measured signal ``y`` to its setpoint ``r``.
+
+        v = K (β r − y) + z + D s/(1 + T_f s) (γ r − y),    w = min(max(v, lower), upper)
+        ż = I (r − y) + (w − v)/T_t
+
+    With limits the integral follows the limited output within the tracking time ``T_t``, so that
+    it does not wind up (Åström & Hägglund, Advanced PID Control, 2006, 3.4 and 3.5).
+
+    Parameters
+    ----------
+    setpoint, measured : ``r`` and ``y``, formulas of measures and ``t``
+    proportional, integral, derivative : gains ``K``, ``I`` [1/s], ``D`` [s]
+    filter_time : ``T_f`` of the derivative [s]
+    setpoint_weight, derivative_weight : ``β``, ``γ``
+    lower, upper : limits of the output; none by default
+    tracking_time : ``T_t`` [s]
+    start : integral at the start
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("lift", gravity=(0, -10))
+    >>> cabin = system.add(planar.Particle("cabin", mass=2.0))
+    >>> ends = system.ground.center, cabin.center
+    >>> rail = system.add(planar.PinInSlot("rail", *ends, axis=(0, 1)))
+    >>> gains = dict(proportional=80.0, integral=60.0, derivative=40.0, filter_time=0.01)
+    >>> control = system.add(da.blocks.PID("control", 1.0, cabin.y, **gains))
+    >>> drive = system.add(planar.Force("drive", cabin.center, (0, control.output)))
+    >>> motion = da.solve_dynamics(system.build(), 20.0, step=2e-3)
+    >>> round(motion["cabin.y"][-1].item(), 3), round(motion["control.output"][-1].item(), 3)
+    (1.0, 20.0)
+    """
+
+    setpoint: Scalar = signal("", "setpoint, a formula of measures and t", default=0.0)
+    measured: Scalar = signal("", "controlled signal, a formula of measures")
+    proportional: Scalar = quantity("", "gain K", default=1.0)
+    integral: Scalar = quantity("1/s | ", "gain I of the integral", default=0.0)
+    derivative: Scalar = quantity("s | ", "gain D of the derivative", default=0.0)
+    filter_time: Scalar = quantity("s", "time constant of the derivative", default=0.01, above=0.0)
+    setpoint_weight: Scalar = quantity("", "weight β of the setpoint", default=1.0)
+    derivative_weight: Scalar = quantity("", "weight γ in the derivative", default=0.0)
+    lower: Scalar = quantity("", "lower limit of the output", default=None)
+    upper: Scalar = quantity("", "upper limit of the output", default=None)
+    tracking_time: Scalar = quantity("s", "time of the anti-windup", default=1.0, above=0.0)
+    start: Scalar = quantity("", "integral at the start", default=0.0)
+
+    def state_names(self) -> Sequence[str]:
+        return ("integral", "filtered") if self._differentiates else ("integral",)
+
+    @property
+    def _differentiates(self) -> bool:
+        return not self.derivative.sx.is_zero()
+
+    def initial_states(self) -> list[ca.SX]:
+        return [self.start.sx, ca.SX(0)][: len(self.state_names())]
+
+    def conditions(self) -> list[Condition]:
+        if self.lower is None or self.upper is None:
+            return []
+        return [(self.upper.sx - self.lower.sx, "its upper limit is below the lower one")]
+
+    def rates(self) -> ca.SX:
+        r, y = self.input_of("setpoint"), self.input_of("measured")
+        wish, output = self._outputs()
+        rates = [self.integral.sx * (r - y) + (output - wish) / self.tracking_time.sx]
+        if self._differentiates:
+            rates.append((self._differentiated - self.states.pose[1]) / self.filter_time.sx)
+        return ca.vertcat(*rates)
+
+    @property
+    def _differentiated(self) -> ca.SX:
+        """``γ r − y``."""
+        return self.derivative_weight.sx * self.input_of("setpoint") - self.input_of("measured")
+
+    def _outputs(self) -> tuple[ca.SX, ca.SX]:
+        """``v`` and ``w``."""
+        r, y = self.input_of("setpoint"), self.input_of("measured")
+        wish = self.proportional.sx * (self.setpoint_weight.sx * r - y) + self.states.pose[0]
+        if self._differentiates:
+            change = self._differentiated - self.states.pose[1]
+            wish += self.derivative.sx * change / self.filter_time.sx
+        output = wish
+        if self.lower is not None:
+            output = ca.fmax(output, self.lower.sx)
+        if self.upper is not None:
+            output = ca.fmin(output, self.upper.sx)
+        return wish, output
+
+    def outputs(self) -> Signals:
+        wish, output = self._outputs()
+        error = self.input_of("setpoint") - self.input_of("measured")
+        return {"output": (output, ""), "unlimited": (wish, ""), "error": (error, "")}

@@ -1,0 +1,60 @@
+"""Coordinates of first order: states with rates of their own and without speeds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import casadi as ca
+
+from dalembert.elements.coordinates import Coordinates
+from dalembert.symbolic.formulas.expression import stack
+
+
+class States(Coordinates):
+    """States ``x`` with ``ẋ = f(t, y, v, x)``: bristles of friction, currents, controllers.
+
+    They change with time only; position analysis leaves them unchanged.
+
+    Parameters
+    ----------
+    name : of the group
+    names, units : of the states
+    rates : returns ``f`` (n,) SX
+    start : initial values; zero by default
+    """
+
+    def __init__(
+        self,
+        name: str,
+        names: Sequence[str],
+        units: Sequence[str],
+        rates: Callable[[], ca.SX],
+        start: Sequence[ca.SX] | None = None,
+    ):
+        self.name, self._rates = name, rates
+        self.coordinate_names, self.coordinate_units = tuple(names), tuple(units)
+        self.speed_names = self.speed_units = ()
+        self.rest = (0.0,) * len(names)
+        self.pose = stack(ca.SX.sym(f"{name}.{n}") for n in names)
+        self.twist = self.acceleration_symbols = ca.SX(0, 1)
+        self._start = [ca.SX(0)] * len(names) if start is None else list(start)
+
+    @property
+    def pose_rate(self) -> ca.SX:  # type: ignore[override]
+        return ca.densify(self._rates())
+
+    @property
+    def flat(self) -> bool:
+        return False
+
+    def retract(self, pose: ca.SX, displacement: ca.SX) -> ca.SX:
+        return pose
+
+    def displacement(self, pose: ca.SX, other: ca.SX) -> ca.SX:
+        return ca.SX(0, 1)
+
+    def guesses(self) -> tuple[list, list]:
+        return list(self._start), []
+
+    def specified(self) -> list[bool]:
+        return []
