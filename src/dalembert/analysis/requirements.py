@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+import casadi as ca
+
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.graph.model import Model
+
+LISTED = 6
+"""Upper limit of the states that are named."""
 
 
 def need_model(model: Any, verb: str) -> None:
@@ -33,6 +38,39 @@ def need_mechanism(model: Any, verb: str, instead: str) -> None:
     need_model(model, verb)
     if isinstance(model, StructuralModel):
         raise AnalysisError(f"{verb} is for mechanisms, {model.name!r} is a structure; {instead}")
+
+
+def refuse_states(model: Model, analysis: str) -> None:
+    """Raise if forces depend on states of first order, which an analysis does not integrate.
+
+    Raises
+    ------
+    UnsupportedError
+        Names the states.
+    """
+    e = model.equations
+    if e.states and ca.depends_on(ca.densify(e.force), e.y[list(e.states)]):
+        raise UnsupportedError(
+            f"forces depend on the states {_states(model)}, which {analysis} does not integrate; "
+            "use solve_dynamics"
+        )
+
+
+def constant_states(model: Model) -> list[str]:
+    """Warning about states of first order that an analysis leaves at their initial values."""
+    if not model.equations.states:
+        return []
+    return [
+        f"{_states(model)} keep their values at the start, as only solve_dynamics integrates "
+        "states of first order"
+    ]
+
+
+def _states(model: Model) -> str:
+    """Names of the states of first order."""
+    names = [model.guesses.names[k] for k in model.equations.states]
+    more = [f"{len(names) - LISTED} more"] if len(names) > LISTED else []
+    return ", ".join([*names[:LISTED], *more])
 
 
 def need_count(strategy: Any) -> None:

@@ -20,7 +20,7 @@ class States(Coordinates):
     name : of the group
     names, units : of the states
     rates : returns ``f`` (n,) SX
-    start : initial values; zero by default
+    start : initial values, None for steady states, which begin at ``f = 0``; zero by default
     """
 
     def __init__(
@@ -29,7 +29,7 @@ class States(Coordinates):
         names: Sequence[str],
         units: Sequence[str],
         rates: Callable[[], ca.SX],
-        start: Sequence[ca.SX] | None = None,
+        start: Sequence[ca.SX | None] | None = None,
     ):
         self.name, self._rates = name, rates
         self.coordinate_names, self.coordinate_units = tuple(names), tuple(units)

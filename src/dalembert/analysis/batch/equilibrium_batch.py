@@ -46,8 +46,9 @@ class EquilibriumBatch:
 
     @classmethod
     def serves(cls, analysis: Any, model: Model) -> bool:
-        """Whether all equations are independent, as the common assembly requires."""
-        return not (model.closure.lost or model.equations.contacts)
+        """Whether all equations are independent, as the common assembly requires, without states."""
+        e = model.equations
+        return not (model.closure.lost or e.contacts or e.states)
 
     def execute(self, report: Callable[[float], None]) -> Batch:
         """Batch of all designs; after an interruption with the finished ones."""

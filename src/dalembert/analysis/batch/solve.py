@@ -43,6 +43,14 @@ def run_analysis(
     return solve_batch(analysis, model, Designs.of(model, parameters), progress, count)
 
 
+def _together(analysis: Any, model: Any) -> bool:
+    """Whether designs are computed at once; steady states of first order have no common start."""
+    if model.kind != "mechanism" or analysis.batched is None:
+        return False
+    steady = model.closure.recipe.states.steady
+    return not steady and bool(analysis.batched.serves(analysis, model))
+
+
 def solve_batch(
     analysis: Analysis[Any, Any],
     model: ParametricModel,
@@ -62,8 +70,7 @@ def solve_batch(
         times()
     begin = clock.perf_counter()
     with progress_reporter(progress, f"{len(designs)} designs of {model.name}") as report:
-        together = model.kind == "mechanism" and analysis.batched is not None
-        if together and analysis.batched.serves(analysis, model):
+        if _together(analysis, model):
             batch: Batch = analysis.batched(analysis, model, designs, workers).execute(report)
             states = batch.samples if isinstance(batch.samples, States) else None
             elastic = elastic_warnings(states) if states is not None else []

@@ -23,15 +23,21 @@ from dalembert.analysis.equilibrium.static_balance import (
     statics_kernel,
 )
 from dalembert.analysis.residual_check import MOTION, ResidualCheck
+from dalembert.analysis.modes.linearization_kernel import linearization_kernel
+from dalembert.analysis.modes.linearized import Linearized
 from dalembert.formulations.base import Level
+from dalembert.model.graph.coordinates import AbsoluteCoordinates
 from dalembert.model.graph.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.equations.newton import NewtonSettings, solve
+from dalembert.text.wording import counted
 
 MAX_ITERATIONS = 200
 """Default upper limit of Newton iterations."""
+GROWING = 1e-9
+"""Threshold of growth: real part relative to the largest eigenvalue [-]."""
 LEAVES = "the mechanism leaves it; other guesses of the positions lead to a stable one"
 
 
@@ -67,8 +73,14 @@ def mechanism_equilibrium(
     solution = solve(balance, y, settings)
     forces, n = balance.residual(solution.x), model.equations.speed_count
     residual = float(np.abs(forces.value).max(initial=0.0)) / model.scales.length
-    stable = bool(np.all(forces.resistance > 0)) if forces.conservative else forces.stable
-    text = equilibrium_text(residual, solution.iterations, stable, forces.conservative)
+    if model.equations.states:
+        growing = growth_rates(model, time, solution.x, p) if solution.accepted else np.zeros(0)
+        stable = solution.accepted and not growing.size
+        text = equilibrium_text(residual, solution.iterations, stable)
+    else:
+        growing = np.zeros(0)
+        stable = bool(np.all(forces.resistance > 0)) if forces.conservative else forces.stable
+        text = equilibrium_text(residual, solution.iterations, stable, forces.conservative)
     outcome = Outcome.COMPLETED if solution.accepted else Outcome.NOT_CONVERGED
     if not solution.accepted:
         text += unbalanced_text(model, forces)
@@ -91,7 +103,7 @@ def mechanism_equilibrium(
         check.verify(Status(outcome, text, time, solution.residual)),
         {"iterations": solution.iterations, "stable": stable, "residual [N or N m]": residual},
         warnings=[
-            *(_stability_warnings(model, forces) if solution.accepted else []),
+            *(_stability_warnings(model, forces, growing) if solution.accepted else []),
             *ignored_contacts(model, trajectory, p),
             *elastic_warnings(model, trajectory, p),
         ],
@@ -99,6 +111,22 @@ def mechanism_equilibrium(
     )
 
 
-def _stability_warnings(model: Model, forces: Forces) -> list[str]:
-    """Warnings about directions of negative stiffness and of none."""
+def growth_rates(model: Model, time: float, y: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Real parts of the eigenvalues of growing motions about an equilibrium with states [1/s]."""
+    kernel = linearization_kernel(model, AbsoluteCoordinates())
+    x = kernel.state(time, y, np.zeros(model.equations.speed_count), p)
+    values = Linearized(kernel, time, x, p).eigenvalues
+    rates: np.ndarray = values.real[values.real > GROWING * np.abs(values).max(initial=0.0)]
+    return rates
+
+
+def _stability_warnings(model: Model, forces: Forces, growing: np.ndarray) -> list[str]:
+    """Warnings about growing motions, or directions of negative stiffness and of none."""
+    if growing.size:
+        return [
+            f"the equilibrium is not stable: {counted(growing.size, 'motion')} of the bodies and "
+            f"states grow with rates up to {growing.max():.3g} 1/s; see linearize"
+        ]
+    if model.equations.states:
+        return []
     return [*instability_warnings(forces.negative, LEAVES), *neutral_warnings(model, forces)]

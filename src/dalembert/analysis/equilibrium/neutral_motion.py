@@ -49,7 +49,7 @@ def _neutral_motions(forces: Forces) -> np.ndarray:
 def _bodies(model: Model, motions: np.ndarray) -> str:
     """The bodies that move, each with its moving coordinates."""
     guesses, sizes = model.closure.guesses, model.equations.scales.displacements
-    lengths = np.linalg.norm(motions / sizes[:, None], axis=1)
+    lengths = np.linalg.norm(motions[: sizes.size] / sizes[:, None], axis=1)
     moving: dict[str, list[str]] = {}
     names = zip(guesses.owners, guesses.speed_names, lengths, strict=True)
     for owner, name, length in names:

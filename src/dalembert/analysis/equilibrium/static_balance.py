@@ -11,6 +11,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.model.graph.assembly.position import position_stages
+from dalembert.model.graph.displaced_states import with_displaced_states
 from dalembert.model.graph.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.equations.implicit import ImplicitFunction
@@ -35,12 +36,18 @@ CLOSED = NewtonSettings(tolerance=1e-13, max_iterations=20)
 
 
 class StaticsKernel(CacheOwner):
-    """Compiled static equations of a model."""
+    """Compiled static equations of a model.
+
+    Attributes
+    ----------
+    model : Model
+    equations : of the model at rest; states of first order have displacements
+    """
 
     def __init__(self, model: Model):
         model.closure.refuse_singular_start()
-        e = model.equations
-        self.model = model
+        self.model, self.equations = model, with_displaced_states(model.equations)
+        e = self.equations
         at_rest = ca.substitute(e.force - e.bias, e.v, ca.SX.zeros(e.speed_count))
         forces = at_rest - ca.mtimes(e.jacobian.T, e.multiplier)
         self.balance = forces
@@ -59,7 +66,7 @@ class StaticsKernel(CacheOwner):
     @property
     def configuration(self) -> ImplicitFunction:
         """``(t, [y; λ] nearby, p) → y, λ`` with exact derivatives."""
-        e = self.model.equations
+        e = self.equations
         near = ca.SX.sym("near", e.coordinate_count + e.constraint_count)
         unknown = ca.vertcat(e.y, e.multiplier)
         displacement = e.manifold.displacement(near[: e.coordinate_count], e.y)
@@ -77,7 +84,7 @@ class StaticsKernel(CacheOwner):
     @once
     def measured(self, measure: Expression) -> ImplicitFunction:
         """A measure of the equilibrium; speeds and accelerations are zero."""
-        e = self.model.equations
+        e = self.equations
         rates = ca.vertcat(e.v, e.a)
         at_rest = ca.substitute(e.without_dropped(measure.sx), rates, ca.SX.zeros(rates.numel()))
         configuration = self.configuration
@@ -166,6 +173,9 @@ class Forces(FreeDirections, Residual):
 class StaticBalance(Equations[np.ndarray]):
     """Equilibrium of a model at an instant.
 
+    With states of first order it is no minimum of a potential, so that Newton's steps are taken as
+    they are and reduce the residual.
+
     Parameters
     ----------
     kernel : StaticsKernel
@@ -175,9 +185,10 @@ class StaticBalance(Equations[np.ndarray]):
 
     def __init__(self, kernel: StaticsKernel, time: float, p: np.ndarray):
         self.kernel, self.time, self.p = kernel, time, p
-        e = kernel.model.equations
+        self.e = e = kernel.equations
         self.idle, self.sizes = np.zeros(e.constraint_count), e.scales
         self.longest = LONGEST * self.sizes.displacements
+        self.longest[e.speed_count - len(e.states) :] = np.inf
 
     def evaluate(self, y: np.ndarray, multiplier: np.ndarray):
         """Applied force, ``C``, stiffness and ``Φ``."""
@@ -213,13 +224,15 @@ class StaticBalance(Equations[np.ndarray]):
     def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
         """Newton step, or a descent step if a direction has no positive stiffness."""
         assert isinstance(residual, Forces)
-        if residual.stable:
+        if residual.stable or self.e.states:
             return residual.free @ residual.deflection(residual.value)
         return residual.free @ (residual.value / residual.stiff)
 
     def steps(self, x: np.ndarray, residual: Residual) -> Iterator[np.ndarray]:
         """Steps with a correction along stiff directions, which steps along soft ones rotate."""
         assert isinstance(residual, Forces)
+        if self.e.states:
+            yield from super().steps(x, residual)
         stiff = residual.stiff > STIFF * residual.stiff.min(initial=np.inf)
         across = residual.free[:, stiff] / residual.stiff[stiff]
         for step in super().steps(x, residual):
@@ -240,7 +253,9 @@ class StaticBalance(Equations[np.ndarray]):
         Residuals are unsuitable, because steps along soft directions bend stiff ones slightly.
         """
         assert isinstance(here, Forces) and isinstance(there, Forces)
-        displacement = self.kernel.model.equations.manifold.lead(here.y, there.y)
+        if self.e.states:
+            return super().nearer(here, there, zero)
+        displacement = self.e.manifold.lead(here.y, there.y)
         if (here.force + there.force) @ displacement > 0:
             return True
         if not (here.stable and np.all(np.isfinite(there.value))):
@@ -250,7 +265,7 @@ class StaticBalance(Equations[np.ndarray]):
 
     def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
         """The assembled position near ``x + step``, NaN if there is none."""
-        position = self.onto_constraints(self.kernel.model.equations.manifold.go(x, step))
+        position = self.onto_constraints(self.e.manifold.go(x, step))
         return np.full_like(x, np.nan) if position is None else position
 
     def onto_constraints(self, y: np.ndarray) -> np.ndarray | None:
@@ -273,7 +288,7 @@ class _Closure(Equations[np.ndarray]):
         self.balance = balance
 
     def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
-        return self.balance.kernel.model.equations.manifold.go(x, step)
+        return self.balance.e.manifold.go(x, step)
 
     def residual(self, x: np.ndarray) -> Violation:
         _, c, _, phi = self.balance.evaluate(x, self.balance.idle)

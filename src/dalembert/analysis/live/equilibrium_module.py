@@ -30,6 +30,8 @@ def obstacle(motion: Motion) -> str:
         return f"no equilibrium was found ({motion.status.outcome.value})"
     if model.equations.contacts:
         return "the mechanism has rigid contacts"
+    if model.equations.states:
+        return "the mechanism has states of first order"
     if model.equations.slips:
         return "the equilibrium of rolling bodies depends on the path"
     if not motion.statistics["stable"]:

@@ -14,4 +14,6 @@ def common_obstacle(analysis: Any, model: Model) -> str:
         return "times of the analysis follow parameters"
     if model.parts.space.computed:
         return "shapes of flexible bodies are computed by finite elements"
+    if model.closure.recipe.states.steady:
+        return "states of first order start at steady values"
     return ""

@@ -20,7 +20,7 @@ def closing(closure: Closure) -> ca.Function:
     residual, sizes = recipe.position_equations
     if not residual.numel():
         return ca.Function("closing", [e.t, start, e.p], [start, ca.SX.zeros(1)])
-    stage, *retraction = position_stages(e, start, residual, sizes)
+    stage, *retraction = position_stages(recipe.states.at_start, start, residual, sizes)
     at_start = [ca.densify(stage.residual), ca.densify(stage.solve(stage.residual))]
     value, correction = ca.substitute(at_start, [stage.unknown], [ca.densify(stage.value)])
     new = stage.value - correction

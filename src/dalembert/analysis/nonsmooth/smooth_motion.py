@@ -35,6 +35,11 @@ class SmoothMotion:
                 "a force depends on reactions or accelerations (e.g. friction in a joint), which "
                 "solve_nonsmooth cannot evaluate before the step; use solve_dynamics"
             )
+        if e.states:
+            raise UnsupportedError(
+                "the model has states of first order, which solve_nonsmooth does not integrate; "
+                "use solve_dynamics"
+            )
         inputs_at_position = [e.t, e.y, e.p]
         still = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
         damping, stiffness = ca.jacobian(driving, e.v), e.by_displacement(driving)

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Element, Scalar, quantity
+from dalembert.elements.base import Element, Scalar, option, quantity
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.states import States
 from dalembert.errors import ModelError
@@ -41,12 +41,15 @@ class Block(Element):
     other. A new block states ``state_names``, ``rates`` and ``outputs``.
     """
 
+    steady: bool = option("start where the rates of the states are zero", default=False, keyword=True)
+
     not_drawn: ClassVar[str] = "a signal has no place"
 
     def __post_init__(self) -> None:
         super().__post_init__()
         names, units = self.state_names(), self.state_units()
-        self.states = States(self.name, names, units, self.rates, self.initial_states())
+        start = [None] * len(names) if self.steady else self.initial_states()
+        self.states = States(self.name, names, units, self.rates, start)
 
     def __setattr__(self, name: str, value: Any) -> None:
         meta = next((m for field, m in self.quantities() if field == name and SIGNAL in m), None)

@@ -235,6 +235,15 @@ class Equations:
         """Rows of holonomic equations."""
         return tuple(k for k in range(self.constraint_count) if k not in self.slips)
 
+    @cached_property
+    def states(self) -> tuple[int, ...]:
+        """Coordinates of first order, which have no displacements."""
+        m = self.manifold
+        if m.flat:
+            return ()
+        moving = set(ca.jacobian_sparsity(m.moved, m.delta).row())
+        return tuple(k for k in range(self.coordinate_count) if k not in moving)
+
     def by_displacement(self, expression: ca.SX) -> ca.SX:
         """Derivative ``(∂·/∂y) A`` of an expression of positions by displacements."""
         return ca.sparsify(ca.mtimes(ca.jacobian(expression, self.y), self.lift))

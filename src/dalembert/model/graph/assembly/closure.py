@@ -235,6 +235,7 @@ class Closure(CacheOwner):
     def state(self, y: np.ndarray, p: np.ndarray, time: float) -> AssembledState:
         """The initial state at an assembled position."""
         v = self.recipe.speeds_at(time, y, p)
+        y = self.recipe.states.steady_at(time, y, v, p)
         residual = np.abs(self.pinned.at(time, p).residual(y).value).max(initial=0.0)
         guess_y, guess_v = self.guesses.values(p)[0], self.guesses.speeds(y, p)
         projected = self.recipe.projected
@@ -302,6 +303,7 @@ class Closure(CacheOwner):
 
     def _follow(self, p0: np.ndarray, y0: np.ndarray, p1: np.ndarray, time: float) -> np.ndarray:
         """The assembled position on the branch of a known one."""
+        y0 = self.recipe.states.given_at(y0, p1)
         y, reached = continued(self.pinned, y0, p0, p1, time)
         if reached < 1.0:
             end = BranchEnd(reached * time, p0 + reached * (p1 - p0), y)

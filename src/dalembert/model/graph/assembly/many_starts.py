@@ -60,6 +60,7 @@ class ManyStarts:
         while (going := np.flatnonzero((reached < 1.0) & ~lost)).size:
             target = np.minimum(1.0, reached[going] + step[going])
             here = first + target[:, None] * (p[going] - first)
+            y[going] = self._with_states(y[going], here)
             equations = PinnedPositions(self.closure, self.evaluate, target * time, here)
             solutions = solve_many(equations, y[going], FOLLOWED)
             roots, accepted = solutions.points.x, solutions.accepted
@@ -71,6 +72,13 @@ class ManyStarts:
             y[bad[lost[bad]]] = roots[~accepted][lost[bad]]
             reached[bad[lost[bad]]] = target[~accepted][lost[bad]]
         return y, reached, ~lost
+
+    def _with_states(self, y: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """Positions with the given states of first order."""
+        states = self.closure.recipe.states
+        if not states.given:
+            return y
+        return np.array([states.given_at(*row) for row in zip(y, p, strict=True)])
 
     def gaps(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Index of the most violated equation, by natural sizes, and its violation.

@@ -18,6 +18,7 @@ import scipy
 
 from dalembert.model.graph.assembly.assembly import ROUNDING, Assembler
 from dalembert.model.graph.assembly.guesses import Guesses
+from dalembert.model.graph.assembly.initial_states import InitialStates
 from dalembert.model.graph.assembly.position import position_stages
 from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.scales import Scales
@@ -99,6 +100,11 @@ class Recipe:
     speeds: FixedSpeeds = field(default_factory=FixedSpeeds)
     projected: bool = False
 
+    @cached_property
+    def states(self) -> InitialStates:
+        """Values of the states of first order."""
+        return InitialStates(self.equations, self.guesses)
+
     @property
     def position_rows(self) -> list[int]:
         """Rows of holonomic equations."""
@@ -130,9 +136,9 @@ class Recipe:
 
         ``y_start`` is the assembled position itself; it only selects the point of differentiation.
         """
-        e = self.equations
+        e, states = self.equations, self.states
         start = ca.SX.sym("y_start", e.coordinate_count)
-        position = position_stages(e, start, *self.position_equations)
+        position = position_stages(states.at_start, start, *self.position_equations)
         unknown, equations = self._speed_equations()
         speed_factor = QrFactor(ca.jacobian(equations, unknown), *self._speed_sizes())
         at_zero = ca.substitute(equations, unknown, ca.SX.zeros(unknown.numel()))
@@ -143,8 +149,8 @@ class Recipe:
             speed_factor.solve,
             speed_factor.solve_transposed,
         )
-        stages = [*position, velocity]
-        return ImplicitFunction("initial_state", [e.t, start, e.p], stages, [e.y, e.v])
+        stages = [*position, velocity, *states.stages(start)]
+        return ImplicitFunction("initial_state", [e.t, start, e.p], stages, [states.y, e.v])
 
     def _speed_equations(self) -> tuple[ca.SX, ca.SX]:
         """Unknowns, and equations linear in them, of the initial speeds."""
