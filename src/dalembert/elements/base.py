@@ -44,7 +44,7 @@ Powers = list[tuple[ca.SX, ca.SX]]
 
 
 def quantity(
-    unit: str,
+    unit: str | None,
     description: str,
     *,
     default: Any = dataclasses.MISSING,
@@ -58,6 +58,7 @@ def quantity(
 
     Parameters
     ----------
+    unit : or alternatives separated by ``|``; None for any dimension
     minimum_size : smallest number of entries in a file, for classes that complete them
     minimum : inclusive lower limit
     above : exclusive lower limit; limits are checked at the values of the parameters

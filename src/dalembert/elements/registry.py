@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dalembert.elements import planar, spatial
+from dalembert.elements import blocks, planar, spatial
 from dalembert.elements.curves import FormulaCurve, SplineCurve
 from dalembert.elements.laws.base import Formula, Harmonic, Polynomial, Product, Sum
 from dalembert.elements.laws.rise import (
@@ -83,6 +83,9 @@ PLANAR = Space(
             planar.Bushing,
             planar.JointFriction,
             planar.JointActuator,
+            planar.BristleFriction,
+            planar.DCMotor,
+            planar.HydraulicCylinder,
             planar.Stop,
             planar.Contact,
             planar.ClearanceRevolute,
@@ -148,6 +151,9 @@ SPATIAL = Space(
             spatial.Actuator,
             spatial.JointFriction,
             spatial.JointActuator,
+            spatial.BristleFriction,
+            spatial.DCMotor,
+            spatial.HydraulicCylinder,
             spatial.Stop,
             spatial.Contact,
             spatial.ClearanceSpherical,
@@ -174,6 +180,14 @@ def elements_of(space: Space, section: str) -> dict[str, type]:
     return space.sections[section] | qualified
 
 
+BLOCKS = named(
+    blocks.State,
+    blocks.PID,
+    blocks.TransferFunction,
+    blocks.StateSpace,
+    blocks.LeadLag,
+    blocks.LowPass,
+)
 LAWS = named(
     Formula,
     Polynomial,

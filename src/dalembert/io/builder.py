@@ -76,9 +76,10 @@ class Builder:
         elements.section("bodies")
         elements.section("beams")
         self.elastic.add()
+        elements.blocks()
         elements.section("joints")
         elements.section("drivers")
-        elements.forces()
+        elements.forces_and_inputs()
 
     def initial(self) -> None:
         """Prescribe measures, or motions of nodes, at the start."""
@@ -106,6 +107,7 @@ class Builder:
             "points and frames": sum(len(named or ()) for named in points),
             "joints": len(document.joints),
             "forces": len(document.forces),
+            "blocks": len(document.blocks),
         }
         for section, count in counts.items():
             check_budget(

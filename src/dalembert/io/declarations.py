@@ -28,10 +28,23 @@ def dependency_order(section: str, formulas: Mapping[str, Iterable[str]]) -> lis
     ExpressionError
         Circular references; names the cycle.
     """
-    needs = {
-        name: [n for text in texts for n in _FIRST_NAME.findall(text) if n in formulas]
-        for name, texts in formulas.items()
-    }
+    return ordered(
+        section,
+        {
+            name: {n for text in texts for n in _FIRST_NAME.findall(text) if n in formulas}
+            for name, texts in formulas.items()
+        },
+    )
+
+
+def ordered(section: str, needs: Mapping[str, set[str]]) -> list[str]:
+    """Names of a section, each after those that it needs.
+
+    Raises
+    ------
+    ExpressionError
+        Circular references; names the cycle.
+    """
     try:
         return list(TopologicalSorter(needs).static_order())
     except CycleError as error:

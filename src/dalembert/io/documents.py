@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import BaseModel, Field, create_model
 from pydantic.json_schema import models_json_schema
 
-from dalembert.elements.registry import SPACES, Space
+from dalembert.elements.registry import BLOCKS, SPACES, Space
 from dalembert.io.choices import Record, one_of
 from dalembert.io.decisions.design_tables import SynthesisTable
 from dalembert.io.decisions.task_tables import (
@@ -52,6 +52,7 @@ _STRUCTURAL_ANALYSIS = any_of(
 _FINAL = partial(
     table_of, "Final", RESPONSES["Final"], optional_type=True, title="StructuralFinal", more=CASE
 )
+_BLOCK = any_of(BLOCKS)
 _STRUCTURAL_RESPONSE = one_of(
     {
         n: _FINAL if n == "Final" else partial(table_of, n, c, more=CASE)
@@ -89,7 +90,7 @@ class Document(ModelDocument):
 
     sections = (
         *("parameters", "tables", "derived", "histories", "nodes", "bodies", "beams", "elements"),
-        *("meshes", "joints", "drivers", "forces"),
+        *("meshes", "blocks", "joints", "drivers", "forces"),
     )
     analyses = ANALYSES
     builder = System
@@ -111,6 +112,9 @@ class Document(ModelDocument):
     joints: dict[str, Any] = Field(default_factory=dict)
     drivers: dict[str, Any] = Field(default_factory=dict)
     forces: dict[str, Any] = Field(default_factory=dict)
+    blocks: dict[str, _BLOCK] = Field(  # type: ignore[valid-type]
+        default_factory=dict, description="states of first order and controllers, by name"
+    )
     analysis: _ANALYSIS = None  # type: ignore[valid-type]
     responses: dict[str, _RESPONSE] = Field(default_factory=dict)  # type: ignore[valid-type]
     cases: dict[str, CaseTable] = Field(default_factory=dict)

@@ -22,6 +22,7 @@ from dalembert.analysis.events import Event, Events
 from dalembert.analysis.transient.equation import Rayleigh
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.elements.base import Constraint, Rows, Vector
+from dalembert.elements.blocks.block import Coefficients
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw, Restitution
@@ -37,6 +38,7 @@ from dalembert.elements.laws.base import Law
 from dalembert.elements.point import Point
 from dalembert.elements.rotation import Orientation
 from dalembert.elements.springs import ForceLaw
+from dalembert.elements.stateful import SIGNAL
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
@@ -72,7 +74,17 @@ FILE_TYPES: dict[Any, Any] = {
     for kind in (
         *(bool, int, float, str, Path, Rows, Points, Names, Interval, Measured, Events),
         *(Constraint, Law, Laws, Places, ForceLaw, Curve, Rayleigh, StructuralResult, *CONNECTABLE),
-        *(Frames, Orientation, CountOrTimes, Shape, Shapes, Pairs, NormalLaw, Friction),
+        *(
+            Frames,
+            Orientation,
+            CountOrTimes,
+            Coefficients,
+            Shape,
+            Shapes,
+            Pairs,
+            NormalLaw,
+            Friction,
+        ),
         *(Beam, FlexibleStructure, Interfaces, Numbers, Distribution),
         *(Coordinates, Formulation, Stabilization, Integrator, ContactScheme, ContactSolver),
     )
@@ -112,6 +124,11 @@ class FileField:
     def minimum_size(self) -> int:
         """Minimum number of entries if the remaining ones have defaults; 0 if all are needed."""
         return self.field.metadata.get("minimum_size", 0)
+
+    @property
+    def is_signal(self) -> bool:
+        """Whether it is an input, which may depend on elements that follow."""
+        return SIGNAL in self.field.metadata
 
     @property
     def is_needed(self) -> bool:
@@ -166,12 +183,17 @@ def keyed_fields(cls: type, hidden: frozenset[str] = frozenset({"name"})) -> lis
 
 
 def read_fields(
-    cls: type, table: BaseModel, located: Any, where: tuple[str | int, ...], value: Callable
+    cls: type,
+    table: BaseModel,
+    located: Any,
+    where: tuple[str | int, ...],
+    value: Callable,
+    chosen: Callable[[FileField], bool] = lambda field: True,
 ) -> dict[str, Any]:
-    """Values of the fields in a table, converted by ``value(field, entry, where)``."""
+    """Values of the chosen fields in a table, converted by ``value(field, entry, where)``."""
     values = {}
     for field in keyed_fields(cls):
-        if field.name in table.model_fields_set:
+        if field.name in table.model_fields_set and chosen(field):
             here = (*where, field.name)
             with located(*here):
                 values[field.name] = value(field, getattr(table, field.name), here)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
 
 from dalembert.elements.base import Constraint, ForceElement, Rows
+from dalembert.elements.blocks.block import Coefficients
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw
@@ -20,13 +22,20 @@ from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law
 from dalembert.elements.point import Point
-from dalembert.elements.registry import CONTACT_LAWS, CONTACT_PAIRS, FRICTIONS, SHAPES, elements_of
+from dalembert.elements.registry import (
+    BLOCKS,
+    CONTACT_LAWS,
+    CONTACT_PAIRS,
+    FRICTIONS,
+    SHAPES,
+    elements_of,
+)
 from dalembert.elements.rotation import Orientation
 from dalembert.elements.springs import ForceLaw
 from dalembert.elements.user_constraint import UserConstraint
 from dalembert.io.declarations import (
     declare_history,
-    dependency_order,
+    ordered,
 )
 from dalembert.io.documents import Document
 from dalembert.io.fields import (
@@ -49,6 +58,9 @@ from dalembert.io.references import References
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.system import System
 from dalembert.symbolic.formulas.expression import Expression
+
+INPUTS = " inputs"
+"""Ending of the node of the inputs of an element in the graph of dependence."""
 
 
 class MechanismElements:
@@ -103,19 +115,86 @@ class MechanismElements:
     def vector(self, entries: list, scope: Scope) -> list:
         return [self.formulas.read(entry, scope) for entry in entries]
 
-    def forces(self) -> None:
-        """Add forces, which may be formulas of other forces, in order of dependence."""
-        entries: dict[str, Any] = self.document.forces
+    def blocks(self) -> None:
+        """Add blocks without their inputs, which may be formulas of all other elements."""
+        for name in self.document.blocks:
+            self.add("blocks", name)
+
+    def forces_and_inputs(self) -> None:
+        """Add forces, then inputs of blocks and forces, each after those that it depends on."""
+        tables: dict[str, tuple[str, Any]] = {}
+        for section in ("blocks", "forces"):
+            tables |= {n: (section, t) for n, t in getattr(self.document, section).items()}
         with self.located():
-            classes = elements_of(self.document.space, "forces")
-            texts = {name: _formula_texts(classes[f.type], f) for name, f in entries.items()}
-            order = dependency_order("forces", texts)
-        for name in order:
-            self.add("forces", name)
+            for name, part in self._order(tables):
+                section, table = tables[name]
+                if part == INPUTS:
+                    self._connect(section, name, table)
+                elif section == "forces":
+                    self.add("forces", name)
+
+    def _order(self, tables: dict[str, tuple[str, Any]]) -> list[tuple[str, str]]:
+        """Names of forces and blocks, and which part of them, in order of dependence.
+
+        A state of an element needs only the element, other measures its inputs, too.
+        """
+        names = "|".join(map(re.escape, tables)) or "(?!)"
+        used = re.compile(rf"(?<![\w.])({names})\b(?:\.(\w+))?")
+        needs: dict[str, set[str]] = {}
+        inputs = {name: self._inputs(*entry) for name, entry in tables.items()}
+
+        def needed(texts: list[str]) -> set[str]:
+            found = {match.groups() for text in texts for match in used.finditer(text)}
+            return {
+                other + INPUTS
+                if inputs[other] and quantity not in self._states(other, *tables[other])
+                else other
+                for other, quantity in found
+            }
+
+        for name, (section, table) in tables.items():
+            cls = self._class(section, table)
+            needs[name] = needed(_formula_texts(cls, table, inputs[name], False))
+            if inputs[name]:
+                needs[name + INPUTS] = {name} | needed(_formula_texts(cls, table, inputs[name]))
+        order = ordered("forces", needs)
+        return [(n.removesuffix(INPUTS), INPUTS if n.endswith(INPUTS) else "") for n in order]
+
+    def _class(self, section: str, table: Any) -> Any:
+        """Class of an element."""
+        space = self.document.space
+        classes = BLOCKS if section == "blocks" else elements_of(space, section)
+        return classes[table.type]
+
+    def _inputs(self, section: str, table: Any) -> list[str]:
+        """Inputs of an element in the file."""
+        fields = keyed_fields(self._class(section, table))
+        return [f.name for f in fields if f.is_signal and f.name in table.model_fields_set]
+
+    def _states(self, name: str, section: str, table: Any) -> tuple[str, ...]:
+        """Names of the states of an element."""
+        if section == "blocks":
+            return self.system.elements[name].states.coordinate_names  # type: ignore[attr-defined]
+        return getattr(self._class(section, table), "fixed_states", ())
+
+    def _connect(self, section: str, name: str, table: Any) -> None:
+        """Assign the inputs of an element."""
+        cls, where = self._class(section, table), (section, name)
+        keys = read_fields(
+            cls,
+            table,
+            self.located,
+            where,
+            lambda field, value, here: self.value(field, value, Scope.MOTION, here),
+            lambda field: field.is_signal,
+        )
+        for field, value in keys.items():
+            with self.located(*where, field):
+                setattr(self.system.elements[name], field, value)
 
     def add(self, section: str, name: str) -> None:
         table = getattr(self.document, section)[name]
-        cls, where = elements_of(self.document.space, section)[table.type], (section, name)
+        cls, where = self._class(section, table), (section, name)
         moving = issubclass(cls, (ForceElement, UserConstraint)) and section != "beams"
         scope = Scope.MOTION if moving else Scope.PARAMETERS
         with self.located(*where):
@@ -131,6 +210,7 @@ class MechanismElements:
                 self.located,
                 where,
                 lambda field, value, here: self.value(field, value, scope, here),
+                lambda field: not field.is_signal,
             )
             self.system.add(construct(cls, name, *ties, **keys))
 
@@ -154,6 +234,7 @@ class MechanismElements:
             Pairs: lambda: self.pairs(entry, where),
             NormalLaw: lambda: self.component(CONTACT_LAWS, entry, where),
             Friction: lambda: self.component(FRICTIONS, entry, where),
+            Coefficients: lambda: self.vector(entry, scope),
             Rows: lambda: [self.vector(row, Scope.PARAMETERS) for row in entry],
             Path: lambda: self.folder / entry,
             Numbers: lambda: {n: self.formulas.read(v, Scope.PARAMETERS) for n, v in entry.items()},
@@ -206,11 +287,14 @@ class MechanismElements:
         return law
 
 
-def _formula_texts(cls: type, table: BaseModel) -> list[str]:
-    """Formulas of an element that may name other elements."""
+def _formula_texts(
+    cls: type, table: BaseModel, chosen: Sequence[str], included: bool = True
+) -> list[str]:
+    """Formulas of the chosen keys of an element, or of the others."""
     formulas: list[str] = []
     for field in keyed_fields(cls):
-        if field.holds in (Quantity, Quantities, ForceLaw):
+        formula = field.holds in (Quantity, Quantities, ForceLaw, Coefficients)
+        if formula and (field.name in chosen) is included:
             entries = _as_list(getattr(table, field.name))
             formulas += [entry for entry in entries if isinstance(entry, str)]
     return formulas

@@ -139,6 +139,7 @@ VALUES: dict[Any, Any] = {
     int: Integer,
     bool: Flag,
     Rows: ListOfRows,
+    fields.Coefficients: list[Entry],
     fields.CountOrTimes: CountOrTimes,
     Interval: list_of(Number, 2, "start, end"),
     Names: list[Text],

@@ -46,7 +46,7 @@ class EquilibriumBatch:
 
     @classmethod
     def serves(cls, analysis: Any, model: Model) -> bool:
-        """Whether all equations are independent, as the common assembly requires, without states."""
+        """Whether all equations are independent, as assembly requires, and there are no states."""
         e = model.equations
         return not (model.closure.lost or e.contacts or e.states)
 

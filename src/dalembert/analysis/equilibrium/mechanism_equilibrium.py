@@ -22,9 +22,9 @@ from dalembert.analysis.equilibrium.static_balance import (
     StaticsKernel,
     statics_kernel,
 )
-from dalembert.analysis.residual_check import MOTION, ResidualCheck
 from dalembert.analysis.modes.linearization_kernel import linearization_kernel
 from dalembert.analysis.modes.linearized import Linearized
+from dalembert.analysis.residual_check import MOTION, ResidualCheck
 from dalembert.formulations.base import Level
 from dalembert.model.graph.coordinates import AbsoluteCoordinates
 from dalembert.model.graph.model import Model

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 
 from dalembert.elements.base import Scalar, quantity
-from dalembert.elements.blocks.block import Block, Signals, signal
+from dalembert.elements.blocks.block import Block, Signals
+from dalembert.elements.stateful import signal
 
 
 @dataclass(eq=False)
@@ -35,14 +35,13 @@ class LeadLag(Block):
     1.2642
     """
 
-    input: Scalar = signal("", "formula of measures")
+    fixed_states = ("state",)
+
+    input: Scalar = signal(None, "formula of measures")
     lead: Scalar = quantity("s", "time constant of the numerator", default=0.0, minimum=0.0)
     lag: Scalar = quantity("s", "time constant of the denominator", default=1.0, above=0.0)
-    gain: Scalar = quantity("", "gain at rest", default=1.0)
-    start: Scalar = quantity("", "input before the start", default=0.0)
-
-    def state_names(self) -> Sequence[str]:
-        return ("state",)
+    gain: Scalar = quantity(None, "gain at rest", default=1.0)
+    start: Scalar = quantity(None, "input before the start", default=0.0)
 
     def initial_states(self) -> list[ca.SX]:
         return [self.start.sx]

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Scalar, option, quantity
-from dalembert.elements.blocks.block import Block, Signals, signal
+from dalembert.elements.blocks.block import Block, Signals
+from dalembert.elements.stateful import signal
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import stack
 
@@ -43,10 +44,10 @@ class LowPass(Block):
     1.2642
     """
 
-    input: Scalar = signal("", "formula of measures")
+    input: Scalar = signal(None, "formula of measures")
     cutoff: Scalar = quantity("rad/s", "angular frequency of the gain 1/√2", default=1.0, above=0.0)
     order: int = option("order", default=1)
-    start: Scalar = quantity("", "input before the start", default=0.0)
+    start: Scalar = quantity(None, "input before the start", default=0.0)
 
     def __post_init__(self) -> None:
         if not isinstance(self.order, int) or not 1 <= self.order <= HIGHEST:

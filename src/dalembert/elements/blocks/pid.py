@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Condition, Scalar, quantity
-from dalembert.elements.blocks.block import Block, Signals, signal
+from dalembert.elements.blocks.block import Block, Signals
+from dalembert.elements.stateful import signal
 
 
 @dataclass(eq=False)
@@ -47,18 +48,18 @@ class PID(Block):
     (1.0, 20.0)
     """
 
-    setpoint: Scalar = signal("", "setpoint, a formula of measures and t", default=0.0)
-    measured: Scalar = signal("", "controlled signal, a formula of measures")
-    proportional: Scalar = quantity("", "gain K", default=1.0)
-    integral: Scalar = quantity("1/s | ", "gain I of the integral", default=0.0)
-    derivative: Scalar = quantity("s | ", "gain D of the derivative", default=0.0)
+    setpoint: Scalar = signal(None, "setpoint, a formula of measures and t", default=0.0)
+    measured: Scalar = signal(None, "controlled signal, a formula of measures")
+    proportional: Scalar = quantity(None, "gain K", default=1.0)
+    integral: Scalar = quantity(None, "gain I of the integral", default=0.0)
+    derivative: Scalar = quantity(None, "gain D of the derivative", default=0.0)
     filter_time: Scalar = quantity("s", "time constant of the derivative", default=0.01, above=0.0)
     setpoint_weight: Scalar = quantity("", "weight β of the setpoint", default=1.0)
     derivative_weight: Scalar = quantity("", "weight γ in the derivative", default=0.0)
-    lower: Scalar = quantity("", "lower limit of the output", default=None)
-    upper: Scalar = quantity("", "upper limit of the output", default=None)
+    lower: Scalar = quantity(None, "lower limit of the output", default=None)
+    upper: Scalar = quantity(None, "upper limit of the output", default=None)
     tracking_time: Scalar = quantity("s", "time of the anti-windup", default=1.0, above=0.0)
-    start: Scalar = quantity("", "integral at the start", default=0.0)
+    start: Scalar = quantity(None, "integral at the start", default=0.0)
 
     def state_names(self) -> Sequence[str]:
         return ("integral", "filtered") if self._differentiates else ("integral",)

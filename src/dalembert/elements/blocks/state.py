@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Scalar, option, quantity
-from dalembert.elements.blocks.block import Block, Signals, signal
+from dalembert.elements.blocks.block import Block, Signals
+from dalembert.elements.stateful import signal
 from dalembert.symbolic.formulas.expression import Expression
 
 
@@ -39,12 +40,11 @@ class State(Block):
     14.7152
     """
 
-    rate: Scalar = signal("", "rate of the state, a formula of measures, t and parameters")
-    start: Scalar = quantity("", "value at the start", default=0.0)
-    unit: str = option("unit of the state", default="")
+    fixed_states = ("value",)
 
-    def state_names(self) -> Sequence[str]:
-        return ("value",)
+    rate: Scalar = signal(None, "rate of the state, a formula of measures, t and parameters")
+    start: Scalar = quantity(None, "value at the start", default=0.0)
+    unit: str = option("unit of the state", default="")
 
     def state_units(self) -> Sequence[str]:
         return (self.unit,)

@@ -9,6 +9,7 @@ import casadi as ca
 
 from dalembert.elements.base import Rows, option
 from dalembert.elements.blocks.block import Block, Coefficients, Signals, coefficients
+from dalembert.elements.stateful import signals
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import stack
 
@@ -42,7 +43,7 @@ class StateSpace(Block):
     3.7927
     """
 
-    inputs: Coefficients = option("formulas of measures", default=())
+    inputs: Coefficients = signals("formulas of measures")
     A: Rows = option("rows of the matrix of the states", default=())
     B: Rows = option("rows of the matrix of the inputs", default=())
     C: Rows = option("rows of the matrix of the outputs", default=())

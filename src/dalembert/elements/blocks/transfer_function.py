@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Scalar, option, quantity
-from dalembert.elements.blocks.block import Block, Coefficients, Signals, coefficients, signal
+from dalembert.elements.blocks.block import Block, Coefficients, Signals, coefficients
+from dalembert.elements.stateful import signal
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import Expression, stack
 
@@ -17,7 +18,7 @@ from dalembert.symbolic.formulas.expression import Expression, stack
 class TransferFunction(Block):
     """``G(s) = (b_m sᵐ + … + b_0)/(a_n sⁿ + … + a_0)``, ``m ≤ n``, in controllable canonical form.
 
-    With ``a_n = 1``, ``ẋ_1 = x_2``, …, ``ẋ_n = u − Σ a_k x_{k+1}`` and ``w = Σ c_k x_{k+1} + b_n u``
+    With ``a_n = 1``, ``ẋ_1 = x_2``, …, ``ẋ_n = u − Σ a_k x_{k+1}``, ``w = Σ c_k x_{k+1} + b_n u``,
     with ``c_k = b_k − a_k b_n`` (Kailath, Linear Systems, 1980, 2.1).
 
     Parameters
@@ -44,10 +45,10 @@ class TransferFunction(Block):
     3.7927
     """
 
-    input: Scalar = signal("", "formula of measures")
+    input: Scalar = signal(None, "formula of measures")
     numerator: Coefficients = option("coefficients, highest power first", default=(1.0,))
     denominator: Coefficients = option("coefficients, highest power first", default=(1.0, 1.0))
-    start: Scalar = quantity("", "input before the start", default=0.0)
+    start: Scalar = quantity(None, "input before the start", default=0.0)
 
     def __post_init__(self) -> None:
         self.numerator = coefficients(self.numerator, f"{self.name}.numerator")
@@ -82,7 +83,7 @@ class TransferFunction(Block):
         if not self.degree:
             return ca.SX(0, 1)
         last = self.input_of("input") - ca.dot(poles[:-1], x)
-        return ca.vertcat(x[1:], last)
+        return stack([*(x[k] for k in range(1, self.degree)), last])
 
     def outputs(self) -> Signals:
         x, poles, zeros = self.states.pose, self._scaled(self.denominator), self._zeros()

@@ -9,7 +9,6 @@ import casadi as ca
 from dalembert.elements.base import Condition, Scalar, quantity
 from dalembert.elements.component import Component
 
-
 AT_REST = 1e-6
 """Slip over the transition speed below which the direction of slip is regularised [-]."""
 

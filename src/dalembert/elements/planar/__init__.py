@@ -5,6 +5,9 @@ from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact import Contact
 from dalembert.elements.contact.unilateral import UnilateralConstraint
 from dalembert.elements.driver import DistanceDriver
+from dalembert.elements.drives.bristle_friction import BristleFriction
+from dalembert.elements.drives.dc_motor import DCMotor
+from dalembert.elements.drives.hydraulic_cylinder import HydraulicCylinder
 from dalembert.elements.joint_forces import JointActuator, JointFriction
 from dalembert.elements.planar import contact as contact
 from dalembert.elements.planar.beam import Beam
@@ -36,6 +39,7 @@ __all__ = [
     "Bar",
     "Beam",
     "Body",
+    "BristleFriction",
     "Bushing",
     "Cable",
     "ClearanceRevolute",
@@ -43,11 +47,13 @@ __all__ = [
     "Contact",
     "CoordinateDriver",
     "Coupling",
+    "DCMotor",
     "DistanceDriver",
     "FlexibleBody",
     "Force",
     "GearPair",
     "Ground",
+    "HydraulicCylinder",
     "JointActuator",
     "JointFriction",
     "Node",

@@ -4,6 +4,9 @@ from dalembert.elements.contact.cable import Cable
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact import Contact
 from dalembert.elements.driver import DistanceDriver
+from dalembert.elements.drives.bristle_friction import BristleFriction
+from dalembert.elements.drives.dc_motor import DCMotor
+from dalembert.elements.drives.hydraulic_cylinder import HydraulicCylinder
 from dalembert.elements.frame import Frame
 from dalembert.elements.joint_forces import JointActuator, JointFriction
 from dalembert.elements.spatial import contact as contact
@@ -49,6 +52,7 @@ __all__ = [
     "Beam",
     "Body",
     "Box",
+    "BristleFriction",
     "Bushing",
     "Cable",
     "Capsule",
@@ -60,11 +64,13 @@ __all__ = [
     "Coupling",
     "Cylinder",
     "Cylindrical",
+    "DCMotor",
     "DistanceDriver",
     "FlexibleBody",
     "Force",
     "Frame",
     "GearPair",
+    "HydraulicCylinder",
     "JointActuator",
     "JointFriction",
     "KnifeEdge",

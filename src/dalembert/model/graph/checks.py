@@ -8,8 +8,9 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.base import Constraint, ForceElement
-from dalembert.elements.blocks.block import SIGNAL, Block
+from dalembert.elements.blocks.block import Block
 from dalembert.elements.coordinates import rate_of
+from dalembert.elements.stateful import SIGNAL, Stateful
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.model.graph.description import Description
 from dalembert.model.graph.rigid_gaps import rigid_gaps
@@ -61,6 +62,8 @@ def check_symbols(d: Description) -> None:
     positions: Formulas = [(c.name, c.equations) for c in d.constraints]
     efforts: Formulas = [(c.name, c.slip) for c in d.constraints]
     for element in d.elements.values():
+        if isinstance(element, Stateful):
+            efforts.append((element.name, element.rates()))
         if isinstance(element, ForceElement):
             owners = element.parts() or d.coordinates
             rated_expressions: list[ca.SX] = []
@@ -72,9 +75,12 @@ def check_symbols(d: Description) -> None:
             efforts += [(element.name, column) for pair in element.powers(rate) for column in pair]
             positions += [(element.name, s) for s in rated_expressions]
         elif isinstance(element, Block):
-            efforts.append((element.name, element.rates()))
-            efforts += [(f"{element.name}.{name}", sx) for name, (sx, _) in element.outputs().items()]
-            lengths += [(e, f.sx) for e, f, meta in element.checked_quantities() if SIGNAL not in meta]
+            efforts += [
+                (f"{element.name}.{name}", sx) for name, (sx, _) in element.outputs().items()
+            ]
+            lengths += [
+                (e, f.sx) for e, f, meta in element.checked_quantities() if SIGNAL not in meta
+            ]
         elif not isinstance(element, Constraint):
             lengths += [(entity, f.sx) for entity, f, _ in element.checked_quantities()]
     for gap in rigid_gaps([*d.elements.values()], d.coordinates):

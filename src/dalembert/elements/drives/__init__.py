@@ -1,0 +1,1 @@
+"""Drives and friction with states of first order: motors, cylinders, bristles."""
