@@ -107,7 +107,10 @@ def test_gradients_through_sticking_and_sliding():
         np.testing.assert_allclose(direct[:, k], slope, rtol=0, atol=1e-4 * abs(slope).max())
 
 
-def test_joint_coordinates_say_that_they_know_no_states():
-    model = block(lambda mu: kit.LuGre(mu))
-    with pytest.raises(da.UnsupportedError, match="bristles1 has a rate of its own"):
-        da.solve_dynamics(model, 0.1, coordinates=da.JointCoordinates())
+def test_joint_coordinates_carry_the_bristles():
+    model = block(lambda mu: kit.LuGre(mu), push=2.0)
+    one, other = (
+        da.solve_dynamics(model, 0.1, integrator=STIFF, coordinates=c)
+        for c in (da.AbsoluteCoordinates(), da.JointCoordinates())
+    )
+    assert other["block.x"].values[-1] == pytest.approx(one["block.x"].values[-1], abs=1e-9)

@@ -38,7 +38,7 @@ def scales_of(d: Description, equations: Equations, guesses: Guesses, p: np.ndar
         mass=mass,
         time=1.0 / rate,
         force=force or mass * length * rate**2,
-        coordinates=at.reach(displacements),
+        coordinates=at.with_states(at.reach(displacements), displacements, force * length, rate),
         displacements=displacements,
         rows=np.where(at.in_metres, length, 1.0),
     )
@@ -101,6 +101,28 @@ class _AtGuesses:
             return displacements
         sizes = self.lift.multiply(displacements).max(axis=1).toarray().ravel()
         return np.where(np.array(self.guesses.units) == "m", sizes, 1.0)
+
+    def with_states(
+        self, sizes: np.ndarray, displacements: np.ndarray, energy: float, rate: float
+    ) -> np.ndarray:
+        """Sizes of coordinates with those of states of first order.
+
+        A state has the size of its initial value or of its change in the natural time, or of the
+        change that its forces need to do the natural work, whichever is smaller; else 1.
+        """
+        states = list(self.e.states)
+        if not states:
+            return sizes
+        outputs = [self.e.pose_rate[states], ca.jacobian(self.e.force, self.e.y[states])]
+        function = ca.Function("states", [self.e.t, self.e.y, self.e.v, self.e.p], outputs)
+        rates, slopes = (out.full() for out in function(0.0, self.y, self.v, self.p))
+        own = np.maximum(np.abs(self.y[states]), np.abs(rates.ravel()) / rate)
+        gains = np.abs(slopes * displacements[:, None]).max(axis=0, initial=0.0)
+        for k, state in enumerate(states):
+            acting = energy / gains[k] if gains[k] > 0 and np.isfinite(gains[k]) else 0.0
+            candidates = [size for size in (own[k], acting) if size > 0 and np.isfinite(size)]
+            sizes[state] = min(candidates, default=1.0)
+        return sizes
 
     def force(self, displacements: np.ndarray) -> float:
         """Largest work of an applied force along a displacement of its scale."""

@@ -159,8 +159,14 @@ class JointView(CoordinateView):
     def _reach(self, sizes: np.ndarray) -> np.ndarray:
         """Natural sizes of the joint coordinates, from those of their displacements."""
         reach: list[float] = []
+        of_bodies = dict(
+            zip(self.model.guesses.names, self.bodies.scales.coordinates, strict=True)
+        )
         for link, columns in zip(self.links, self.motion.columns, strict=True):
             space, own = link.space, sizes[columns]
+            if not own.size:  # states of first order
+                reach += [of_bodies.get(name, 1.0) for name in space.coordinate_names]
+                continue
             lengths = [unit == "m" for unit in space.speed_units]
             metres = own[lengths].max(initial=0.0)
             by_unit = [metres if unit == "m" else 1.0 for unit in space.coordinate_units]
