@@ -103,8 +103,8 @@ def moved(model, y, step) -> np.ndarray:
     for group in model.coordinates:
         n, m = group.pose.numel(), group.twist.numel()
         pose, short = y[i : i + n], step[j : j + m]
-        if n == m:
-            solutions.append(pose + short)
+        if n == m or not m:  # states of first order have no displacement
+            solutions.append(pose + short if m else pose)
         else:
             turned = product(pose[3:], np.concatenate([[1.0], short[3:] / 2]))
             solutions += [pose[:3] + short[:3], unit(turned)]

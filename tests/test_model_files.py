@@ -96,6 +96,9 @@ ELEMENTS = {
         "Bushing": TWO_POINTS + "stiffness = [1, 2]\nrotational_stiffness = 3",
         "JointFriction": 'joint = "J"\ncoulomb = "0.1*J.force_norm"\nviscous = 0.1',
         "JointActuator": 'joint = "J"\nvalue = "3*cos(t)"',
+        "BristleFriction": 'joint = "J"\ncoulomb = "k/10"\nstatic = 0.3',
+        "DCMotor": 'joint = "J"\nvoltage = "3*cos(t) - new.current"\nconstant = "k/10"',
+        "HydraulicCylinder": TWO_POINTS + 'opening = "0.1*sin(t) - new.pressure_a/1e8"',
         "Stop": 'coordinate = "a.x"\nupper = 3\nstiffness = 100',
         "ClearanceRevolute": TWO_POINTS + "radius = 0.1\nclearance = 0.01\n"
         'law = { type = "KelvinVoigt", stiffness = "k" }',

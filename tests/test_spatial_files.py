@@ -111,6 +111,9 @@ ELEMENTS = {
         "Actuator": POINTS + "force = 't'",
         "JointFriction": "joint = 'J'\ncoulomb = '0.1*J.force_norm'\nviscous = 0.1",
         "JointActuator": "joint = 'J'\nvalue = '3*cos(t)'\nmotion = 'angle'",
+        "BristleFriction": "joint = 'J'\ncoulomb = 'k/10'\nmotion = 'angle'",
+        "DCMotor": "joint = 'J'\nvoltage = '3*cos(t) - new.current'\nmotion = 'angle'",
+        "HydraulicCylinder": POINTS + "opening = '0.1*sin(t) - new.pressure_a/1e8'",
         "Stop": "coordinate = 'a.x'\nupper = 3\nstiffness = 100",
         "ClearanceSpherical": POINTS + "radius = 0.1\nclearance = 0.01\n"
         "law = { type = 'KelvinVoigt', stiffness = 'k' }",

@@ -141,6 +141,7 @@ def context(model, t, y, p, v=None) -> SimpleNamespace:
     own = [g for g in model.coordinates if "." in g.name]
     if own:
         seen.u = y[-1]
+    seen.states = y[len(y) - len(model.equations.states) :]
     for name, frame in seen.body.items():
         if hasattr(numbers, f"{name}_c"):
             frame.center = getattr(numbers, f"{name}_c") * CENTER

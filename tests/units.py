@@ -39,8 +39,12 @@ DIMENSIONS = {
     "Pa": (-1, 1, -2),
     "J": (2, 1, -2),
     "W": (2, 1, -3),
+    "A": (0, 0, 0),
+    "V": (2, 1, -3),
+    "Ω": (2, 1, -3),
+    "H": (2, 1, -2),
 }
-"""Powers of length, mass and time."""
+"""Powers of length, mass and time; the ampere stays."""
 
 
 @dataclass(frozen=True)
@@ -145,7 +149,8 @@ class _Translation:
         value, unit = getattr(element, field.name), field.metadata.get("unit", "")
         if isinstance(value, Expression):
             linear, _, angular = unit.partition(" | ")
-            unit = angular if getattr(element, "free_unit", "m") == "rad" else linear
+            turns = bool(angular) and getattr(element, "free_unit", "m") == "rad"
+            unit = angular if turns else linear
             unit = element.unit if isinstance(element, planar.UserConstraint) else unit
             if isinstance(element, planar.Stop) and field.name == "stiffness":
                 power = float(element.exponent.sx) if element.exponent.sx.is_constant() else 1.5

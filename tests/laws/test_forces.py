@@ -33,7 +33,7 @@ def states(name: str):
     if not model.constraints:
         for t in (0.1, 0.7):
             step = 0.1 * rng.standard_normal((2, y.size))
-            yield t, y + step[0], v + 3 * step[1], p
+            yield t, y + step[0], v + 3 * step[1][: v.size], p
 
 
 def generalised_force(name: str, t, y, v, p) -> np.ndarray:

@@ -198,13 +198,13 @@ def test_operators_of_the_tree(name, angles):
     view = JointCoordinates(angles=angles).view(TREES[name]())
     m, inertia, k = view.motion, view.equations.inertia, view.motion.u.numel()
     e = view.bodies
-    assert view.manifold.bounds.numel() == m.q.numel() - k
+    assert view.manifold.bounds.numel() == m.q.numel() - k - len(view.equations.states)
     x = ca.SX(np.random.default_rng(1).standard_normal((k, 2)))
     w = ca.SX(np.random.default_rng(2).standard_normal((e.speed_count, 2)))
     q, u = ca.substitute(view.reduce.outputs, [e.y, e.v], [m.pose, m.speed])
     (by_pose,) = view.moved([e.manifold.reading])
     d = ca.mtimes([by_pose, ca.jacobian(m.pose, m.q), view.equations.lift])
-    rate = ca.jtimes(m.speed, ca.vertcat(m.q, m.u), ca.vertcat(m.rate, m.a))
+    rate = ca.jtimes(m.speed, ca.vertcat(m.q, m.u), ca.vertcat(view.equations.pose_rate, m.a))
     full = ca.mtimes([d.T, view.moved([e.mass])[0], d])
     pairs = [
         (q, m.q),

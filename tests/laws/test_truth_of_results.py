@@ -34,7 +34,7 @@ def driven(name: str) -> da.Model:
     names = {body.name for body in free.bodies}
     e, y = free.equations, free.start.y
     jacobian = ca.Function("c", [e.t, e.y, e.p], [e.jacobian])(0.0, y, free.nominal).full()
-    ways = null_space(jacobian) if jacobian.size else np.eye(y.size)
+    ways = null_space(jacobian) if jacobian.size else np.eye(free.start.v.size)
     ways[[owner not in names for owner in free.guesses.owners]] = 0.0
     for k in qr(ways.T, pivoting=True)[2][: free.diagnosis.free]:
         owner, _, letter = free.guesses.names[k].partition(".")
@@ -86,6 +86,9 @@ def test_driven_motions_are_true(name):
     """Kinematics and inverse dynamics, at the outputs and between them."""
     model = driven(name)
     kinematics = da.solve_kinematics(model, 0.1, step=0.01)
+    if model.equations.states:  # which inverse dynamics does not integrate
+        assert open_by(kinematics, forces=False) < 1e-9
+        return
     inverse = da.solve_inverse_dynamics(model, 0.1, step=0.01)
     for motion, forces in ((kinematics, False), (inverse, True)):
         assert motion.status.success, motion.status

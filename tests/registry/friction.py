@@ -85,3 +85,47 @@ def _(q):
     m0, w0 = q.numbers(m0=2.0, w0=5.0)
     value = m0 * (1 - joint.point_j.body.angular_velocity / w0)
     q.add(planar.JointActuator("F", joint, value, motion="angle"))
+
+
+def _bristles(c):
+    speed = c.b.w - c.a.w
+    decay = np.exp(-((speed / c.p.slow) ** 2))
+    small = 1e-6 * c.p.slow
+    size = np.sqrt(speed**2 + small**2) - small
+    bending = speed - size / (c.p.coulomb + c.p.excess * decay) * c.states[0]
+    moment = -(c.states[0] + c.p.damping * bending + c.p.viscous * speed)
+    return opposite(c, np.zeros(2), c.a.r, c.b.r, moment)
+
+
+@case(
+    "bristles in revolute",
+    planar.BristleFriction,
+    residual=lambda c: Q(c) - P(c),
+    conservative=False,
+    loads=_bristles,
+)
+def _(q):
+    joint = q.add(planar.Revolute("J", *q.points()))
+    f, more, c, v, w = q.numbers(coulomb=0.4, excess=0.2, damping=0.3, viscous=0.1, slow=0.8)
+    numbers = {"coulomb": f, "static": f + more, "stiffness": 20.0, "damping": c, "viscous": v}
+    q.add(planar.BristleFriction("F", joint, **numbers, stribeck_speed=w))
+
+
+@case(
+    "dc motor in revolute",
+    planar.DCMotor,
+    residual=lambda c: Q(c) - P(c),
+    conservative=False,
+    loads=lambda c: opposite(
+        c,
+        np.zeros(2),
+        c.a.r,
+        c.b.r,
+        c.p.ratio * (c.p.constant * c.states[0] - c.p.rub * c.p.ratio * (c.b.w - c.a.w)),
+    ),
+)
+def _(q):
+    joint = q.add(planar.Revolute("J", *q.points()))
+    k, n, b, i = q.numbers(constant=0.3, ratio=2.0, rub=0.1, current=1.5)
+    numbers = {"constant": k, "ratio": n, "damping": b, "start": i, "inductance": 0.1}
+    q.add(planar.DCMotor("F", joint, 3 * cos(4 * t), **numbers))

@@ -76,6 +76,38 @@ def _(q):
     q.add(spatial.JointFriction("F", q.hinge(), **arguments))
 
 
+def _bristles(c):
+    _, rate, slope = angle_of(c)
+    small = 1e-6 * c.p.slow
+    size = np.sqrt(rate**2 + small**2) - small
+    bending = rate - size / c.p.coulomb * c.states[0]
+    moment = -(c.states[0] + c.p.damping * bending + c.p.viscous * rate)
+    return opposite(np.zeros(3), c.b.r, moment * slope)
+
+
+@case("bristles in hinge", spatial.BristleFriction, conservative=False, loads=_bristles)
+def _(q):
+    values = {"coulomb": 0.4, "damping": 0.3, "viscous": 0.1}
+    arguments = {name: q.number(name, value) for name, value in values.items()}
+    slow = q.number("slow", 0.8)
+    friction = {"stiffness": 20.0, "stribeck_speed": slow, **arguments}
+    q.add(spatial.BristleFriction("F", q.hinge(), **friction))
+
+
+def _dc_motor(c):
+    _, rate, slope = angle_of(c)
+    moment = c.p.ratio * (c.p.constant * c.states[0] - c.p.rub * c.p.ratio * rate)
+    return opposite(np.zeros(3), c.b.r, moment * slope)
+
+
+@case("dc motor in hinge", spatial.DCMotor, conservative=False, loads=_dc_motor)
+def _(q):
+    values = {"constant": 0.3, "ratio": 2.0, "rub": 0.1, "current": 1.5}
+    k, n, b, i = (q.number(name, value) for name, value in values.items())
+    numbers = {"constant": k, "ratio": n, "damping": b, "start": i, "inductance": 0.1}
+    q.add(spatial.DCMotor("F", q.hinge(), 3 * cos(4 * t), **numbers))
+
+
 @case(
     "motor in hinge",
     spatial.JointActuator,

@@ -47,6 +47,7 @@ def context(model, time, y, v, p) -> SimpleNamespace:
         c.body[body.name] = Solid(y[i : i + m], v[j : j + n], center)
         i, j = i + m, j + n
     vars(c).update(c.body)
+    c.states = y[i:]
     return c
 
 

@@ -190,7 +190,7 @@ def test_hydraulic_cylinder():
     system = da.System("press")
     ram = system.add(planar.Particle("ram", mass=50.0, position=(1.2, 0)))
     system.add(planar.PinInSlot("rail", system.ground.center, ram.center))
-    numbers = dict(valve=1e-7, leakage=1e-13, damping=200.0, start_a=2e6, start_b=4e6)
+    numbers = dict(rated_flow=2e-4, rated_pressure=4e6, leakage=1e-13, damping=200.0, start_a=2e6, start_b=4e6)
     ends = system.ground.center, ram.center
     opening = 0.5 * da.sin(20 * da.t)
     system.add(planar.HydraulicCylinder("c", *ends, opening=opening, **numbers, **CYLINDER))

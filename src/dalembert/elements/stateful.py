@@ -57,7 +57,7 @@ class Stateful(Element):
         super().__post_init__()
         names, units = self.state_names(), self.state_units()
         start = [None] * len(names) if self.steady else self.initial_states()
-        self.states = States(self.name, names, units, self.rates, start)
+        self.states = States(self.name, names, units, self._rates_if_connected, start)
 
     def __setattr__(self, name: str, value: Any) -> None:
         meta = next((m for field, m in self.quantities() if field == name and SIGNAL in m), None)
@@ -80,6 +80,10 @@ class Stateful(Element):
     def rates(self) -> ca.SX:
         """(n,) ``f``."""
         return ca.SX(0, 1)
+
+    def _rates_if_connected(self) -> ca.SX:
+        """``f``; zero while inputs are missing, without which a model is not built."""
+        return self.rates() if self.connected else ca.SX.zeros(len(self.state_names()))
 
     def input_of(self, field: str) -> ca.SX:
         """Formula of an input.

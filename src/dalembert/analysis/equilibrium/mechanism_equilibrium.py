@@ -38,6 +38,8 @@ MAX_ITERATIONS = 200
 """Default upper limit of Newton iterations."""
 GROWING = 1e-9
 """Threshold of growth: real part relative to the largest eigenvalue [-]."""
+LISTED = 6
+"""Upper limit of the states that are named."""
 LEAVES = "the mechanism leaves it; other guesses of the positions lead to a stable one"
 
 
@@ -73,7 +75,7 @@ def mechanism_equilibrium(
     solution = solve(balance, y, settings)
     forces, n = balance.residual(solution.x), model.equations.speed_count
     residual = float(np.abs(forces.value).max(initial=0.0)) / model.scales.length
-    if model.equations.states:
+    if kernel.states:
         growing = growth_rates(model, time, solution.x, p) if solution.accepted else np.zeros(0)
         stable = solution.accepted and not growing.size
         text = equilibrium_text(residual, solution.iterations, stable)
@@ -104,6 +106,7 @@ def mechanism_equilibrium(
         {"iterations": solution.iterations, "stable": stable, "residual [N or N m]": residual},
         warnings=[
             *(_stability_warnings(model, forces, growing) if solution.accepted else []),
+            *indifferent_states(model, kernel),
             *ignored_contacts(model, trajectory, p),
             *elastic_warnings(model, trajectory, p),
         ],
@@ -120,6 +123,18 @@ def growth_rates(model: Model, time: float, y: np.ndarray, p: np.ndarray) -> np.
     return rates
 
 
+def indifferent_states(model: Model, kernel: StaticsKernel) -> list[str]:
+    """Warning about states of first order that any position at rest leaves as they are."""
+    names = [model.guesses.names[k] for k in model.equations.states if k not in kernel.states]
+    if not names:
+        return []
+    more = [f"{len(names) - LISTED} more"] if len(names) > LISTED else []
+    return [
+        f"{', '.join([*names[:LISTED], *more])} keep their values at the start: every value is "
+        "steady at rest, such as that of bristles"
+    ]
+
+
 def _stability_warnings(model: Model, forces: Forces, growing: np.ndarray) -> list[str]:
     """Warnings about growing motions, or directions of negative stiffness and of none."""
     if growing.size:
@@ -127,6 +142,6 @@ def _stability_warnings(model: Model, forces: Forces, growing: np.ndarray) -> li
             f"the equilibrium is not stable: {counted(growing.size, 'motion')} of the bodies and "
             f"states grow with rates up to {growing.max():.3g} 1/s; see linearize"
         ]
-    if model.equations.states:
+    if statics_kernel(model).states:
         return []
     return [*instability_warnings(forces.negative, LEAVES), *neutral_warnings(model, forces)]

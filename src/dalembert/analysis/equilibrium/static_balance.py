@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.model.graph.assembly.position import position_stages
-from dalembert.model.graph.displaced_states import with_displaced_states
+from dalembert.model.graph.displaced_states import changing_at_rest, with_displaced_states
 from dalembert.model.graph.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.equations.implicit import ImplicitFunction
@@ -41,13 +41,15 @@ class StaticsKernel(CacheOwner):
     Attributes
     ----------
     model : Model
-    equations : of the model at rest; states of first order have displacements
+    states : coordinates of first order that the equilibrium determines
+    equations : of the model at rest, in which these have displacements
     """
 
     def __init__(self, model: Model):
         model.closure.refuse_singular_start()
-        self.model, self.equations = model, with_displaced_states(model.equations)
-        e = self.equations
+        self.model = model
+        self.states = changing_at_rest(model.equations, model.start.y, model.nominal)
+        self.equations = e = with_displaced_states(model.equations, self.states)
         at_rest = ca.substitute(e.force - e.bias, e.v, ca.SX.zeros(e.speed_count))
         forces = at_rest - ca.mtimes(e.jacobian.T, e.multiplier)
         self.balance = forces
@@ -188,7 +190,7 @@ class StaticBalance(Equations[np.ndarray]):
         self.e = e = kernel.equations
         self.idle, self.sizes = np.zeros(e.constraint_count), e.scales
         self.longest = LONGEST * self.sizes.displacements
-        self.longest[e.speed_count - len(e.states) :] = np.inf
+        self.longest[e.speed_count - len(kernel.states) :] = np.inf
 
     def evaluate(self, y: np.ndarray, multiplier: np.ndarray):
         """Applied force, ``C``, stiffness and ``Φ``."""
@@ -224,14 +226,14 @@ class StaticBalance(Equations[np.ndarray]):
     def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
         """Newton step, or a descent step if a direction has no positive stiffness."""
         assert isinstance(residual, Forces)
-        if residual.stable or self.e.states:
+        if residual.stable or self.kernel.states:
             return residual.free @ residual.deflection(residual.value)
         return residual.free @ (residual.value / residual.stiff)
 
     def steps(self, x: np.ndarray, residual: Residual) -> Iterator[np.ndarray]:
         """Steps with a correction along stiff directions, which steps along soft ones rotate."""
         assert isinstance(residual, Forces)
-        if self.e.states:
+        if self.kernel.states:
             yield from super().steps(x, residual)
         stiff = residual.stiff > STIFF * residual.stiff.min(initial=np.inf)
         across = residual.free[:, stiff] / residual.stiff[stiff]
@@ -253,7 +255,7 @@ class StaticBalance(Equations[np.ndarray]):
         Residuals are unsuitable, because steps along soft directions bend stiff ones slightly.
         """
         assert isinstance(here, Forces) and isinstance(there, Forces)
-        if self.e.states:
+        if self.kernel.states:
             return super().nearer(here, there, zero)
         displacement = self.e.manifold.lead(here.y, there.y)
         if (here.force + there.force) @ displacement > 0:

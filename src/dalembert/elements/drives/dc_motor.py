@@ -61,7 +61,7 @@ class DCMotor(Stateful, AlongJoint):
     constant: Scalar = quantity("N m/A", "constant of torque and voltage", default=0.0)
     resistance: Scalar = quantity("Ω", "resistance", default=1.0, above=0.0)
     inductance: Scalar = quantity("H", "inductance", default=1e-3, above=0.0)
-    ratio: Scalar = quantity("1 | rad/m", "rotor angle per motion of the joint", default=1.0)
+    ratio: Scalar = quantity("rad/m | 1", "rotor angle per motion of the joint", default=1.0)
     inertia: Scalar = quantity("kg m^2", "moment of inertia of the rotor", default=0.0, minimum=0.0)
     damping: Scalar = quantity("N m s/rad", "viscous damping", default=0.0, minimum=0.0)
     start: Scalar = quantity("A", "current at the start", default=0.0)

@@ -36,11 +36,12 @@ class HydraulicCylinder(Stateful, PointPair):
     area, rod_side_area : ``A_A`` and ``A_B`` [m²]
     stroke : ``h`` [m]
     retracted_length : ``s_0``, the distance of the points at ``x = 0`` [m]
-    valve : ``k``, flow by the root of a pressure [m³/(s √Pa)]
+    rated_flow, rated_pressure : flow ``k √Δp`` of the open valve at a pressure difference ``Δp``
+        across one edge [m³/s], [Pa]
     supply, tank : pressures ``p_S`` and ``p_T`` [Pa]
     bulk_modulus : ``E`` of the oil [Pa]
     dead_volume : ``V_A = V_B`` [m³]
-    leakage : ``c`` between the chambers [m³/(s Pa)]
+    leakage : ``c`` between the chambers [m³/(s Pa)], which is [m⁴ s/kg]
     damping : ``b`` [N s/m]
     start_a, start_b : pressures at the start; of the tank by default [Pa]
 
@@ -52,8 +53,9 @@ class HydraulicCylinder(Stateful, PointPair):
     >>> ram = system.add(planar.Particle("ram", mass=50.0, position=(1.2, 0)))
     >>> rail = system.add(planar.PinInSlot("rail", system.ground.center, ram.center))
     >>> sizes = dict(area=2e-3, rod_side_area=1e-3, stroke=0.5, retracted_length=1.0)
+    >>> valve = dict(rated_flow=1e-4, rated_pressure=1e6)
     >>> ends = system.ground.center, ram.center
-    >>> part = planar.HydraulicCylinder("cylinder", *ends, opening=0.5, valve=1e-7, **sizes)
+    >>> part = planar.HydraulicCylinder("cylinder", *ends, opening=0.5, **valve, **sizes)
     >>> cylinder = system.add(part)
     >>> motion = da.solve_dynamics(system.build(), 0.5)
     >>> round(motion["ram.vx"][-1].item(), 3)  # k u √p_S/√(A_A² + A_B³/A_A)
@@ -67,12 +69,13 @@ class HydraulicCylinder(Stateful, PointPair):
     rod_side_area: Scalar = quantity("m^2", "area on the side of the rod", default=1e-3, above=0.0)
     stroke: Scalar = quantity("m", "stroke", default=1.0, above=0.0)
     retracted_length: Scalar = quantity("m", "distance of the points if retracted", default=0.0)
-    valve: Scalar = quantity("m^3/(s Pa^0.5)", "flow by the root of a pressure", default=1e-7)
+    rated_flow: Scalar = quantity("m^3/s", "flow of the open valve", default=1e-3, above=0.0)
+    rated_pressure: Scalar = quantity("Pa", "its pressure difference", default=3.5e6, above=0.0)
     supply: Scalar = quantity("Pa", "pressure of the supply", default=1e7, above=0.0)
     tank: Scalar = quantity("Pa", "pressure of the tank", default=0.0, minimum=0.0)
     bulk_modulus: Scalar = quantity("Pa", "bulk modulus of the oil", default=1.4e9, above=0.0)
     dead_volume: Scalar = quantity("m^3", "volume of each line", default=1e-4, above=0.0)
-    leakage: Scalar = quantity("m^3/(s Pa)", "leakage of the piston", default=0.0, minimum=0.0)
+    leakage: Scalar = quantity("m^4 s/kg", "leakage of the piston, m³/(s Pa)", default=0.0, minimum=0.0)
     damping: Scalar = quantity("N s/m", "viscous friction", default=0.0, minimum=0.0)
     start_a: Scalar = quantity("Pa", "pressure at the start", default=None)
     start_b: Scalar = quantity("Pa", "pressure at the start, rod side", default=None)
@@ -98,7 +101,7 @@ class HydraulicCylinder(Stateful, PointPair):
         source, tank = self.supply.sx, self.tank.sx
         out = u >= 0
         a_from, b_from = ca.if_else(out, source, tank), ca.if_else(out, tank, source)
-        gain = self.valve.sx * ca.fabs(u)
+        gain = self.rated_flow.sx / ca.sqrt(self.rated_pressure.sx) * ca.fabs(u)
         return gain * self._root(a_from - a), gain * self._root(b_from - b)
 
     def _root(self, difference: ca.SX) -> ca.SX:

@@ -16,14 +16,23 @@ from dalembert.model.graph.equations import ConstraintKinematics, Equations
 from dalembert.model.graph.inertia import BlockInertia
 from dalembert.model.graph.manifold import Manifold
 
+SHIFTS = 0.0, 0.7, -1.3
+"""Values of states, from the start and in their sizes, at which rates are examined."""
+RESTING = 1e-9
+"""Rate at rest that counts as zero, relative to the size and the natural time [-]."""
 
-def with_displaced_states(e: Equations) -> Equations:
-    """Static equations of the same system; itself if it has no states.
+
+def with_displaced_states(e: Equations, states: list[int]) -> Equations:
+    """Static equations of the same system; itself without states.
 
     Rates ``f`` enter the forces as ``energy · time/size² · f``, so that their natural size is that
     of the other rows.
+
+    Parameters
+    ----------
+    e : Equations
+    states : numbers of the coordinates of first order that are displaced
     """
-    states = list(e.states)
     if not states:
         return e
     count, scales = len(states), e.scales
@@ -68,3 +77,18 @@ def _manifold(m: Manifold, states: list[int]) -> Manifold:
         bounds=m.bounds,
         between=lambda: ca.vertcat(m.apart, m.other[states] - m.y[states]),
     )
+
+
+def changing_at_rest(e: Equations, y: np.ndarray, p: np.ndarray) -> list[int]:
+    """Numbers of the states whose rates at rest are not always zero, as those of bristles are."""
+    states = list(e.states)
+    if not states:
+        return []
+    still = ca.substitute(ca.densify(e.pose_rate[states]), e.v, ca.SX.zeros(e.speed_count))
+    function = ca.Function("rates", [e.t, e.y, e.p], [still])
+    sizes, changes = e.scales.coordinates[states], np.zeros(len(states), dtype=bool)
+    for shift in SHIFTS:
+        moved = y.copy()
+        moved[states] += shift * sizes
+        changes |= np.abs(function(0.0, moved, p).full().ravel()) * e.scales.time > RESTING * sizes
+    return [state for state, changing in zip(states, changes, strict=True) if changing]
