@@ -18,6 +18,7 @@ PAGES = {
     "dalembert.planar.contact": "Planar contact",
     "dalembert.spatial.contact": "Spatial contact",
     "dalembert.structures": "Structures",
+    "dalembert.blocks": "States of first order and controllers",
     "dalembert.laws": "Motion laws",
     "dalembert.rotation": "Rotations",
 }

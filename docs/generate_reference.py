@@ -21,6 +21,7 @@ from reference.names import api, functions
 from reference.sections import FIXED, section
 
 from dalembert.elements.registry import (
+    BLOCKS,
     CONTACT_LAWS,
     CONTACT_PAIRS,
     CURVES,
@@ -57,6 +58,7 @@ PARTS: dict[str, Callable[[], str]] = {
         f"spatial_{name}": (lambda name=name: records(SPATIAL.sections[name], "####"))
         for name in SPATIAL.sections
     },
+    "blocks": lambda: records(BLOCKS),
     "laws": lambda: records(LAWS),
     "curves": lambda: records(CURVES),
     "shapes": lambda: records(SHAPES[2], "####"),

@@ -34,6 +34,7 @@ from dalembert.results.structural.result import StructuralResult
 from reference.markdown import field_texts, summary, table
 
 HOLDS: dict[object, str] = {
+    fields.Coefficients: "list of formulas",
     fields.Quantity: "formula",
     ForceLaw: "formula",
     fields.Measured: "measure",
