@@ -77,17 +77,21 @@ class PositionCorrection(newton.Equations[np.ndarray]):
         if closed is None or not closed.count:
             return joint_shift, None
         allowed = self.step_of.rounding
-        gaps = closed if self.travel is None else self.step_of.near(self.t, x, self.travel)
+        gaps = closed if self.travel is None else self._near(x, self.travel)
         for _ in range(ROUNDS):
             push, opened = self._push(gaps, joint_shift, mobility)
             shift = joint_shift + opened
-            near = self.step_of.near(self.t, x, shift[:, None])
+            near = self._near(x, shift[:, None])
             closes = near.distance + normals_of(near) @ shift < -allowed
             missing = closes & ~np.isin(near.key, gaps.key)
             if not missing.any():
                 break
             gaps = Contacts.joined([gaps, near.some(missing)])
         return shift, gaps.some((push > 0) | (gaps.distance < -allowed))
+
+    def _near(self, x: np.ndarray, travels: np.ndarray) -> Contacts:
+        """Gaps of rigid contacts within reach of displacements."""
+        return self.step_of.rigid(self.step_of.near(self.t, x, travels))
 
     def _push(
         self, gaps: Contacts, joint_shift: np.ndarray, mobility: Mobility

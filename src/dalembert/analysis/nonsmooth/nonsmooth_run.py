@@ -208,7 +208,7 @@ class ContactCheck(ResidualCheck):
         if depth == 0:
             return Violation(0.0)
         t, none = float(self.record.t[k]), np.zeros((model.equations.speed_count, 1))
-        contacts = self.step.near(t, self.record.ends.y[:, k], none)
+        contacts = self.step.rigid(self.step.near(t, self.record.ends.y[:, k], none))
         name = self.record.names[contacts.owner[np.argmin(contacts.distance)]]
         text = f"a gap of {name} is {-depth:.3g} m at t = {t:.9g} s"
         return Violation(depth / model.scales.length, text)
@@ -217,7 +217,8 @@ class ContactCheck(ResidualCheck):
     def energy(self) -> EnergyBalance:
         """Energies at the ends of the steps, and the dissipation of contacts."""
         record = self.record
-        energies, natural = self.residuals.energies, self.step.model.scales.energy
+        energies, natural = self.residuals.energies.copy(), self.step.model.scales.energy
+        energies[1] += record.stored
         return EnergyBalance(energies, record.ends.work, record.t, natural)
 
     @property

@@ -51,7 +51,7 @@ class CollisionGaps(GapSource):
     def __init__(self, model: Model, element: Collisions):
         self.elements, self.groups = [element], element.friction_groups
         self.dimension: int = element.dimension
-        self.law = element.law
+        self.law = element.restitution_law
         e, balls, walls = model.all_equations, element.balls, element.walls
         points = [shape.point for shape in (*balls, *walls)]
         positions = [_in_space(p.position.sx) for p in points]
@@ -111,13 +111,12 @@ class CollisionGaps(GapSource):
     def _contacts(self, pairs: NearPairs, rows: np.ndarray, groups: tuple[int, ...]) -> Contacts:
         """Gaps of some rows of the pairs."""
         first, second = pairs.first[rows], pairs.second[rows]
-        laws = pairs.shapes.coefficients[:, self._law(first, second)]
-        width = 1 + sum(groups)
+        number, width = self._law(first, second), 1 + sum(groups)
         return Contacts(
             pairs.distance[rows],
             pairs.derivatives.rows(rows, width),
             np.zeros((rows.size, width)),
-            ContactLaws.of(laws, groups),
+            ContactLaws.of(pairs.shapes.coefficients[:, number], groups, number),
             groups,
             first * pairs.shapes.positions.shape[0] + second,
             np.zeros(rows.size, dtype=int),

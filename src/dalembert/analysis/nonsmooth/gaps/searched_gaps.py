@@ -63,7 +63,7 @@ class SearchedGaps(GapSource):
     def __init__(self, model: Model, element: Collisions):
         self.elements, self.groups = [element], element.friction_groups
         self.dimension: int = element.dimension
-        self.law = element.law
+        self.law = element.restitution_law
         self.geometry = HullGeometry(model, element)
         self._speeds = model.all_equations.speed_count
         self._last: LastPosition | None = None
@@ -130,7 +130,7 @@ class SearchedGaps(GapSource):
     ) -> Contacts:
         """Contacts of pairs of shapes with evaluated gaps."""
         distance, blocks, *_ = gaps
-        laws, width = last.at.coefficients[:, self.geometry.law(first, second)], 1 + sum(groups)
+        number, width = self.geometry.law(first, second), 1 + sum(groups)
         directions = self.geometry.velocities.gap_derivatives(
             blocks, first, second, last.velocities
         )
@@ -139,7 +139,7 @@ class SearchedGaps(GapSource):
             distance,
             directions.rows(np.arange(count), width),
             np.zeros((count, width)),
-            ContactLaws.of(laws, groups),
+            ContactLaws.of(last.at.coefficients[:, number], groups, number),
             groups,
             key,
             np.zeros(count, dtype=int),
