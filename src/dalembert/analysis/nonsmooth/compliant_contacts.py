@@ -2,8 +2,8 @@
 
     P_N = Ψ(u_N⁺) = h f̄(δ, δ⁺, δ̇),    δ⁺ = δ + h δ̇,    δ̇ = −(θ u_N⁺ + (1−θ) u_N)
 
-decreases with ``u_N⁺``. About a velocity ``w`` it is a rigid contact with the offset ``−w − Ψ/κ`` and
-the compliance ``1/κ``, ``κ = −Ψ'(w)``:  ``0 ≤ u_N⁺ + P_N/κ − w − Ψ/κ ⟂ P_N ≥ 0``.
+decreases with ``u_N⁺``. About a velocity ``w`` it is a rigid contact with the offset ``−w − Ψ/κ``
+and the compliance ``1/κ``, ``κ = −Ψ'(w)``:  ``0 ≤ u_N⁺ + P_N/κ − w − Ψ/κ ⟂ P_N ≥ 0``.
 """
 
 from __future__ import annotations

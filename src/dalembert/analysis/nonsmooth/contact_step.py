@@ -10,8 +10,9 @@ import scipy
 
 from dalembert.analysis.nonsmooth.compliant_contacts import CompliantContacts
 from dalembert.analysis.nonsmooth.force_laws import ForceLaws
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.gap_source import FormulaGaps, GapSource
-from dalembert.analysis.nonsmooth.gaps.joined_gaps import selected_of
+from dalembert.analysis.nonsmooth.gaps.joined_gaps import selected_of, separating_of
 from dalembert.analysis.nonsmooth.mobility import Mobility
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
 from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart, warm_start
@@ -114,11 +115,15 @@ class ContactStep:
             )
         return law
 
-    def near(self, t: float, y: np.ndarray, travels: np.ndarray) -> Contacts:
+    def at(self, t: float, y: np.ndarray) -> Configuration:
+        """The configuration with the parameters of the steps."""
+        return Configuration(t, y, self.p)
+
+    def near(self, configuration: Configuration, travels: np.ndarray) -> Contacts:
         """Gaps of all sources within reach of the displacements ``travels``."""
         parts, elements = [], 0
         for number, source in enumerate(self.sources):
-            contacts = source.near(t, y, self.p, travels, self.groups)
+            contacts = source.near(configuration, travels)
             parts.append(
                 replace(
                     contacts, owner=contacts.owner + elements, key=contacts.key + number * APART
@@ -127,27 +132,32 @@ class ContactStep:
             elements += len(source.elements)
         return Contacts.joined(parts)
 
-    def selected(self, t: float, y: np.ndarray, keys: np.ndarray) -> Contacts:
+    def selected(self, configuration: Configuration, keys: np.ndarray) -> Contacts:
         """Gaps with some keys, at any distance."""
-        gaps = selected_of(self.sources, APART, t, y, self.p, keys, self.groups)
+        gaps = selected_of(self.sources, APART, configuration, keys)
         elements = np.cumsum([0, *(len(source.elements) for source in self.sources)])
         return replace(gaps, owner=gaps.owner + elements[keys // APART])
 
-    def deepest(self, t: float, y: np.ndarray) -> float:
+    def separating(self, start: Configuration, end: Configuration, keys: np.ndarray) -> np.ndarray:
+        """Keys of gaps between the shapes of the gaps ``keys`` that separate them at ``start`` and
+        are closed at ``end``."""
+        return separating_of(self.sources, APART, start, end, keys, self.rounding)
+
+    def deepest(self, configuration: Configuration) -> float:
         """The smallest gap of rigid contacts if it is negative, else 0 [m]."""
         if self.force_laws.elements:
-            return float(self.rigid(self.touching(t, y)).distance.min(initial=0.0))
-        speeds = self.model.equations.speed_count
-        return min(source.deepest(t, y, self.p, speeds) for source in self.sources)
+            gaps = self.rigid(self.touching(configuration))
+            return float(gaps.distance.min(initial=0.0))
+        return min(source.deepest(configuration) for source in self.sources)
 
-    def closed(self, t: float, y: np.ndarray) -> Contacts:
+    def closed(self, configuration: Configuration) -> Contacts:
         """Gaps of rigid contacts that are negative by more than rounding."""
-        contacts = self.rigid(self.touching(t, y))
+        contacts = self.rigid(self.touching(configuration))
         return contacts.some(contacts.distance < -self.rounding)
 
-    def touching(self, t: float, y: np.ndarray) -> Contacts:
+    def touching(self, configuration: Configuration) -> Contacts:
         """Gaps that are not open."""
-        return self.near(t, y, np.zeros((self.model.equations.speed_count, 1)))
+        return self.near(configuration, np.zeros((self.model.equations.speed_count, 1)))
 
     def rigid(self, contacts: Contacts) -> Contacts:
         """Those of the contacts that have no force law."""

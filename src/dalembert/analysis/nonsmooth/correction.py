@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import CLOSED, ContactStep, delassus
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.mobility import Mobility
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.symbolic.equations import newton
@@ -55,8 +56,9 @@ class PositionCorrection(newton.Equations[np.ndarray]):
         value, rounding = self.step_of.smooth.open_by(self.t, x, self.step_of.p)
         gaps, deepest = None, 0.0
         counted = self.open_gaps and bool(np.isfinite(x).all())
-        if counted and self.step_of.deepest(self.t, x) < -self.step_of.rounding:
-            gaps = self.step_of.closed(self.t, x)
+        configuration = self.step_of.at(self.t, x)
+        if counted and self.step_of.deepest(configuration) < -self.step_of.rounding:
+            gaps = self.step_of.closed(configuration)
             deepest = gaps.distance.min(initial=0.0)
         return PositionResidual(
             np.append(value, deepest), self.scale, np.append(rounding, 0.0), gaps=gaps
@@ -76,12 +78,12 @@ class PositionCorrection(newton.Equations[np.ndarray]):
         joint_shift, closed = mobility(still, -residual.value[:-1])[0], residual.gaps
         if closed is None or not closed.count:
             return joint_shift, None
-        allowed = self.step_of.rounding
-        gaps = closed if self.travel is None else self._near(x, self.travel)
+        allowed, at = self.step_of.rounding, self.step_of.at(self.t, x)
+        gaps = closed if self.travel is None else self._near(at, self.travel)
         for _ in range(ROUNDS):
             push, opened = self._push(gaps, joint_shift, mobility)
             shift = joint_shift + opened
-            near = self._near(x, shift[:, None])
+            near = self._near(at, shift[:, None])
             closes = near.distance + normals_of(near) @ shift < -allowed
             missing = closes & ~np.isin(near.key, gaps.key)
             if not missing.any():
@@ -89,9 +91,9 @@ class PositionCorrection(newton.Equations[np.ndarray]):
             gaps = Contacts.joined([gaps, near.some(missing)])
         return shift, gaps.some((push > 0) | (gaps.distance < -allowed))
 
-    def _near(self, x: np.ndarray, travels: np.ndarray) -> Contacts:
+    def _near(self, at: Configuration, travels: np.ndarray) -> Contacts:
         """Gaps of rigid contacts within reach of displacements."""
-        return self.step_of.rigid(self.step_of.near(self.t, x, travels))
+        return self.step_of.rigid(self.step_of.near(at, travels))
 
     def _push(
         self, gaps: Contacts, joint_shift: np.ndarray, mobility: Mobility

@@ -16,7 +16,7 @@ LINEAR = 1e-8
 def path_means(step: ContactStep, start: StepStart, keys: np.ndarray, last: StepResult) -> Contacts:
     """Gaps with some keys whose velocities are means over the path of a solution."""
     return mean_gaps(
-        lambda t, y: step.selected(t, y, keys),
+        lambda t, y: step.selected(step.at(t, y), keys),
         step.model.equations.manifold,
         (start.t, start.h),
         start.y,
@@ -38,7 +38,8 @@ def bent_gaps(step: ContactStep, start: StepStart, result: StepResult) -> np.nda
     pressing = contacts.some(acting)
     path = displacement(step, start, result)
     change = start.h * pressing.speeds(path / start.h)[:, 0]
-    ends = step.selected(start.t + start.h, result.y, pressing.key).distance
+    end = step.at(start.t + start.h, result.y)
+    ends = step.selected(end, pressing.key).distance
     deviation = np.abs(ends - pressing.distance - change)
     depth = -np.minimum(pressing.distance, ends)
     bent = deviation > np.maximum(LINEAR * depth, step.rounding)

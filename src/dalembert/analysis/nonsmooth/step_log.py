@@ -116,11 +116,11 @@ class StepLog:
         self.stored.append(self._stored(t, y))
 
     def _depth(self, t: float, y: np.ndarray) -> float:
-        return abs(self.step.deepest(t, y))
+        return abs(self.step.deepest(self.step.at(t, y)))
 
     def _stored(self, t: float, y: np.ndarray) -> float:
         laws = self.step.force_laws
-        return laws.stored(self.step.touching(t, y)) if laws.elements else 0.0
+        return laws.stored(self.step.touching(self.step.at(t, y))) if laws.elements else 0.0
 
     def record(self) -> ContactRecord:
         """The steps as arrays."""

@@ -2,8 +2,8 @@
 
     f̄ = ∫ N(δ + s (δ⁺ − δ), δ̇) ds,    0 ≤ s ≤ 1,    N = 0 where δ ≤ 0
 
-Its elastic part is ``(V(δ⁺) − V(δ))/(δ⁺ − δ)``, so that a step exchanges elastic energy exactly, and
-its damping does negative work only (averaged vector field: Quispel & McLaren, J. Phys. A 41, 2008).
+Its elastic part is ``(V(δ⁺) − V(δ))/(δ⁺ − δ)``, so that a step exchanges elastic energy exactly,
+and its damping does negative work only (averaged vector field: Quispel & McLaren, J. Phys. A 41, 2008).
 """
 
 from __future__ import annotations
