@@ -8,7 +8,6 @@ import numpy as np
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapSource
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.laws import NormalLaw
-from dalembert.errors import ModelError
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
@@ -31,11 +30,6 @@ class ForceLaws:
     Attributes
     ----------
     elements : elements with force laws
-
-    Raises
-    ------
-    ModelError
-        A law depends on more than parameters.
     """
 
     def __init__(self, model: Model, sources: list[GapSource], p: np.ndarray):
@@ -48,7 +42,7 @@ class ForceLaws:
             for number, law in enumerate(laws):
                 if law is not None:
                     self._table[owner, number] = len(self._functions)
-                    self._functions.append(_function(model, law, elements[owner].name))
+                    self._functions.append(_function(model, law))
 
     def of(self, contacts: Contacts) -> np.ndarray:
         """(n,) numbers of the laws of contacts, ``RIGID`` of those without a force law."""
@@ -93,12 +87,10 @@ class ForceLaws:
         return np.asarray(values[:, :count].reshape(4, *depth.shape))
 
 
-def _function(model: Model, law: NormalLaw, owner: str) -> ca.Function:
+def _function(model: Model, law: NormalLaw) -> ca.Function:
     """``(δ, δ̇; p) → N, ∂N/∂δ, ∂N/∂δ̇, V``."""
     depth, rate = ca.SX.sym("depth"), ca.SX.sym("rate")
     force, stored = law.force(depth, rate), law.stored(depth)
     slopes = [ca.jacobian(force, s) for s in (depth, rate)]
-    outputs, e = model.at_ground(ca.vertcat(force, *slopes, stored)), model.all_equations
-    if ca.depends_on(outputs, ca.vertcat(e.t, e.y, e.v)):
-        raise ModelError("depends on time or motion; give numbers or parameters", f"{owner}.law")
-    return ca.Function("force", [ca.vertcat(depth, rate), e.p], [ca.densify(outputs)])
+    outputs = ca.densify(ca.vertcat(force, *slopes, stored))
+    return ca.Function("force", [ca.vertcat(depth, rate), model.all_equations.p], [outputs])

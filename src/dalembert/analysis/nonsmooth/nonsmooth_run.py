@@ -260,7 +260,7 @@ class ContactCheck(ResidualCheck):
                 f"t = {record.t[worst]:.9g} s; give ContactSolver a larger tolerance, or a smaller "
                 "value of acceptable to end such runs"
             )
-        return [*warnings, *duration_warnings(record)]
+        return [*warnings, *duration_warnings(record, self.energy.moved)]
 
 
 @once

@@ -167,7 +167,7 @@ class Collisions(Element):
                 )
         rigid = [name for name in RETURNS if not getattr(self, name).sx.is_zero()]
         check_law(self.name, self.law, rigid)
-        if self.restitution_law is not ImpactLaw.NEWTON and any(self.force_laws):
+        if any(self.force_laws) and self.restitution_law is not ImpactLaw.NEWTON:
             text = f"is {self.impact_law!r}, and a force law has no impacts; leave it out"
             raise ModelError(text, f"{self.name}.impact_law")
 
