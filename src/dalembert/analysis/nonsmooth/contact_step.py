@@ -196,8 +196,8 @@ class ContactStep:
         soft = self.force_laws, approach
         if not contacts.count:
             empty = Impulses(np.zeros(shape), 0.0, True)
-            none = CompliantContacts(*soft, np.zeros(0), self.scheme.theta)
-            return empty, np.zeros(shape), contacts.key[:0], none
+            absent = CompliantContacts(*soft, np.zeros(0), self.scheme.theta)
+            return empty, np.zeros(shape), contacts.key[:0], absent
         matrix = delassus(contacts.directions, mobility)
         own = matrix.diagonal().reshape(shape)[:, 0]
         compliant = CompliantContacts(*soft, own, self.scheme.theta)

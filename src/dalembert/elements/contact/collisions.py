@@ -249,8 +249,8 @@ class Collisions(Element):
             for k, shape in enumerate(shapes)
         }
         pairs = {f"{self.name}.pairs[{k}]": pair for k, pair in enumerate(self.pairs)}
-        laws = {f"{place}.law": part.law for place, part in {self.name: self, **pairs}.items()}
-        return shapes | pairs | {place: law for place, law in laws.items() if law is not None}
+        laws = {self.name: self.law, **{place: pair.law for place, pair in pairs.items()}}
+        return shapes | pairs | {f"{at}.law": law for at, law in laws.items() if law is not None}
 
     def checked_quantities(self) -> list[tuple[str, Expression, Mapping]]:
         quantities = [
