@@ -231,11 +231,14 @@ class ContactStep:
                 solution = replace(solution, accepted=solution.accepted and not jammed)
             start, rounds = solution.impulses, rounds + solution.rounds
             after = problem.speeds(solution.impulses) - offsets
-            rigid = solution.impulses
+            pushes = solution.impulses
             if compliant.rows.size:
-                after, rigid = (matrix @ start.ravel()).reshape(shape) + free, start.copy()
-                rigid[compliant.rows] = 0.0
-            changed = self.scheme.again(approach, offsets, rigid, after)
+                after, pushes = (matrix @ start.ravel()).reshape(shape) + free, start.copy()
+                pushes[compliant.rows, 0] = 0.0  # force laws may do work
+            changed = self.scheme.again(approach, offsets, pushes, after)
+            if changed is not None:
+                changed[compliant.rows, 0] = offsets[compliant.rows, 0]
+                changed = changed if (changed != offsets).any() else None
             size = problem.size(start)
             softened = compliant.update(start[:, 0], after[:, 0], self.solver.tolerance * size)
             if not (softened or changed is not None) or not solution.accepted:
