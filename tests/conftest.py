@@ -7,13 +7,10 @@ import os
 import sys
 from pathlib import Path
 
-CACHE = Path(__file__).parents[1] / ".pytest_cache"
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # workers share the cores
-os.environ.setdefault("DALEMBERT_CACHE", str(CACHE / "machine_code"))  # for the next run, too
-if sys.dont_write_bytecode:  # programs that tests start would compile all modules again
-    os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix = str(CACHE / "bytecode")
-    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-    sys.dont_write_bytecode = False
+os.environ.setdefault(  # kept for the next run of the tests
+    "DALEMBERT_CACHE", str(Path(__file__).parents[1] / ".pytest_cache" / "machine_code")
+)
 
 import pytest
 from browser import browser, show  # noqa: F401
@@ -21,6 +18,12 @@ from hypothesis import settings
 
 from dalembert.io import json_schema
 from dalembert.symbolic.evaluation import switching
+
+if sys.dont_write_bytecode:  # programs that tests start would compile all modules again
+    sys.pycache_prefix = str(Path(__file__).parents[1] / ".pytest_cache" / "bytecode")
+    os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    sys.dont_write_bytecode = False
 
 
 class NeverCompiled:
