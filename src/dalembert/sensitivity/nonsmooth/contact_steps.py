@@ -173,7 +173,7 @@ class ContactSteps:
         step, scheme = self.step, self.step.scheme
         after, _, mobility = step.smooth.step(t, y, v, self.p, h, scheme.theta)
         if lasting is not None and lasting.keys.size:
-            contacts = step.near(t, y, 2 * h * np.column_stack([v, after]))
+            contacts = step.near(step.at(t, y), 2 * h * np.column_stack([v, after]))
             contacts = contacts.some(np.isin(contacts.key, lasting.keys))
             before = contacts.speeds(v)
             offsets = Approach(contacts, before, contacts.speeds(after), h).newton()
