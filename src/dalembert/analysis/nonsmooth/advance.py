@@ -129,4 +129,4 @@ def _solved_on_path(
         start.h * (last.v + start.v) / 2,
     )
     path = Contacts.joined([contacts.some(~curved), mean])
-    return replace(step.solved(start, path, last), curved=np.sort(keys))
+    return replace(step.solved(start, path, last), curved=np.sort(keys), path=last)

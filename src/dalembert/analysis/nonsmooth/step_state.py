@@ -26,6 +26,7 @@ class StepResult:
     stuck : keys of the contacts with static friction at the end
     loss : energy dissipated by the contacts
     curved : keys of the contacts with means over the path; others have the values of the start
+    path : the solution whose displacement is the path of the means
     """
 
     y: np.ndarray
@@ -37,6 +38,7 @@ class StepResult:
     stuck: np.ndarray
     loss: float
     curved: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
+    path: StepResult | None = None
 
     @property
     def pressing(self) -> tuple[np.ndarray, np.ndarray]:

@@ -7,6 +7,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from dalembert.analysis.nonsmooth.advance import advance
 from dalembert.analysis.nonsmooth.contact_step import ContactStep, delassus
 from dalembert.analysis.nonsmooth.correction import (
     SETTINGS,
@@ -15,10 +16,12 @@ from dalembert.analysis.nonsmooth.correction import (
     normals_of,
 )
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
+from dalembert.analysis.nonsmooth.step_state import StepResult
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.integrators.contact.contacts import FrictionProblem
+from dalembert.integrators.contact.impulses import Impulses
 from dalembert.integrators.contact.schemes import Approach
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.sensitivity.nonsmooth.active_contacts import STICK_MARGIN, ActiveContacts
@@ -76,7 +79,8 @@ class ContactSteps:
         rows = np.arange(*self._starts[k : k + 2]) if k >= 0 else np.zeros(0, dtype=int)
         rows = rows[np.argsort(self.record.key[rows])]
         record = self.record
-        return ActiveContacts(record.key[rows], record.impulse[rows], record.offset[rows])
+        fields = record.key, record.impulse, record.offset, record.curved
+        return ActiveContacts(*(field[rows] for field in fields))
 
     def observe_growth(self, columns: np.ndarray) -> None:
         """Include changes of a state, or weights, in the largest growth."""
@@ -91,14 +95,11 @@ class ContactSteps:
             Names the instant.
         """
         record, linear = self.record, 1 + sum(self.step.groups[:1])
-        keys, number = np.unique(record.key, return_inverse=True)
-        if not keys.size or linear == 1:
+        if not record.key.size or linear == 1:
             return
-        laws = self.maps.gaps_at(self.x[:, 0], float(record.t[0]), keys).values.laws[number]
+        number = np.unique(record.key, return_inverse=True)[1]
+        laws, slips = self._laws(record.key), self._slips(record.key, record.impulse)
         static, moving = laws[:, FIRST - 1], laws[:, FIRST]
-        limit = moving * record.impulse[:, 0]
-        slip = np.linalg.norm(record.impulse[:, 1:linear], axis=1)
-        slips = np.abs(slip - limit) <= STICK_MARGIN * limit
         order = np.lexsort((record.step, number))
         ends, begins = order[1:], order[:-1]
         breaks = (number[ends] == number[begins]) & (record.step[ends] == record.step[begins] + 1)
@@ -110,6 +111,21 @@ class ContactSteps:
                 "and gradients do not include the change of this instant; give "
                 "static_friction equal to friction"
             )
+
+    def _laws(self, key: np.ndarray) -> np.ndarray:
+        """(n, c) coefficients of gaps at the start."""
+        keys, number = np.unique(key, return_inverse=True)
+        start = self.x[:, 0], float(self.record.t[0])
+        return np.asarray(self.maps.gaps_at(*start, keys).values.laws[number])
+
+    def _slips(self, key: np.ndarray, impulse: np.ndarray) -> np.ndarray:
+        """(n,) mask of the impulses (n, k) of sliding contacts."""
+        linear = 1 + sum(self.step.groups[:1])
+        if linear == 1 or not key.size:
+            return np.ones(key.size, dtype=bool)
+        limit = self._laws(key)[:, FIRST] * impulse[:, 0]
+        slip = np.linalg.norm(impulse[:, 1:linear], axis=1)
+        return np.asarray(np.abs(slip - limit) <= STICK_MARGIN * limit)
 
     def split(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """``y`` and ``v`` at the start of step ``k``."""
@@ -125,12 +141,9 @@ class ContactSteps:
 
         Raises
         ------
-        UnsupportedError
-            The gap of a contact is concave along the step.
         AnalysisError
             The maps do not reproduce the recorded step.
         """
-        self._refuse_curved(k)
         maps = self._maps(k)
         end, recorded = maps[-1].following, self.x[:, k + 1]
         scale = np.abs(self.x[:, k : k + 2]).max(initial=0.0) + self.step.model.scales.length
@@ -141,20 +154,13 @@ class ContactSteps:
             )
         return maps
 
-    def _refuse_curved(self, k: int) -> None:
-        record, rows = self.record, slice(*self._starts[k : k + 2])
-        owners = np.unique(record.owner[rows][record.curved[rows]])
-        if owners.size:
-            names = ", ".join(record.names[owner] for owner in owners)
-            raise UnsupportedError(
-                f"{names}: the gap of a contact is concave along the step at t = "
-                f"{record.t[k]:.9g} s, and gradients do not include its means over the path; use "
-                "integrator=da.MoreauJean()"
-            )
-
     def _maps(self, k: int) -> list[MapAt]:
         (t, h), active, x = self.span(k), self.active(k), self.x[:, k]
-        maps = [self.maps.step(x, self.x[self.size :, k + 1], t, h, active)]
+        after = self.x[self.size :, k + 1]
+        if active.curved.any():
+            maps = [self._on_path(k)]
+        else:
+            maps = [self.maps.step(x, after, t, h, active)]
         recorder = RecordedOpening(self.step, t + h, self.step.scheme.projection)
         newton.solve(recorder, maps[0].following[: self.size], SETTINGS)
         for keys, lifts in recorder.active:
@@ -163,6 +169,31 @@ class ContactSteps:
         if self.step.smooth.has_joints:
             maps.append(self.maps.consistent(maps[-1].following, t + h))
         return maps
+
+    def _on_path(self, k: int) -> MapAt:
+        """Map of a step with means of gaps over the path of a solution, which is repeated."""
+        (t, h), (y, v), x = self.span(k), self.split(k), self.x[:, k]
+        result: StepResult | None = advance(self.step, t, h, y, v, self._result(k - 1))
+        results = []
+        while result is not None:
+            results.append(result)
+            result = result.path
+        before: MapAt | None = None
+        for result in reversed(results):
+            before = self.maps.step(x, result.v, t, h, ActiveContacts.of(result), before)
+        assert before is not None
+        return before
+
+    def _result(self, k: int) -> StepResult | None:
+        """Result of step ``k`` with what the next step starts from; None before the first."""
+        if k < 0:
+            return None
+        (t, _), (y, v) = self.span(k), self.split(k + 1)
+        active, none = self.active(k), np.zeros(0)
+        contacts = self.step.selected(t, self.split(k)[0], active.keys)
+        impulses = Impulses(active.impulses, 0.0, True)
+        stuck = active.keys[~self._slips(active.keys, active.impulses)]
+        return StepResult(y, v, none, contacts, impulses, active.offsets, stuck, 0.0)
 
     def acceleration(
         self, x: np.ndarray, t: float, h: float, lasting: ActiveContacts | None

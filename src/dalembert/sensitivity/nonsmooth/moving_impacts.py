@@ -13,7 +13,7 @@ shifts: exact for all changes that keep them simultaneous.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -203,7 +203,7 @@ def _impacts(
     rates = steps.maps.equations.rates
     rate_after = np.concatenate([rates(end[:size], end[size:])[0], after])
     rate_before = np.concatenate([rates(begin[:size], begin[size:])[0], before])
-    impact = [replace(maps[0], contacts=contacts.impact_law(closing.impacting)), *maps[1:]]
+    impact = [maps[0].impact_law(contacts.keys[closing.impacting]), *maps[1:]]
     jump = push_maps(impact, rate_before[:, None], 1.0, np.zeros((steps.p.size, 1))).ravel()
     masks = np.array([part for _, part in parts]).T
     return MovingImpacts(
