@@ -35,14 +35,15 @@ def advance(
     lifts = approach.forced > step.solver.tolerance * approach.fastest  # against forces
     if step.scheme.projection and lifts:
         return _closed(step, start, some, before)
-    return step.solved(start, some, before)
+    return step.solved(step.struck(start, some), some, before)
 
 
 def _closed(
     step: ContactStep, start: StepStart, contacts: Contacts, before: StepResult | None
 ) -> StepResult:
     """Solution in which the gaps that a correction would open have their impact, too."""
-    result, end = step.solved(start, contacts, before), start.t + start.h
+    result = step.solved(step.struck(start, contacts), contacts, before)
+    end = start.t + start.h
     for _ in range(REPETITIONS):
         if not np.isfinite(result.y).all() or step.deepest(end, result.y) >= -step.rounding:
             break
@@ -55,7 +56,7 @@ def _closed(
         if not added.count:
             break
         contacts = Contacts.joined([contacts, added])
-        again = step.solved(start, contacts, result)
+        again = step.solved(step.struck(start, contacts), contacts, result)
         push = again.impulses.impulses.ravel()
         exchanged = float(push @ (again.contacts.directions @ (again.v - start.free)))
         gains = again.loss < min(result.loss, -GAIN * exchanged)
@@ -76,10 +77,18 @@ def _opened(
     end, depth = start.t + start.h, np.inf
     overlaps = contacts.distance < -step.rounding
     contacts = replace(contacts, distance=np.maximum(contacts.distance, 0.0))
+    strikes = contacts.key[step.scheme.striking(start.approach(contacts, step.rounding))]
+    whole, start = start, step.struck(start, contacts.some(np.isin(contacts.key, strikes)))
     result, curved = step.solved(start, contacts, before), np.zeros_like(overlaps)
     for _ in range(REPETITIONS):
         if not np.isfinite(result.y).all():
             break
+        late = step.late(start, result)
+        if late.size:
+            strikes = np.append(strikes, late)
+            start = step.struck(whole, contacts.some(np.isin(contacts.key, strikes)))
+            result = _solved_on_path(step, start, contacts, curved, result)
+            continue
         last, depth = depth, -step.deepest(end, result.y)
         if depth <= step.rounding:
             break

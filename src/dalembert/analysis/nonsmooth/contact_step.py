@@ -6,20 +6,17 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import scipy
 
-from dalembert.analysis.nonsmooth.gaps.gap_source import FormulaGaps, GapSource
+from dalembert.analysis.nonsmooth.gaps.gap_source import GapSource
 from dalembert.analysis.nonsmooth.gaps.joined_gaps import selected_of
-from dalembert.analysis.nonsmooth.mobility import Mobility
+from dalembert.analysis.nonsmooth.impact_stage import impact_stage
+from dalembert.analysis.nonsmooth.mobility import Mobility, delassus
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
 from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart, warm_start
 from dalembert.elements.contact.impact_law import ImpactLaw
-from dalembert.errors import UnsupportedError
 from dalembert.integrators.contact.contact_laws import widest_groups
 from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
-from dalembert.integrators.contact.delassus import Delassus
-from dalembert.integrators.contact.impact_path import impact_impulses, in_succession
 from dalembert.integrators.contact.impulses import Impulses
 from dalembert.integrators.contact.schemes import Approach, ContactScheme
 from dalembert.integrators.contact.static_friction import (
@@ -29,7 +26,6 @@ from dalembert.integrators.contact.static_friction import (
     sticks,
 )
 from dalembert.model.graph.model import Model
-from dalembert.symbolic.evaluation.kernel import Matrix
 
 ROUNDS = 50
 """Upper limit of the changes of the contact offsets in one step."""
@@ -66,27 +62,6 @@ class ContactStep:
         """Widths of the groups of tangential components of the relative velocities."""
         return widest_groups([source.groups for source in self.sources])
 
-    @cached_property
-    def law(self) -> ImpactLaw:
-        """Law of restitution of all gaps.
-
-        Raises
-        ------
-        UnsupportedError
-            Gaps have several laws, or the scheme has not this law.
-        """
-        names = {source.law: source.elements[0].name for source in self.sources}
-        if len(names) > 1:
-            laws = " and ".join(f"{name} ({law.value})" for law, name in names.items())
-            raise UnsupportedError(f"contacts have several laws of impact: {laws}; give one law")
-        ((law, name),) = names.items()
-        if law not in self.scheme.impact_laws:
-            raise UnsupportedError(
-                f"{name}: {type(self.scheme).__name__} has no {law.value} law of impact; use "
-                f"integrator=da.MoreauJean(), or leave out {_keyword(self.sources, law)}"
-            )
-        return law
-
     def near(self, t: float, y: np.ndarray, travels: np.ndarray) -> Contacts:
         """Gaps of all sources within reach of the displacements ``travels``."""
         parts, elements = [], 0
@@ -121,17 +96,39 @@ class ContactStep:
         """Penetration that counts as rounding [m]."""
         return CLOSED * self.model.scales.length
 
+    def struck(self, start: StepStart, contacts: Contacts) -> StepStart:
+        """The start with the impacts of some contacts by other laws than Newton's, if any."""
+        if contacts.laws.follows(ImpactLaw.NEWTON).all():
+            return start
+        approach = start.approach(contacts, self.rounding)
+        stage = impact_stage(approach, start.mobility, self.solver)
+        return start if stage is None else start.after(stage)
+
+    def late(self, start: StepStart, result: StepResult) -> np.ndarray:
+        """Keys of the pressing contacts by other laws than Newton's that close fast, but take no
+        part in the impacts of the start."""
+        contacts = result.contacts
+        other = ~contacts.laws.follows(ImpactLaw.NEWTON) & (result.impulses.impulses[:, 0] > 0)
+        if not other.any():
+            return contacts.key[:0]
+        approach = start.approach(contacts, self.rounding)
+        late: np.ndarray = contacts.key[other & approach.impacting & ~approach.hit]
+        return late
+
     def solved(self, start: StepStart, contacts: Contacts, before: StepResult | None) -> StepResult:
         """A step with some contacts; impulses of the step ``before`` are the starting point."""
         v, theta = start.v, self.scheme.theta
         approach = start.approach(contacts, self.rounding)
         impulses, offsets, stuck = self._impulses(approach, start.mobility, before)
-        push = impulses.impulses.ravel()
-        change, reactions = start.mobility(contacts.directions.T @ push)
+        momentum = contacts.directions.T @ impulses.impulses.ravel()
+        change, reactions = start.mobility(momentum)
         after = start.free + change
         displacement = start.h * (theta * after + (1 - theta) * v)
         position = self.model.equations.manifold.go(start.y, displacement)
-        loss = -0.5 * float(push @ (contacts.directions @ (after + v)))
+        if start.impact is not None:
+            momentum = momentum + start.impact.momentum
+            impulses = start.impact.added(contacts, impulses)
+        loss = -0.5 * float(momentum @ (after + v))
         multiplier = start.multiplier + reactions
         return StepResult(position, after, multiplier, contacts, impulses, offsets, stuck, loss)
 
@@ -144,22 +141,14 @@ class ContactStep:
         if not contacts.count:
             return Impulses(np.zeros(shape), 0.0, True), np.zeros(shape), contacts.key[:0]
         matrix = delassus(contacts.directions, mobility)
-        offsets, free = self.scheme.first(approach), approach.free
+        offsets = self.scheme.first(approach)
         laws, none = contacts.laws, contacts.key[:0]
         scale = approach.fastest or 1.0
         rounding = STILL * self.solver.tolerance * scale
         static = may_stick(contacts, approach.before, before.stuck if before else none, rounding)
         start, rounds = warm_start(contacts, before, shape), 0
-        impact = None
-        if self.law is not ImpactLaw.NEWTON and approach.is_impact:
-            friction = laws.friction, contacts.groups, scale
-            instant = FrictionProblem(matrix, approach.before, *friction)
-            impact, at_end = impact_impulses(instant, laws.restitution, self.law, self.solver)
-            parting = approach.before[:, 0] > 0
-            free, held = free + at_end - approach.before, approach.held(at_end)
-            offsets = np.where(parting[:, None], np.maximum(held, offsets), held)
         for _ in range(ROUNDS):
-            velocity = free + offsets
+            velocity = approach.free + offsets
             problem = FrictionProblem(matrix, velocity, laws.friction, contacts.groups, scale)
             state = laws, static, approach.before
             solution, static = solve_with_static_friction(self.solver, problem, start, *state)
@@ -179,21 +168,4 @@ class ContactStep:
         stuck = none
         if laws.higher_at_rest.any():
             stuck = contacts.key[(start[:, 0] > 0) & sticks(self.solver, problem, solution)]
-        solution = replace(solution, rounds=rounds)
-        solution = solution if impact is None else in_succession(impact, solution)
-        return solution, offsets, stuck
-
-
-def _keyword(sources: list[GapSource], law: ImpactLaw) -> str:
-    """Argument of the element that requests a law."""
-    formulas = any(isinstance(source, FormulaGaps) for source in sources)
-    return "poisson=True" if formulas else f"impact_law={law.value!r}"
-
-
-def delassus(directions: Matrix, mobility: Mobility) -> np.ndarray | Delassus:
-    """``W A⁻¹ Wᵀ``, as an operator if the directions are sparse."""
-    responses = mobility.responses(directions)
-    if not scipy.sparse.issparse(directions):
-        return np.asarray(directions @ responses.T)
-    none = np.zeros(directions.shape[0])
-    return Delassus(directions, responses, mobility.matrix, mobility.joints, none)
+        return replace(solution, rounds=rounds), offsets, stuck

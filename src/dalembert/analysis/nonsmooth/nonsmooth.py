@@ -101,8 +101,8 @@ def solve_nonsmooth(
 ) -> NonsmoothMotion:
     """Integrate ``M dv = (f − d) dt − Cᵀ dΛ + Wᵀ dP``, ``0 ≤ g ⟂ dP_N ≥ 0``.
 
-    Impacts follow Newton's law, or with ``MoreauJean`` Poisson's or the energetic law, and friction
-    follows Coulomb's law, in fixed steps.
+    Impacts follow Newton's, Poisson's or the energetic law, and friction follows Coulomb's law, in
+    fixed steps.
 
     Parameters
     ----------

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from dalembert.analysis.nonsmooth.impact_stage import ImpactStage
 from dalembert.analysis.nonsmooth.mobility import Mobility
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.integrators.contact.impulses import Impulses
@@ -59,6 +60,7 @@ class StepStart:
     free, multiplier : speeds and multipliers at the end without impulses
     mobility : of the step
     begins : True in the first step
+    impact : impacts that ``free`` includes; None without any
     """
 
     t: float
@@ -69,11 +71,21 @@ class StepStart:
     multiplier: np.ndarray
     mobility: Mobility
     begins: bool
+    impact: ImpactStage | None = None
+
+    def after(self, impact: ImpactStage) -> StepStart:
+        """The start with impacts."""
+        free, multiplier = self.free + impact.change, self.multiplier + impact.multiplier
+        return replace(self, free=free, multiplier=multiplier, impact=impact)
 
     def approach(self, contacts: Contacts, rounding: float) -> Approach:
         """Contacts with their velocities; gaps up to ``rounding`` count as closed."""
         speeds = contacts.speeds(self.v), contacts.speeds(self.free)
-        return Approach(contacts, *speeds, self.h, self.begins, rounding)
+        approach = Approach(contacts, *speeds, self.h, self.begins, rounding)
+        if self.impact is None:
+            return approach
+        struck = contacts.speeds(self.v + self.impact.change)
+        return replace(approach, struck=struck, hit=self.impact.rows(contacts))
 
 
 def warm_start(contacts: Contacts, before: StepResult | None, shape: tuple[int, ...]) -> np.ndarray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -16,12 +17,14 @@ from dalembert.text.wording import unknown
 COEFFICIENTS = (
     "restitution",
     "tangential",
+    "impact_law",
     "static_friction",
     "friction",
     "rolling",
     "spinning",
 )
-"""Coefficients of a law, in the order of the columns of ``Collisions.coefficients``."""
+"""Coefficients of a law, in the order of the columns of ``Collisions.coefficients``; the
+law of impact counts as its number."""
 APART = -1
 """Law number of shapes that pass through each other."""
 
@@ -35,6 +38,7 @@ class Pair(Component):
     groups : names of two groups; the same name twice for shapes of one group
     restitution, tangential, friction, rolling, spinning : those of ``Collisions`` by default
     static_friction : by default ``friction`` of this pair, if it has one
+    impact_law : meaning of ``restitution``, that of ``Collisions`` by default
     touching : False if shapes of these groups pass through each other
 
     Examples
@@ -63,6 +67,7 @@ class Pair(Component):
     static_friction: Scalar = quantity(
         "", "coefficient of friction without slip", default=None, minimum=0.0
     )
+    impact_law: str | None = option("`newton`, `poisson` or `energetic`", default=None)
     touching: bool = option("whether shapes of these groups touch each other", default=True)
 
     def __post_init__(self) -> None:
@@ -82,9 +87,9 @@ class Pair(Component):
         coefficients = {"restitution": self.restitution, "tangential": self.tangential}
         return [at_most_one(e.sx, name) for name, e in coefficients.items() if e is not None]
 
-    def completed(self, defaults: Mapping[str, Scalar]) -> dict[str, Scalar]:
+    def completed(self, defaults: Mapping[str, Any]) -> dict[str, Any]:
         """The coefficients by their names, with defaults where it has none."""
-        own = {name: getattr(self, name) for name in COEFFICIENTS}
+        own: dict[str, Any] = {name: getattr(self, name) for name in COEFFICIENTS}
         if own["static_friction"] is None:
             own["static_friction"] = self.friction
         return {name: defaults[name] if c is None else c for name, c in own.items()}

@@ -38,6 +38,8 @@ class Approach:
     h : step [s]
     begins : True in the first step, which no earlier step could prepare for an impact
     rounding : gap that counts as closed [m]
+    struck : (n, k) relative velocities after impacts at the start; None without any
+    hit : (n,) mask of the contacts of these impacts
     """
 
     contacts: Contacts
@@ -46,6 +48,8 @@ class Approach:
     h: float
     begins: bool = False
     rounding: float = 0.0
+    struck: np.ndarray | None = None
+    hit: np.ndarray | bool = False
 
     @property
     def fastest(self) -> float:
@@ -64,21 +68,32 @@ class Approach:
     @property
     def forced(self) -> float:
         """The largest change of a normal velocity by forces in the step [m/s]."""
-        return float(np.abs(self.free[:, 0] - self.before[:, 0]).max(initial=0.0))
+        start = self.before if self.struck is None else self.struck
+        return float(np.abs(self.free[:, 0] - start[:, 0]).max(initial=0.0))
+
+    @property
+    def impacting(self) -> np.ndarray:
+        """(n,) mask of the gaps that close faster than forces change speeds."""
+        mask: np.ndarray = self.before[:, 0] < -SLOW * self.forced
+        return mask
 
     @property
     def is_impact(self) -> bool:
         """Whether a gap closes faster than forces change speeds."""
-        return bool((self.before[:, 0] < -SLOW * self.forced).any())
+        return bool(self.impacting.any())
 
-    def held(self, at_end: np.ndarray) -> Offsets:
-        """Forces in the step do not reduce the speeds ``at_end`` of an impact, up to those before.
+    @property
+    def rebound(self) -> np.ndarray:
+        """(n,) normal speeds after an impact, by Newton's law or those of impacts at the start.
 
-        So contacts do no work, and a central impact is that of Newton's law.
+        Forces in the step do not reduce the latter, up to the speeds before: contacts do no work.
         """
-        offsets = np.zeros_like(self.before)
-        offsets[:, 0] = -np.clip(at_end[:, 0], 0.0, np.maximum(-self.before[:, 0], 0.0))
-        return offsets
+        before = self.before[:, 0]
+        newton = -self.contacts.laws.restitution * before
+        if self.struck is None:
+            return newton
+        limited = np.clip(self.struck[:, 0], 0.0, np.maximum(-before, 0.0))
+        return np.where(self.hit, limited, newton)
 
 
 class ContactScheme(ABC):
@@ -91,13 +106,16 @@ class ContactScheme(ABC):
 
     theta: float
     projection: bool
-    impact_laws: ClassVar[tuple[ImpactLaw, ...]] = (ImpactLaw.NEWTON,)
     anticipates: ClassVar[bool] = False
     """True if the scheme keeps gaps open, so that no position correction is needed."""
 
     @abstractmethod
     def acting(self, approach: Approach) -> np.ndarray:
         """(n,) mask of the active contacts."""
+
+    def striking(self, approach: Approach) -> np.ndarray:
+        """(n,) mask of the active contacts that take part in impacts at the start of the step."""
+        return np.ones(approach.contacts.count, dtype=bool)
 
     @abstractmethod
     def first(self, approach: Approach) -> Offsets:
@@ -154,7 +172,6 @@ class MoreauJean(ContactScheme):
     theta: float = 0.5
     gamma: float = 0.5
     projection: bool = True
-    impact_laws: ClassVar[tuple[ImpactLaw, ...]] = tuple(ImpactLaw)
 
     def __post_init__(self) -> None:
         check_share("MoreauJean", "theta", self.theta)
@@ -168,6 +185,9 @@ class MoreauJean(ContactScheme):
         offsets, parting = approach.newton(), approach.before[:, 0]
         if self.projection:
             offsets[:, 0] = np.maximum(offsets[:, 0], parting)
+        hit = np.broadcast_to(approach.hit, parting.shape)
+        least = np.where(parting > 0, offsets[:, 0], -np.inf)
+        offsets[hit, 0] = np.maximum(-approach.rebound, least)[hit]
         return offsets
 
     def slopes(self, approach: Approach, offsets: Offsets, rounding: float) -> OffsetSlopes:
@@ -226,10 +246,14 @@ class AnticipatedImpacts(ContactScheme):
     def acting(self, approach: Approach) -> np.ndarray:
         return np.ones(approach.contacts.count, dtype=bool)
 
+    def striking(self, approach: Approach) -> np.ndarray:
+        closed = approach.contacts.distance <= approach.rounding
+        return np.asarray(closed | (approach.free[:, 0] < _room(approach)))
+
     def first(self, approach: Approach) -> Offsets:
         offsets = approach.newton()
-        margin = _margin(approach, approach.contacts.laws.restitution)
-        impact = approach.free[:, 0] < margin
+        margin = _room(approach)
+        impact = (approach.free[:, 0] < margin) | approach.hit
         offsets[:, 0] = -np.where(impact, _bounce(approach), margin)
         return offsets
 
@@ -267,15 +291,21 @@ def _margin(approach: Approach, restitution: np.ndarray | float) -> np.ndarray:
     return np.maximum(-gap / (approach.h * (1 - restitution / 2)), _open(approach))
 
 
+def _room(approach: Approach) -> np.ndarray:
+    """Minimum speed that permits an impact in the next step, without restitution by other laws
+    than Newton's."""
+    laws = approach.contacts.laws
+    return _margin(approach, np.where(laws.follows(ImpactLaw.NEWTON), laws.restitution, 0.0))
+
+
 def _bounce(approach: Approach) -> np.ndarray:
     """Minimum speed of contacts under pressure: impacting, resting or separating."""
-    before, e = approach.before[:, 0], approach.contacts.laws.restitution
-    forced = approach.forced
+    before, forced = approach.before[:, 0], approach.forced
     closing = CLOSING * np.maximum(approach.contacts.distance, 0) / approach.h
     resting = np.where(before > 0, _margin(approach, 0.0), -np.minimum(closing, forced))
-    impact = before < -SLOW * forced
+    impact = approach.impacting
     lower = np.where(impact & approach.begins, -np.inf, _open(approach))  # opened after the step
-    return np.maximum(np.where(impact, -e * before, resting), lower)
+    return np.maximum(np.where(impact, approach.rebound, resting), lower)
 
 
 def check_share(owner: str, name: str, value: float) -> None:

@@ -8,18 +8,19 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from dalembert.analysis.nonsmooth.advance import advance
-from dalembert.analysis.nonsmooth.contact_step import ContactStep, delassus
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import (
     SETTINGS,
     PositionCorrection,
     PositionResidual,
     normals_of,
 )
+from dalembert.analysis.nonsmooth.mobility import delassus
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
 from dalembert.analysis.nonsmooth.step_state import StepResult
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.integrators.contact.contact_laws import FIRST
+from dalembert.integrators.contact.contact_laws import FIRST, IMPACT
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.impulses import Impulses
 from dalembert.integrators.contact.schemes import Approach
@@ -57,16 +58,12 @@ class ContactSteps:
         self.record, self.p = motion.record, motion.parameters
         run = NonsmoothRun(analysis, motion.model, motion.parameters)
         self.step: ContactStep = run.step
-        if self.step.law is not ImpactLaw.NEWTON:
-            raise UnsupportedError(
-                f"gradients of impacts by the {self.step.law.value} law are not available in "
-                "solve_nonsmooth; use Newton's law, or solve_dynamics"
-            )
         self.maps = ContactMaps(self.step)
         self.x = np.vstack([self.record.ends.y, self.record.ends.v])
         self.size = self.record.ends.y.shape[0]
         self.changes: dict[int, ContactChanges] = {}
         self.growth = 0.0
+        self._refuse_laws()
         self._starts = np.searchsorted(self.record.step, np.arange(self.count + 1))
 
     @property
@@ -126,6 +123,17 @@ class ContactSteps:
         limit = self._laws(key)[:, FIRST] * impulse[:, 0]
         slip = np.linalg.norm(impulse[:, 1:linear], axis=1)
         return np.asarray(np.abs(slip - limit) <= STICK_MARGIN * limit)
+
+    def _refuse_laws(self) -> None:
+        if not self.record.key.size:
+            return
+        numbers = self._laws(self.record.key)[:, IMPACT]
+        for law in ImpactLaw:
+            if law is not ImpactLaw.NEWTON and (numbers == law.number).any():
+                raise UnsupportedError(
+                    f"gradients of impacts by the {law.value} law are not available in "
+                    "solve_nonsmooth; use Newton's law, or solve_dynamics"
+                )
 
     def split(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """``y`` and ``v`` at the start of step ``k``."""

@@ -48,7 +48,8 @@ class KindSlopes:
 class Part(Protocol):
     """Gaps of one source; ``rows`` are their numbers among all."""
 
-    rows: np.ndarray
+    @property
+    def rows(self) -> np.ndarray: ...
 
     @property
     def values(self) -> GapChanges: ...

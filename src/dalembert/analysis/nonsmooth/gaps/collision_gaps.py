@@ -51,7 +51,6 @@ class CollisionGaps(GapSource):
     def __init__(self, model: Model, element: Collisions):
         self.elements, self.groups = [element], element.friction_groups
         self.dimension: int = element.dimension
-        self.law = element.law
         e, balls, walls = model.all_equations, element.balls, element.walls
         points = [shape.point for shape in (*balls, *walls)]
         positions = [_in_space(p.position.sx) for p in points]

@@ -10,7 +10,6 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.base import Element, Rate
-from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.elements.coordinates import rate_of
 from dalembert.errors import ModelError
@@ -65,13 +64,11 @@ class GapSource(ABC):
     Attributes
     ----------
     elements : owners of the gaps
-    law : of restitution
     groups : widths of the groups of tangential components of the relative velocity at a gap
     formulas : GapFormulas of all shapes, from which derivatives follow
     """
 
     elements: list[Element]
-    law: ImpactLaw
     groups: tuple[int, ...]
     formulas: GapFormulas
 
@@ -164,10 +161,12 @@ class FormulaGaps(GapSource):
         drift = ca.substitute(speeds, e.v, ca.SX.zeros(e.speed_count))
         distances = model.at_ground(ca.vertcat(*(gap.distance for _, gap in gaps)))
         laws = [law for element in elements if (law := element.impact())]
-        self.law = laws[0].law  # equal, as checked by the model
         coefficients = ca.horzcat(
             *(
-                ca.vertcat(law.restitution, law.tangential, law.friction, law.friction)
+                ca.vertcat(
+                    *(law.restitution, law.tangential, law.law.number),
+                    *(law.friction, law.friction),
+                )
                 for law in laws
             )
         )

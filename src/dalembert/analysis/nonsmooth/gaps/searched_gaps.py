@@ -63,7 +63,6 @@ class SearchedGaps(GapSource):
     def __init__(self, model: Model, element: Collisions):
         self.elements, self.groups = [element], element.friction_groups
         self.dimension: int = element.dimension
-        self.law = element.law
         self.geometry = HullGeometry(model, element)
         self._speeds = model.all_equations.speed_count
         self._last: LastPosition | None = None
