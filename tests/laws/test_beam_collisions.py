@@ -8,6 +8,7 @@ import pytest
 import dalembert as da
 from dalembert import planar, spatial
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.errors import ModelError
 from tests.registry.gap_derivatives import GapDerivatives
 
@@ -87,11 +88,11 @@ def test_gaps_of_beams_are_rates_and_formulas(dimension):
     rng = np.random.default_rng(1)
     y = e.manifold.go(model.start.y, 0.02 * rng.normal(size=e.speed_count))
     v, far = rng.normal(size=e.speed_count), np.full((e.speed_count, 1), 0.3)
-    gaps = source.near(0.0, y, p, far, source.groups)
+    gaps = source.near(Configuration(0.0, y, p), far)
     rates = gaps.speeds(v)[:, 0]
     ends = []
     for step in (1e-6, -1e-6):
-        moved = source.near(0.0, e.manifold.go(y, step * v), p, far * 1.1, source.groups)
+        moved = source.near(Configuration(0.0, e.manifold.go(y, step * v), p), far * 1.1)
         ends.append(dict(zip(moved.key, moved.distance, strict=True)))
     assert gaps.count > 10
     for k, key in enumerate(gaps.key):

@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 import dalembert as da
 from dalembert import planar
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from tests.registry.collision_shapes import PLANAR
 from tests.registry.gap_derivatives import GapDerivatives
 
@@ -112,7 +113,7 @@ class Meeting:
 
     def gaps(self, y: np.ndarray, travel: float = 10.0):
         travels = np.full((6, 1), travel)
-        return self.source.near(0.0, y, self.model.nominal, travels, (1,))
+        return self.source.near(Configuration(0.0, y, self.model.nominal), travels)
 
     def distance(self, y: np.ndarray, every: int = 1) -> float:
         """The distance of the points of both shapes."""
@@ -231,7 +232,7 @@ def test_selected_gaps_are_those_of_the_search(meetings, i, j):
     for y in meeting.poses[:2]:
         gaps = meeting.gaps(y, 0.02)
         keys = gaps.key[::-1]
-        selected = meeting.source.selected(0.0, y, nominal, keys, (1,))
+        selected = meeting.source.selected(Configuration(0.0, y, nominal), keys)
         assert (selected.key == keys).all()
         assert selected.distance == pytest.approx(gaps.distance[::-1], abs=1e-10)
         assert selected.speeds(v) == pytest.approx(gaps.speeds(v)[::-1], abs=1e-9)

@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 import dalembert as da
 from dalembert import planar
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 
 contact = planar.contact
 u = da.curves.u
@@ -302,7 +303,7 @@ def test_rollers_touch_the_teeth_of_sprockets_as_in_contact():
     for angle in np.linspace(0, 2 * math.pi / 11, 20):
         place = (radius + 2e-4) * np.array([math.cos(angle), math.sin(angle)])
         y = np.array([0, 0, 0.7, *turned(0.7, place), 0])
-        gaps = source.near(0.0, y, model.nominal, np.full((6, 1), 0.01), (1,))
+        gaps = source.near(Configuration(0.0, y, model.nominal), np.full((6, 1), 0.01))
         expected = float(distance(y, model.nominal))
         if expected > -1e-3:
             assert gaps.distance.min() == pytest.approx(expected, abs=1e-12)

@@ -8,6 +8,7 @@ import pytest
 import dalembert as da
 from dalembert import planar, spatial
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.errors import ModelError
 from dalembert.io import load
 
@@ -52,7 +53,7 @@ def read(tmp_path, text: str) -> da.System:
 
 def gaps_of(model: da.Model, reach: float = 10.0):
     travels = np.full((model.equations.speed_count, 1), reach)
-    return gap_sources(model)[0].near(0.0, model.start.y, model.nominal, travels, (1,))
+    return gap_sources(model)[0].near(Configuration(0.0, model.start.y, model.nominal), travels)
 
 
 def test_files_have_groups_and_pairs(tmp_path, schema):
@@ -78,7 +79,7 @@ def test_laws_in_files_have_units(tmp_path, schema):
     assert element.friction_groups == (1, 1) and element.impact_law == "energetic"
     source = gap_sources(model)[0]
     travels = np.full((model.equations.speed_count, 1), 10.0)
-    laws = source.near(0.0, model.start.y, model.nominal, travels, (1, 1)).laws
+    laws = source.near(Configuration(0.0, model.start.y, model.nominal), travels).laws
     assert sorted(laws.friction[:, 1]) == [0.001] * 4 + [0.002]
     assert sorted(laws.static_friction) == [0.25] + [0.4] * 4
     motion = da.solve_nonsmooth(model, 0.05, step=1e-3, integrator=da.MoreauJean())

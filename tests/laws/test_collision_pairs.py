@@ -7,6 +7,7 @@ from scipy.spatial.transform import Rotation
 import dalembert as da
 from dalembert import planar, spatial
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import PARALLEL
 from tests.registry.collision_shapes import PAIRS, SHAPES, WALLS
 from tests.registry.gap_derivatives import GapDerivatives
@@ -60,7 +61,7 @@ class Meeting:
         """All gaps of the pair."""
         count = self.model.equations.speed_count
         travels = np.full((count, 1), travel)
-        return self.source.near(0.0, y, self.model.nominal, travels, self.source.groups)
+        return self.source.near(Configuration(0.0, y, self.model.nominal), travels)
 
 
 def _rotation(rng: np.random.Generator, dimension: int) -> np.ndarray:

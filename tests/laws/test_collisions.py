@@ -6,6 +6,7 @@ import pytest
 import dalembert as da
 from dalembert import planar, spatial
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.errors import AnalysisError, ModelError, UnsupportedError
 
 RADIUS = 0.05
@@ -84,8 +85,8 @@ def test_pairs_near_each_other_are_all_pairs_near_each_other():
     model = box_of_discs().build()
     source, y, p = gap_sources(model)[0], model.start.y, model.nominal
     shift = np.full((y.size, 1), 0.02)
-    pairs = source.near(0.0, y, p, shift, (1,))
-    everything = source.near(0.0, y, p, 100 * shift, (1,))
+    pairs = source.near(Configuration(0.0, y, p), shift)
+    everything = source.near(Configuration(0.0, y, p), 100 * shift)
     assert everything.count == 12 * 11 // 2 + 3 * 12
     reach = 2 * np.hypot(0.02, 0.02)
     assert sorted(pairs.distance) == pytest.approx(
@@ -97,12 +98,12 @@ def test_pairs_near_each_other_are_all_pairs_near_each_other():
 def test_velocities_of_gaps_are_rates_of_distances(space):
     """``g(y ⊕ ε v) − g(y) = ε W_N v``, whatever turns."""
     model = (box_of_discs() if space == "plane" else box_of_balls()).build()
-    source, groups = gap_sources(model)[0], (1,) if space == "plane" else (2,)
+    source = gap_sources(model)[0]
     y, p, rng = model.start.y, model.nominal, np.random.default_rng(0)
     v, go = rng.normal(size=model.equations.speed_count), model.equations.manifold.go
     far = np.full((v.size, 1), 10.0)
-    ends = [source.near(0.0, go(y, e * v), p, far, groups).distance for e in (1e-6, -1e-6)]
-    rates = source.near(0.0, y, p, far, groups).speeds(v)[:, 0]
+    ends = [source.near(Configuration(0.0, go(y, e * v), p), far).distance for e in (1e-6, -1e-6)]
+    rates = source.near(Configuration(0.0, y, p), far).speeds(v)[:, 0]
     assert (ends[0] - ends[1]) / 2e-6 == pytest.approx(rates, abs=1e-7)
 
 

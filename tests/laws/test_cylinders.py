@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 import dalembert as da
 from dalembert import spatial
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 
 G = 9.81
 contact = spatial.contact
@@ -121,7 +122,7 @@ def test_distances_are_those_of_a_convex_program(first, second):
         parameters = [turn.as_quat(scalar_first=True) for turn in turns]
         y = np.concatenate([poses[0][0], parameters[0], poses[1][0], parameters[1]])
         travels = np.full((model.equations.speed_count, 1), 10.0)
-        gap = source.near(0.0, y, model.nominal, travels, source.groups).distance.min()
+        gap = source.near(Configuration(0.0, y, model.nominal), travels).distance.min()
         if expected < 1e-3:  # nearly touching or overlapping
             assert gap < 2e-3
             continue

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 import dalembert as da
 from dalembert import spatial
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.errors import ModelError
 from dalembert.io import load
 from tests.laws.test_cylinders import SHAPES, core, cylinder
@@ -90,7 +91,7 @@ def test_gaps_close_where_bodies_touch(name):
         smallest = []
         for above in (width, -width):
             y = np.hstack([0, 0, lift + above, turn.as_quat(scalar_first=True), model.start.y[7:]])
-            gaps = source.near(0.0, y, model.nominal, travels, source.groups)
+            gaps = source.near(Configuration(0.0, y, model.nominal), travels)
             smallest.append(gaps.distance.min())
         assert 0 < smallest[0] <= 1.0001 * width
         assert -1.0001 * width <= smallest[1] < 0
@@ -127,9 +128,9 @@ def test_velocities_of_gaps_are_rates_of_distances_and_formulas_are_the_numbers(
             np.hstack([place, parameters[0], 0, 0, 0, parameters[1]]),
             rng.normal(size=e.speed_count),
         )
-        gaps = source.near(0.0, y, p, travels, source.groups)
+        gaps = source.near(Configuration(0.0, y, p), travels)
         ends = [
-            source.near(0.0, e.manifold.go(y, s * v), p, travels, source.groups)
+            source.near(Configuration(0.0, e.manifold.go(y, s * v), p), travels)
             for s in (1e-6, -1e-6)
         ]
         distances = [dict(zip(end.key, end.distance, strict=True)) for end in ends]

@@ -6,6 +6,7 @@ import pytest
 import dalembert as da
 from dalembert import planar
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 
 G = 9.81
 contact = planar.contact
@@ -94,7 +95,8 @@ def test_bodies_of_all_shapes_do_not_overlap(fallen):
     source, p = gap_sources(fallen.model)[0], fallen.model.nominal
     none = np.zeros((fallen.model.equations.speed_count, 1))
     deepest = min(
-        source.near(0.0, y, p, none, (1,)).distance.min(initial=0.0) for y in fallen.trajectory.y.T
+        source.near(Configuration(0.0, y, p), none).distance.min(initial=0.0)
+        for y in fallen.trajectory.y.T
     )
     assert deepest > -1e-9
 

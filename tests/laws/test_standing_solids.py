@@ -8,6 +8,7 @@ import pytest
 import dalembert as da
 from dalembert import spatial
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 
 G = 9.81
 contact = spatial.contact
@@ -52,9 +53,9 @@ def test_faces_touch_at_the_corners_of_their_common_part():
     model = system.build()
     (source,) = gap_sources(model)
     travels = np.full((model.equations.speed_count, 1), 1e-3)
-    gaps = source.near(0.0, model.start.y, model.nominal, travels, (2,))
+    gaps = source.near(Configuration(0.0, model.start.y, model.nominal), travels)
     assert gaps.count == 8 and abs(gaps.distance).max() < 1e-12
-    places = source.points(0.0, model.start.y, model.nominal, gaps.key)[0]
+    places = source.points(Configuration(0.0, model.start.y, model.nominal), gaps.key)[0]
     corners = places[np.argsort(np.arctan2(places[:, 1], places[:, 0]))]
     assert np.linalg.norm(corners[:, :2], axis=1) == pytest.approx(0.1 / np.cos(np.pi / 8))
     sides = [np.linalg.norm(b - a) for a, b in pairwise(corners)]

@@ -159,12 +159,13 @@ def _collisions(model: Model, s: Trajectory, p: np.ndarray) -> Iterator[Smallest
     if not _collisions_of(model):
         return
     from dalembert.analysis.nonsmooth.gaps.collision_gaps import collision_gaps
+    from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 
     travels = CLOSED * model.equations.scales.displacements[:, None]
     for source in collision_gaps(model):
         smallest = np.full(s.t.size, np.inf)
         for k, t in enumerate(s.t):
-            gaps = source.near(float(t), s.y[:, k], p, travels, source.groups)
+            gaps = source.near(Configuration(float(t), s.y[:, k], p), travels)
             smallest[k] = gaps.distance.min(initial=np.inf)
         k = int(np.argmin(smallest))
         yield source.elements[0].name, k, float(smallest[k]), "solve_nonsmooth"

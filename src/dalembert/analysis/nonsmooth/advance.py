@@ -6,9 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.contact_step import APART, ContactStep
-from dalembert.analysis.nonsmooth.gaps.gap_source import Instant
-from dalembert.analysis.nonsmooth.gaps.joined_gaps import separating_of
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.mean_gaps import mean_gaps
 from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart
 from dalembert.integrators.contact.contacts import Contacts
@@ -27,7 +26,7 @@ def advance(
     """A step of length ``h``; impulses of the step ``before`` are the starting point."""
     smooth = step.smooth.step(t, y, v, step.p, h, step.scheme.theta)
     start = StepStart(t, h, y, v, *smooth, before is None)
-    contacts = step.near(t, y, AHEAD * h * np.column_stack([v, start.free]))
+    contacts = step.near(step.at(t, y), AHEAD * h * np.column_stack([v, start.free]))
     if step.scheme.anticipates:
         return _opened(step, start, contacts, before)
     approach = start.approach(contacts, step.rounding)
@@ -45,11 +44,12 @@ def _closed(
     result = step.solved(step.struck(start, contacts), contacts, before)
     end = start.t + start.h
     for _ in range(REPETITIONS):
-        if not np.isfinite(result.y).all() or step.deepest(end, result.y) >= -step.rounding:
+        at_end = step.at(end, result.y)
+        if not np.isfinite(result.y).all() or step.deepest(at_end) >= -step.rounding:
             break
-        keys = step.closed(end, result.y).key
+        keys = step.closed(at_end).key
         keys = keys[~np.isin(keys, contacts.key)]
-        added = step.selected(start.t, start.y, keys)
+        added = step.selected(step.at(start.t, start.y), keys)
         joined = start.approach(Contacts.joined([contacts, added]), step.rounding)
         if joined.is_impact:
             added = added.some(added.speeds(start.v)[:, 0] <= 0)
@@ -89,16 +89,17 @@ def _opened(
             start = step.struck(whole, contacts.some(np.isin(contacts.key, strikes)))
             result = _solved_on_path(step, start, contacts, curved, result)
             continue
-        last, depth = depth, -step.deepest(end, result.y)
+        at_end = step.at(end, result.y)
+        last, depth = depth, -step.deepest(at_end)
         if depth <= step.rounding:
             break
-        added = _added(step, start, (end, result.y), contacts)
+        added = _added(step, start, at_end, contacts)
         if start.begins and depth >= last and not added.count:
             break  # an impact, which has no earlier step to prepare for it
         contacts = Contacts.joined([contacts, added])
         none = np.zeros(added.count, dtype=bool)
         overlaps, curved = np.append(overlaps, none), np.append(curved, none)
-        curved |= step.selected(end, result.y, contacts.key).distance < -step.rounding
+        curved |= step.selected(at_end, contacts.key).distance < -step.rounding
         curved &= ~overlaps
         again = _solved_on_path(step, start, contacts, curved, result)
         if not again.impulses.accepted:
@@ -107,21 +108,20 @@ def _opened(
     return result
 
 
-def _added(step: ContactStep, start: StepStart, end: Instant, contacts: Contacts) -> Contacts:
+def _added(step: ContactStep, start: StepStart, end: Configuration, contacts: Contacts) -> Contacts:
     """Gaps in addition to ``contacts`` of shapes that overlap at the end.
 
     Features may change within the step. The gaps that are closed at its start are replaced by
     those that separate the shapes there, or, without any, count if forces can open them.
     """
-    keys, at = step.closed(*end).key, (start.t, start.y)
-    gaps = step.selected(*at, keys[~np.isin(keys, contacts.key)])
+    keys, at = step.closed(end).key, step.at(start.t, start.y)
+    gaps = step.selected(at, keys[~np.isin(keys, contacts.key)])
     closed = gaps.distance < -step.rounding
-    own = step.p, gaps.key[closed], step.rounding
-    separating = separating_of(step.sources, APART, at, end, *own)
+    separating = step.separating(at, end, gaps.key[closed])
     if not separating.size:
         approach = start.approach(Contacts.joined([contacts, gaps]), step.rounding)
         closed &= gaps.distance < -start.h * approach.forced / 2
-    joined = Contacts.joined([gaps.some(~closed), step.selected(*at, separating)])
+    joined = Contacts.joined([gaps.some(~closed), step.selected(at, separating)])
     return joined.some(~np.isin(joined.key, contacts.key))
 
 
@@ -131,7 +131,7 @@ def _solved_on_path(
     """Solution with means over the path of the last one for curved gaps."""
     keys = contacts.key[curved]
     mean = mean_gaps(
-        lambda t, y: step.selected(t, y, keys),
+        lambda t, y: step.selected(step.at(t, y), keys),
         step.model.equations.manifold,
         (start.t, start.h),
         start.y,

@@ -6,6 +6,7 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import APART
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.results.contact_forces import ContactForces
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 
@@ -26,8 +27,8 @@ def contact_forces(motion: NonsmoothMotion, row: int) -> ContactForces:
     for number, source in enumerate(gap_sources(model)):
         own = key // APART == number
         if own.any():
-            y = motion.trajectory.y[:, row]
-            places[own], axes = source.points(t, y, motion.parameters, key[own] % APART)
+            at = Configuration(t, motion.trajectory.y[:, row], motion.parameters)
+            places[own], axes = source.points(at, key[own] % APART)
             mean = impulse[own, : axes.shape[2]] / (record.t[step + 1] - record.t[step])
             forces[own] = (axes @ mean[:, :, None])[..., 0]
     located = np.isfinite(places).all(axis=1)

@@ -7,8 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapSource
-from dalembert.analysis.nonsmooth.gaps.joined_gaps import selected_of
+from dalembert.analysis.nonsmooth.gaps.joined_gaps import selected_of, separating_of
 from dalembert.analysis.nonsmooth.impact_stage import impact_stage
 from dalembert.analysis.nonsmooth.mobility import Mobility, delassus
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
@@ -62,11 +63,15 @@ class ContactStep:
         """Widths of the groups of tangential components of the relative velocities."""
         return widest_groups([source.groups for source in self.sources])
 
-    def near(self, t: float, y: np.ndarray, travels: np.ndarray) -> Contacts:
+    def at(self, t: float, y: np.ndarray) -> Configuration:
+        """The configuration with the parameters of the steps."""
+        return Configuration(t, y, self.p)
+
+    def near(self, configuration: Configuration, travels: np.ndarray) -> Contacts:
         """Gaps of all sources within reach of the displacements ``travels``."""
         parts, elements = [], 0
         for number, source in enumerate(self.sources):
-            contacts = source.near(t, y, self.p, travels, self.groups)
+            contacts = source.near(configuration, travels)
             parts.append(
                 replace(
                     contacts, owner=contacts.owner + elements, key=contacts.key + number * APART
@@ -75,20 +80,24 @@ class ContactStep:
             elements += len(source.elements)
         return Contacts.joined(parts)
 
-    def selected(self, t: float, y: np.ndarray, keys: np.ndarray) -> Contacts:
+    def selected(self, configuration: Configuration, keys: np.ndarray) -> Contacts:
         """Gaps with some keys, at any distance."""
-        gaps = selected_of(self.sources, APART, t, y, self.p, keys, self.groups)
+        gaps = selected_of(self.sources, APART, configuration, keys)
         elements = np.cumsum([0, *(len(source.elements) for source in self.sources)])
         return replace(gaps, owner=gaps.owner + elements[keys // APART])
 
-    def deepest(self, t: float, y: np.ndarray) -> float:
-        """The smallest gap if it is negative, else 0 [m]."""
-        speeds = self.model.equations.speed_count
-        return min(source.deepest(t, y, self.p, speeds) for source in self.sources)
+    def separating(self, start: Configuration, end: Configuration, keys: np.ndarray) -> np.ndarray:
+        """Keys of gaps between the shapes of the gaps ``keys`` that separate them at ``start`` and
+        are closed at ``end``."""
+        return separating_of(self.sources, APART, start, end, keys, self.rounding)
 
-    def closed(self, t: float, y: np.ndarray) -> Contacts:
+    def deepest(self, configuration: Configuration) -> float:
+        """The smallest gap if it is negative, else 0 [m]."""
+        return min(source.deepest(configuration) for source in self.sources)
+
+    def closed(self, configuration: Configuration) -> Contacts:
         """Gaps that are negative by more than rounding."""
-        contacts = self.near(t, y, np.zeros((self.model.equations.speed_count, 1)))
+        contacts = self.near(configuration, np.zeros((self.model.equations.speed_count, 1)))
         return contacts.some(contacts.distance < -self.rounding)
 
     @property

@@ -55,8 +55,9 @@ class PositionCorrection(newton.Equations[np.ndarray]):
         value, rounding = self.step_of.smooth.open_by(self.t, x, self.step_of.p)
         gaps, deepest = None, 0.0
         counted = self.open_gaps and bool(np.isfinite(x).all())
-        if counted and self.step_of.deepest(self.t, x) < -self.step_of.rounding:
-            gaps = self.step_of.closed(self.t, x)
+        configuration = self.step_of.at(self.t, x)
+        if counted and self.step_of.deepest(configuration) < -self.step_of.rounding:
+            gaps = self.step_of.closed(configuration)
             deepest = gaps.distance.min(initial=0.0)
         return PositionResidual(
             np.append(value, deepest), self.scale, np.append(rounding, 0.0), gaps=gaps
@@ -76,12 +77,12 @@ class PositionCorrection(newton.Equations[np.ndarray]):
         joint_shift, closed = mobility(still, -residual.value[:-1])[0], residual.gaps
         if closed is None or not closed.count:
             return joint_shift, None
-        allowed = self.step_of.rounding
-        gaps = closed if self.travel is None else self.step_of.near(self.t, x, self.travel)
+        allowed, at = self.step_of.rounding, self.step_of.at(self.t, x)
+        gaps = closed if self.travel is None else self.step_of.near(at, self.travel)
         for _ in range(ROUNDS):
             push, opened = self._push(gaps, joint_shift, mobility)
             shift = joint_shift + opened
-            near = self.step_of.near(self.t, x, shift[:, None])
+            near = self.step_of.near(at, shift[:, None])
             closes = near.distance + normals_of(near) @ shift < -allowed
             missing = closes & ~np.isin(near.key, gaps.key)
             if not missing.any():

@@ -207,7 +207,7 @@ class ContactCheck(ResidualCheck):
         if depth == 0:
             return Violation(0.0)
         t, none = float(self.record.t[k]), np.zeros((model.equations.speed_count, 1))
-        contacts = self.step.near(t, self.record.ends.y[:, k], none)
+        contacts = self.step.near(self.step.at(t, self.record.ends.y[:, k]), none)
         name = self.record.names[contacts.owner[np.argmin(contacts.distance)]]
         text = f"a gap of {name} is {-depth:.3g} m at t = {t:.9g} s"
         return Violation(depth / model.scales.length, text)

@@ -110,7 +110,7 @@ class StepLog:
         self.depths.append(self._depth(t, y))
 
     def _depth(self, t: float, y: np.ndarray) -> float:
-        return abs(self.step.deepest(t, y))
+        return abs(self.step.deepest(self.step.at(t, y)))
 
     def record(self) -> ContactRecord:
         """The steps as arrays."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from itertools import zip_longest
 
 import numpy as np
@@ -56,6 +56,11 @@ class ContactLaws:
     def some(self, selected: np.ndarray) -> ContactLaws:
         """Laws of the selected contacts."""
         return ContactLaws(*(getattr(self, field.name)[selected] for field in fields(self)))
+
+    def padded(self, groups: int) -> ContactLaws:
+        """Laws with a number of groups, the further ones frictionless."""
+        missing = ((0, 0), (0, groups - self.friction.shape[1]))
+        return replace(self, friction=np.pad(self.friction, missing))
 
     @classmethod
     def joined(cls, parts: list[ContactLaws]) -> ContactLaws:

@@ -8,14 +8,14 @@ Dynamical Systems, 2008, ch. 13). Restitution is included in ``b``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
 
-from dalembert.integrators.contact.contact_laws import ContactLaws
+from dalembert.integrators.contact.contact_laws import ContactLaws, widest_groups
 from dalembert.symbolic.evaluation.kernel import Matrix
 
 if TYPE_CHECKING:
@@ -75,9 +75,13 @@ class Contacts:
 
     @classmethod
     def joined(cls, parts: list[Contacts]) -> Contacts:
-        """Gaps of several sources."""
+        """Gaps of several sources, with the widest groups of tangential components."""
         if len(parts) == 1:
             return parts[0]
+        groups = parts[0].groups
+        if any(part.groups != groups for part in parts):
+            groups = widest_groups([part.groups for part in parts])
+            parts = [part.padded(groups) for part in parts]
         columns = zip(*((p.distance, p.drift, p.key, p.owner) for p in parts), strict=True)
         distance, drift, key, owner = (np.concatenate(column) for column in columns)
         laws = ContactLaws.joined([p.laws for p in parts])
@@ -86,7 +90,26 @@ class Contacts:
             stacked: Matrix = scipy.sparse.csr_array(scipy.sparse.vstack(rows))
         else:
             stacked = np.vstack(rows)
-        return cls(distance, stacked, drift, laws, parts[0].groups, key, owner)
+        return cls(distance, stacked, drift, laws, groups, key, owner)
+
+    def padded(self, groups: tuple[int, ...]) -> Contacts:
+        """The gaps with zeros for the components of wider groups that they lack."""
+        missing = ((0, 0), (0, 1 + sum(groups) - self.drift.shape[1]))
+        rows = scipy.sparse.csr_array(self.directions)
+        sizes = np.pad(np.diff(rows.indptr).reshape(self.drift.shape), missing)
+        starts = np.concatenate([[0], np.cumsum(sizes)])
+        directions: Matrix = scipy.sparse.csr_array(
+            (rows.data, rows.indices, starts), shape=(sizes.size, rows.shape[1])
+        )
+        if not scipy.sparse.issparse(self.directions):
+            directions = directions.toarray()
+        return replace(
+            self,
+            directions=directions,
+            drift=np.pad(self.drift, missing),
+            laws=self.laws.padded(len(groups)),
+            groups=groups,
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -137,7 +137,7 @@ class ContactMaps:
         z = -factors.solve(value)
         _, (_, by_q), following, slopes = self.equations.step(z, *state)
         free = z[: self.speeds]
-        contacts = step.near(t, y, AHEAD * h * np.column_stack([v, free]))
+        contacts = step.near(step.at(t, y), AHEAD * h * np.column_stack([v, free]))
         changes = (contacts.speeds(free) - contacts.speeds(v))[:, 0]
         row = int(np.argmax(np.abs(changes)))
         if not np.allclose(offsets[:, 0], abs(changes[row]), rtol=SOLVED, atol=0):

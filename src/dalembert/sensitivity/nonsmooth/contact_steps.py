@@ -198,7 +198,7 @@ class ContactSteps:
             return None
         (t, _), (y, v) = self.span(k), self.split(k + 1)
         active, none = self.active(k), np.zeros(0)
-        contacts = self.step.selected(t, self.split(k)[0], active.keys)
+        contacts = self.step.selected(self.step.at(t, self.split(k)[0]), active.keys)
         impulses = Impulses(active.impulses, 0.0, True)
         stuck = active.keys[~self._slips(active.keys, active.impulses)]
         return StepResult(y, v, none, contacts, impulses, active.offsets, stuck, 0.0)
@@ -212,7 +212,7 @@ class ContactSteps:
         step, scheme = self.step, self.step.scheme
         after, _, mobility = step.smooth.step(t, y, v, self.p, h, scheme.theta)
         if lasting is not None and lasting.keys.size:
-            contacts = step.near(t, y, 2 * h * np.column_stack([v, after]))
+            contacts = step.near(step.at(t, y), 2 * h * np.column_stack([v, after]))
             contacts = contacts.some(np.isin(contacts.key, lasting.keys))
             before = contacts.speeds(v)
             offsets = Approach(contacts, before, contacts.speeds(after), h).newton()

@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.nonsmooth.gaps.boundaries.boundary_gaps import BoundaryGaps
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature, gap_function
 from dalembert.analysis.nonsmooth.gaps.gap_source import (
     FormulaGaps,
@@ -52,6 +53,7 @@ class CollisionGaps(GapSource):
         self.elements, self.groups = [element], element.friction_groups
         self.dimension: int = element.dimension
         e, balls, walls = model.all_equations, element.balls, element.walls
+        self.speeds = e.speed_count
         points = [shape.point for shape in (*balls, *walls)]
         positions = [_in_space(p.position.sx) for p in points]
         twists = [
@@ -77,71 +79,56 @@ class CollisionGaps(GapSource):
         self._kernels: dict[tuple[bool, int], Kernel] = {}
         self._last: NearPairs | None = None
 
-    def near(
-        self,
-        time: float,
-        y: np.ndarray,
-        p: np.ndarray,
-        travels: np.ndarray,
-        groups: tuple[int, ...],
-    ) -> Contacts:
-        pairs = self._pairs(time, y, p)
+    def near(self, configuration: Configuration, travels: np.ndarray) -> Contacts:
+        pairs = self._pairs(configuration)
         reach = 2 * self._velocities.fastest(pairs.shapes.velocities, travels)
         if reach > pairs.reach:
             pairs = self._last = self._within(pairs.shapes, reach)
-        return self._contacts(pairs, np.flatnonzero(pairs.distance <= reach), groups)
+        return self._contacts(pairs, np.flatnonzero(pairs.distance <= reach))
 
-    def selected(
-        self,
-        time: float,
-        y: np.ndarray,
-        p: np.ndarray,
-        keys: np.ndarray,
-        groups: tuple[int, ...],
-    ) -> Contacts:
-        shapes = self._shapes(time, y, p)
+    def selected(self, configuration: Configuration, keys: np.ndarray) -> Contacts:
+        shapes = self._shapes(configuration)
         chosen = np.stack(np.divmod(keys, shapes.positions.shape[0]))
         walls = chosen[0] >= shapes.radii.size
         order = np.argsort(walls, kind="stable")  # pairs of balls before those with walls
         parts = chosen[:, ~walls], chosen[:, walls]
         pairs = self._evaluated(parts, shapes, np.inf)
-        return self._contacts(pairs, np.argsort(order), groups)
+        return self._contacts(pairs, np.argsort(order))
 
-    def _contacts(self, pairs: NearPairs, rows: np.ndarray, groups: tuple[int, ...]) -> Contacts:
+    def _contacts(self, pairs: NearPairs, rows: np.ndarray) -> Contacts:
         """Gaps of some rows of the pairs."""
         first, second = pairs.first[rows], pairs.second[rows]
         laws = pairs.shapes.coefficients[:, self._law(first, second)]
-        width = 1 + sum(groups)
         return Contacts(
             pairs.distance[rows],
-            pairs.derivatives.rows(rows, width),
-            np.zeros((rows.size, width)),
-            ContactLaws.of(laws, groups),
-            groups,
+            pairs.derivatives.rows(rows),
+            np.zeros((rows.size, 1 + sum(self.groups))),
+            ContactLaws.of(laws, self.groups),
+            self.groups,
             first * pairs.shapes.positions.shape[0] + second,
             np.zeros(rows.size, dtype=int),
         )
 
-    def deepest(self, time: float, y: np.ndarray, p: np.ndarray, speeds: int) -> float:
-        return float(self._pairs(time, y, p).distance.min(initial=0.0))
+    def deepest(self, configuration: Configuration) -> float:
+        return float(self._pairs(configuration).distance.min(initial=0.0))
 
-    def _pairs(self, time: float, y: np.ndarray, p: np.ndarray) -> NearPairs:
+    def _pairs(self, configuration: Configuration) -> NearPairs:
         """Pairs near each other at a position; those of the last call if it is the same."""
         last = self._last
-        if last is not None and last.shapes.is_at(time, y, p):
+        if last is not None and configuration.equals(last.shapes.configuration):
             return last
-        shapes = self._shapes(time, y, p)
+        shapes = self._shapes(configuration)
         self._last = self._within(shapes, 0.0 if last is None else last.reach)
         return self._last
 
-    def _shapes(self, time: float, y: np.ndarray, p: np.ndarray) -> ShapesAt:
+    def _shapes(self, configuration: Configuration) -> ShapesAt:
         """The shapes at a position."""
         last = self._last
-        if last is not None and last.shapes.is_at(time, y, p):
+        if last is not None and configuration.equals(last.shapes.configuration):
             return last.shapes
-        positions, normals, radii, coefficients = self._geometry(time, y, p)
+        positions, normals, radii, coefficients = self._geometry(*configuration)
         geometry = positions.T, normals.T, radii.ravel(), coefficients
-        return ShapesAt(time, y.copy(), p.copy(), *geometry, self._velocities(time, y, p))
+        return ShapesAt(configuration.copy(), *geometry, self._velocities(*configuration))
 
     def _within(self, shapes: ShapesAt, reach: float) -> NearPairs:
         """The pairs within reach."""
@@ -188,10 +175,10 @@ class CollisionGaps(GapSource):
         return [kind for kind in kinds if kind.row.size]
 
     def points(
-        self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
+        self, configuration: Configuration, keys: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        positions, normals, radii, _ = self._geometry(time, y, p)
-        places, directions = super().points(time, y, p, keys)
+        positions, normals, radii, _ = self._geometry(*configuration)
+        places, directions = super().points(configuration, keys)
         balls = radii.size
         for k, key in enumerate(keys):
             here, there = divmod(int(key), positions.shape[1])

@@ -9,6 +9,7 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.elements.base import Element, Rate
 from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.elements.coordinates import rate_of
@@ -18,9 +19,6 @@ from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel, Patterned, dense_array
 from dalembert.symbolic.formulas.expression import t
-
-Instant = tuple[float, np.ndarray]
-"""Time and position."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,11 +63,13 @@ class GapSource(ABC):
     ----------
     elements : owners of the gaps
     groups : widths of the groups of tangential components of the relative velocity at a gap
+    speeds : number of speeds of the model
     formulas : GapFormulas of all shapes, from which derivatives follow
     """
 
     elements: list[Element]
     groups: tuple[int, ...]
+    speeds: int
     formulas: GapFormulas
 
     @property
@@ -78,32 +78,15 @@ class GapSource(ABC):
         return 1 + sum(self.groups[:1])
 
     @abstractmethod
-    def near(
-        self,
-        time: float,
-        y: np.ndarray,
-        p: np.ndarray,
-        travels: np.ndarray,
-        groups: tuple[int, ...],
-    ) -> Contacts:
-        """Gaps no wider than the largest motion by the displacements ``travels`` (n_v, m).
-
-        Gap velocities have the components of ``groups``, padded by zeros.
-        """
+    def near(self, configuration: Configuration, travels: np.ndarray) -> Contacts:
+        """Gaps no wider than the largest motion by the displacements ``travels`` (n_v, m)."""
 
     @abstractmethod
-    def selected(
-        self,
-        time: float,
-        y: np.ndarray,
-        p: np.ndarray,
-        keys: np.ndarray,
-        groups: tuple[int, ...],
-    ) -> Contacts:
+    def selected(self, configuration: Configuration, keys: np.ndarray) -> Contacts:
         """The gaps with some keys, at any distance, in the order of the keys."""
 
     def separating(
-        self, start: Instant, end: Instant, p: np.ndarray, keys: np.ndarray, rounding: float
+        self, start: Configuration, end: Configuration, keys: np.ndarray, rounding: float
     ) -> np.ndarray:
         """Keys of gaps between the shapes of the gaps ``keys`` that separate them at the start of
         a step, up to ``rounding``, and are closed at its end; none by default."""
@@ -114,7 +97,7 @@ class GapSource(ABC):
         """The gaps with some keys, by functions."""
 
     def points(
-        self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
+        self, configuration: Configuration, keys: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """(n, 3) contact points and (n, 3, linear) directions of velocities at gaps with some keys.
 
@@ -122,9 +105,9 @@ class GapSource(ABC):
         """
         return np.full((keys.size, 3), np.nan), np.zeros((keys.size, 3, self.linear))
 
-    def deepest(self, time: float, y: np.ndarray, p: np.ndarray, speeds: int) -> float:
-        """The smallest gap if it is negative, else 0 [m]; ``speeds`` is the number of speeds."""
-        closed = self.near(time, y, p, np.zeros((speeds, 1)), self.groups)
+    def deepest(self, configuration: Configuration) -> float:
+        """The smallest gap if it is negative, else 0 [m]."""
+        closed = self.near(configuration, np.zeros((self.speeds, 1)))
         return float(closed.distance.min(initial=0.0))
 
 
@@ -146,7 +129,7 @@ class FormulaGaps(GapSource):
             for gap in element.gaps(_rate(model, element))
         ]
         slips = max(gap.slip.numel() for _, gap in gaps)
-        self.groups = (slips,) if slips else ()
+        self.groups, self.speeds = (slips,) if slips else (), e.speed_count
         self.owner = np.array([k for k, _ in gaps])
         velocities = []
         for k, gap in gaps:
@@ -178,42 +161,24 @@ class FormulaGaps(GapSource):
         self._gaps = Patterned("gaps", inputs, outputs)
         self._laws = Kernel(ca.Function("laws", inputs, [coefficients]))
 
-    def near(
-        self,
-        time: float,
-        y: np.ndarray,
-        p: np.ndarray,
-        travels: np.ndarray,
-        groups: tuple[int, ...],
-    ) -> Contacts:
-        gaps = self._all(time, y, p, groups)
+    def near(self, configuration: Configuration, travels: np.ndarray) -> Contacts:
+        gaps = self._all(configuration)
         reach = np.abs(gaps.directions @ travels).max(initial=0.0)
         return gaps.some(gaps.distance <= reach)
 
-    def selected(
-        self,
-        time: float,
-        y: np.ndarray,
-        p: np.ndarray,
-        keys: np.ndarray,
-        groups: tuple[int, ...],
-    ) -> Contacts:
-        return self._all(time, y, p, groups).some(keys)
+    def selected(self, configuration: Configuration, keys: np.ndarray) -> Contacts:
+        return self._all(configuration).some(keys)
 
-    def _all(self, time: float, y: np.ndarray, p: np.ndarray, groups: tuple[int, ...]) -> Contacts:
-        distance, directions, drift = self._gaps(time, y, p)
-        count, width = self.owner.size, 1 + sum(groups)
-        padding = ((0, 0), (0, width - self.linear), (0, 0))
-        rows = np.pad(dense_array(directions).reshape(count, self.linear, -1), padding)
-        laws = self._laws(time, y, p)[0][:, self.owner]
-        coefficients = np.zeros((FIRST + len(groups), count))
-        coefficients[: FIRST + 1] = laws[: FIRST + len(groups)]
+    def _all(self, configuration: Configuration) -> Contacts:
+        distance, directions, drift = self._gaps(*configuration)
+        count = self.owner.size
+        coefficients = self._laws(*configuration)[0][:, self.owner]
         return Contacts(
             distance,
-            rows.reshape(count * width, -1),
-            np.pad(drift.reshape(count, self.linear), padding[:2]),
-            ContactLaws.of(coefficients, groups),
-            groups,
+            dense_array(directions),
+            drift.reshape(count, self.linear),
+            ContactLaws.of(coefficients, self.groups),
+            self.groups,
             np.arange(count),
             self.owner,
         )

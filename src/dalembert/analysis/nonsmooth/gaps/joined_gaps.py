@@ -7,7 +7,8 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.nonsmooth.gaps.gap_source import GapFormulas, GapKind, GapSource, Instant
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
+from dalembert.analysis.nonsmooth.gaps.gap_source import GapFormulas, GapKind, GapSource
 from dalembert.integrators.contact.contacts import Contacts
 
 SOURCE = 2**50
@@ -16,20 +17,14 @@ PARTS = "geometry", "velocities"
 
 
 def selected_of(
-    sources: list[GapSource],
-    offset: int,
-    time: float,
-    y: np.ndarray,
-    p: np.ndarray,
-    keys: np.ndarray,
-    groups: tuple[int, ...],
+    sources: list[GapSource], offset: int, configuration: Configuration, keys: np.ndarray
 ) -> Contacts:
     """The gaps with some keys, of sources whose keys differ by multiples of ``offset``."""
     numbers, own = np.divmod(keys, offset)
     parts, order = [], []
     for number, source in enumerate(sources):
         rows = np.flatnonzero(numbers == number)
-        gaps = source.selected(time, y, p, own[rows], groups)
+        gaps = source.selected(configuration, own[rows])
         parts.append(replace(gaps, key=keys[rows]))
         order.append(rows)
     return Contacts.joined(parts).some(np.argsort(np.concatenate(order)))
@@ -38,9 +33,8 @@ def selected_of(
 def separating_of(
     sources: list[GapSource],
     offset: int,
-    start: Instant,
-    end: Instant,
-    p: np.ndarray,
+    start: Configuration,
+    end: Configuration,
     keys: np.ndarray,
     rounding: float,
 ) -> np.ndarray:
@@ -48,10 +42,8 @@ def separating_of(
     numbers, own = np.divmod(keys, offset)
     parts = [keys[:0]]
     for number in np.unique(numbers):
-        source = sources[number]
-        parts.append(
-            source.separating(start, end, p, own[numbers == number], rounding) + number * offset
-        )
+        selected = own[numbers == number]
+        parts.append(sources[number].separating(start, end, selected, rounding) + number * offset)
     return np.concatenate(parts)
 
 
@@ -65,41 +57,27 @@ class JoinedGaps(GapSource):
 
     def __init__(self, sources: list[GapSource]):
         self.sources, self.elements = sources, sources[0].elements
-        self.groups = sources[0].groups
+        self.groups, self.speeds = sources[0].groups, sources[0].speeds
         formulas = [source.formulas for source in sources]
         geometry, velocities = ([getattr(f, name) for f in formulas] for name in PARTS)
         self.formulas = GapFormulas(ca.vertcat(*geometry), ca.vertcat(*velocities))
 
-    def near(
-        self,
-        time: float,
-        y: np.ndarray,
-        p: np.ndarray,
-        travels: np.ndarray,
-        groups: tuple[int, ...],
-    ) -> Contacts:
-        parts = [source.near(time, y, p, travels, groups) for source in self.sources]
+    def near(self, configuration: Configuration, travels: np.ndarray) -> Contacts:
+        parts = [source.near(configuration, travels) for source in self.sources]
         return Contacts.joined(
             [replace(part, key=part.key + k * SOURCE) for k, part in enumerate(parts)]
         )
 
-    def selected(
-        self,
-        time: float,
-        y: np.ndarray,
-        p: np.ndarray,
-        keys: np.ndarray,
-        groups: tuple[int, ...],
-    ) -> Contacts:
-        return selected_of(self.sources, SOURCE, time, y, p, keys, groups)
+    def selected(self, configuration: Configuration, keys: np.ndarray) -> Contacts:
+        return selected_of(self.sources, SOURCE, configuration, keys)
 
     def separating(
-        self, start: Instant, end: Instant, p: np.ndarray, keys: np.ndarray, rounding: float
+        self, start: Configuration, end: Configuration, keys: np.ndarray, rounding: float
     ) -> np.ndarray:
-        return separating_of(self.sources, SOURCE, start, end, p, keys, rounding)
+        return separating_of(self.sources, SOURCE, start, end, keys, rounding)
 
-    def deepest(self, time: float, y: np.ndarray, p: np.ndarray, speeds: int) -> float:
-        return min(source.deepest(time, y, p, speeds) for source in self.sources)
+    def deepest(self, configuration: Configuration) -> float:
+        return min(source.deepest(configuration) for source in self.sources)
 
     def kinds(self, keys: np.ndarray) -> list[GapKind]:
         kinds, geometry, velocity = [], 0, 0
@@ -114,11 +92,11 @@ class JoinedGaps(GapSource):
         return kinds
 
     def points(
-        self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
+        self, configuration: Configuration, keys: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        places, directions = super().points(time, y, p, keys)
+        places, directions = super().points(configuration, keys)
         for number, source in enumerate(self.sources):
             own = keys // SOURCE == number
             if own.any():
-                places[own], directions[own] = source.points(time, y, p, keys[own] % SOURCE)
+                places[own], directions[own] = source.points(configuration, keys[own] % SOURCE)
         return places, directions

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import GapDerivatives
 
 
@@ -15,7 +16,7 @@ class ShapesAt:
 
     Attributes
     ----------
-    time, y, p : the position
+    configuration : of the position
     positions : (n, 3) of the balls, then of the walls
     normals : (walls, 3)
     radii : (balls,)
@@ -23,18 +24,12 @@ class ShapesAt:
     velocities : (n, 6, c) derivatives of the twists by the own speeds of the shapes
     """
 
-    time: float
-    y: np.ndarray
-    p: np.ndarray
+    configuration: Configuration
     positions: np.ndarray
     normals: np.ndarray
     radii: np.ndarray
     coefficients: np.ndarray
     velocities: np.ndarray
-
-    def is_at(self, time: float, y: np.ndarray, p: np.ndarray) -> bool:
-        """Whether this is the position."""
-        return self.time == time and np.array_equal(self.y, y) and np.array_equal(self.p, p)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature, gap_function
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapKind, GapSource
 from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry, Positions
@@ -28,25 +29,19 @@ class LastPosition:
 
     Attributes
     ----------
-    time, y, p : position and parameters
+    configuration : of the position
     at, velocities : positions and velocities of the shapes
     reach : distance within which gaps are evaluated; at first that of the position before
     requested : largest distance of a request
     contacts : the gaps; None before the first request
     """
 
-    time: float
-    y: np.ndarray
-    p: np.ndarray
+    configuration: Configuration
     at: Positions
     velocities: np.ndarray
     reach: float
     requested: float = 0.0
     contacts: Contacts | None = None
-
-    def is_at(self, time: float, y: np.ndarray, p: np.ndarray) -> bool:
-        """Whether this is the position."""
-        return time == self.time and np.array_equal(y, self.y) and np.array_equal(p, self.p)
 
 
 class SearchedGaps(GapSource):
@@ -64,44 +59,37 @@ class SearchedGaps(GapSource):
         self.elements, self.groups = [element], element.friction_groups
         self.dimension: int = element.dimension
         self.geometry = HullGeometry(model, element)
-        self._speeds = model.all_equations.speed_count
+        self.speeds = model.all_equations.speed_count
         self._last: LastPosition | None = None
         self._kernels: dict[tuple[Feature, int], Kernel] = {}
 
     @abstractmethod
-    def within(self, last: LastPosition, groups: tuple[int, ...]) -> list[Contacts]:
+    def within(self, last: LastPosition) -> list[Contacts]:
         """All gaps within ``last.reach``."""
 
     def arms(self, at: Positions) -> np.ndarray:
         """(s,) largest distances of points of the shapes from the origins of their bodies."""
         return self.geometry.arms(at)
 
-    def near(
-        self,
-        time: float,
-        y: np.ndarray,
-        p: np.ndarray,
-        travels: np.ndarray,
-        groups: tuple[int, ...],
-    ) -> Contacts:
-        last = self._last = self.position(time, y, p)
+    def near(self, configuration: Configuration, travels: np.ndarray) -> Contacts:
+        last = self._last = self.position(configuration)
         moved = self.geometry.velocities.displacements(last.velocities, travels)
         reach = self.geometry.reach(self.arms(last.at), moved)
-        if last.contacts is None or reach > last.reach or last.contacts.groups != groups:
+        if last.contacts is None or reach > last.reach:
             last.reach = max(last.reach, reach)
-            last.contacts = Contacts.joined(self.within(last, groups) or [self.none(groups)])
+            last.contacts = Contacts.joined(self.within(last) or [self.none()])
         last.requested = max(last.requested, reach)
         return last.contacts.some(last.contacts.distance <= reach)
 
-    def position(self, time: float, y: np.ndarray, p: np.ndarray) -> LastPosition:
+    def position(self, configuration: Configuration) -> LastPosition:
         """The last position if it is this one, else a new one."""
         last = self._last
-        if last is not None and last.is_at(time, y, p):
+        if last is not None and configuration.equals(last.configuration):
             return last
-        geometry = self.geometry
-        at, velocities = geometry.positions(time, y, p), geometry.velocities(time, y, p)
+        at = self.geometry.positions(configuration)
+        velocities = self.geometry.velocities(*configuration)
         ahead = 0.0 if last is None else last.requested
-        return LastPosition(time, y.copy(), p.copy(), at, velocities, ahead)
+        return LastPosition(configuration.copy(), at, velocities, ahead)
 
     def evaluate(self, feature: Feature, columns: list[np.ndarray]) -> list[np.ndarray]:
         """(n,) distances, (n, k, 12) derivatives of gap velocities by twists, (n, 3) places and
@@ -125,21 +113,20 @@ class SearchedGaps(GapSource):
         second: np.ndarray,
         gaps: list[np.ndarray],
         key: np.ndarray,
-        groups: tuple[int, ...],
     ) -> Contacts:
         """Contacts of pairs of shapes with evaluated gaps."""
         distance, blocks, *_ = gaps
-        laws, width = last.at.coefficients[:, self.geometry.law(first, second)], 1 + sum(groups)
-        directions = self.geometry.velocities.gap_derivatives(
+        laws = last.at.coefficients[:, self.geometry.law(first, second)]
+        derivatives = self.geometry.velocities.gap_derivatives(
             blocks, first, second, last.velocities
         )
         count = distance.size
         return Contacts(
             distance,
-            directions.rows(np.arange(count), width),
-            np.zeros((count, width)),
-            ContactLaws.of(laws, groups),
-            groups,
+            derivatives.rows(np.arange(count)),
+            np.zeros((count, 1 + sum(self.groups))),
+            ContactLaws.of(laws, self.groups),
+            self.groups,
             key,
             np.zeros(count, dtype=int),
         )
@@ -174,8 +161,9 @@ class SearchedGaps(GapSource):
             self._kernels[feature, size] = Kernel(self.function(feature).map(size))
         return self._kernels[feature, size]
 
-    def none(self, groups: tuple[int, ...]) -> Contacts:
+    def none(self) -> Contacts:
+        """No contacts."""
         empty, numbers = np.zeros(0), np.zeros(0, dtype=int)
-        rows = np.zeros((0, self._speeds)), np.zeros((0, 1 + sum(groups)))
-        laws = ContactLaws.of(np.zeros((FIRST + len(groups), 0)), groups)
-        return Contacts(empty, *rows, laws, groups, numbers, numbers)
+        rows = np.zeros((0, self.speeds)), np.zeros((0, 1 + sum(self.groups)))
+        laws = ContactLaws.of(np.zeros((FIRST + len(self.groups), 0)), self.groups)
+        return Contacts(empty, *rows, laws, self.groups, numbers, numbers)

@@ -99,16 +99,14 @@ class GapDerivatives:
     used: np.ndarray
     speeds: int
 
-    def rows(self, selected: np.ndarray, width: int) -> scipy.sparse.csr_array:
-        """``W`` (m width, n_v) of selected gaps, with empty rows for components they lack."""
+    def rows(self, selected: np.ndarray) -> scipy.sparse.csr_array:
+        """``W`` (m k, n_v) of selected gaps."""
         values, used = self.values[selected], self.used[selected]
         count, components, _ = values.shape
-        sizes = np.zeros((count, width), dtype=np.int32)
-        sizes[:, :components] = used.sum(axis=1)[:, None]
-        starts = np.zeros(count * width + 1, dtype=np.int32)
-        np.cumsum(sizes.ravel(), out=starts[1:])
+        starts = np.zeros(count * components + 1, dtype=np.int32)
+        np.cumsum(np.repeat(used.sum(axis=1), components), out=starts[1:])
         inside = np.repeat(used[:, None], components, axis=1)
         columns = np.repeat(self.columns[selected][:, None], components, axis=1)
         indices = columns[inside].astype(np.int32)
-        shape = count * width, self.speeds
+        shape = count * components, self.speeds
         return scipy.sparse.csr_array((values[inside], indices, starts), shape=shape)

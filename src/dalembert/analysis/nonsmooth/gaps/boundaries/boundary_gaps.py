@@ -8,6 +8,7 @@ import numpy as np
 from dalembert.analysis.nonsmooth.gaps.boundaries.boundaries import Boundaries, PlacedBoundaries
 from dalembert.analysis.nonsmooth.gaps.boundaries.boundary_formulas import Arc, touch_function
 from dalembert.analysis.nonsmooth.gaps.boundaries.boundary_search import BoundarySearch, Feet, Touch
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapFormulas, GapKind
 from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import Positions
@@ -53,36 +54,32 @@ class BoundaryGaps(SearchedGaps):
         self._functions: dict[tuple[int, ...], ca.Function] = {}
         self._placed: tuple[Positions, PlacedBoundaries] | None = None
 
-    def within(self, last: LastPosition, groups: tuple[int, ...]) -> list[Contacts]:
+    def within(self, last: LastPosition) -> list[Contacts]:
         parts = []
-        search = BoundarySearch(self.geometry, self._at(last.at, last.p), last.at, last.reach)
+        search = BoundarySearch(
+            self.geometry, self._at(last.at, last.configuration.p), last.at, last.reach
+        )
         for feet in search.feet():
             if feet.first.size:
                 gaps = self.evaluate(Feature.WALL, self._columns(feet, last.at))
                 near = gaps[0] <= last.reach
                 feet, gaps = feet.some(near), [part[near] for part in gaps]
                 key = self._keys(feet)
-                parts.append(self.contacts(last, feet.first, feet.second, gaps, key, groups))
+                parts.append(self.contacts(last, feet.first, feet.second, gaps, key))
         return parts
 
     def arms(self, at: Positions) -> np.ndarray:
         arms = super().arms(at)
         if self._last is not None:
-            placed = self._at(at, self._last.p)
+            placed = self._at(at, self._last.configuration.p)
             arms[placed.first_shape :] = placed.arms
         return arms
 
-    def selected(
-        self,
-        time: float,
-        y: np.ndarray,
-        p: np.ndarray,
-        keys: np.ndarray,
-        groups: tuple[int, ...],
-    ) -> Contacts:
+    def selected(self, configuration: Configuration, keys: np.ndarray) -> Contacts:
         if not keys.size:
-            return self.none(groups)
-        values, (_, first, second, *_) = self._values(time, y, p)[0].ravel(), self._parts(keys)
+            return self.none()
+        values = self._values(*configuration)[0].ravel()
+        _, first, second, *_ = self._parts(keys)
         distance, blocks = np.zeros(keys.size), list[np.ndarray]()
         kinds = self.kinds(keys)
         for kind in kinds:
@@ -92,7 +89,7 @@ class BoundaryGaps(SearchedGaps):
             blocks.append(own)
         order = np.argsort(np.concatenate([kind.row for kind in kinds]))
         gaps = [distance, np.concatenate(blocks)[order]]
-        return self.contacts(self.position(time, y, p), first, second, gaps, keys, groups)
+        return self.contacts(self.position(configuration), first, second, gaps, keys)
 
     def kinds(self, keys: np.ndarray) -> list[GapKind]:
         touch, *columns = self._parts(keys)
@@ -114,11 +111,11 @@ class BoundaryGaps(SearchedGaps):
         return kinds
 
     def points(
-        self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
+        self, configuration: Configuration, keys: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        places, directions = super().points(time, y, p, keys)
-        at = self.geometry.positions(time, y, p)
-        placed = self._at(at, p)
+        places, directions = super().points(configuration, keys)
+        at = self.geometry.positions(configuration)
+        placed = self._at(at, configuration.p)
         reach = 0.0 if self._last is None else self._last.requested
         reach = max(reach, 0.1 * float(placed.balls[1].max(initial=0.0)))
         for feet in BoundarySearch(self.geometry, placed, at, reach).feet():

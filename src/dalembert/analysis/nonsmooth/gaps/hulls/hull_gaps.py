@@ -6,8 +6,9 @@ from functools import partial
 
 import numpy as np
 
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
-from dalembert.analysis.nonsmooth.gaps.gap_source import GapKind, Instant
+from dalembert.analysis.nonsmooth.gaps.gap_source import GapKind
 from dalembert.analysis.nonsmooth.gaps.hulls.feature_pairs import Pairs, some_pairs
 from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import Positions
 from dalembert.analysis.nonsmooth.gaps.hulls.hull_search import HullSearch
@@ -34,10 +35,10 @@ class HullGaps(SearchedGaps):
         self._search = HullSearch(self.geometry)
         self._first = np.cumsum([0, *self.geometry.feature_counts])
 
-    def within(self, last: LastPosition, groups: tuple[int, ...]) -> list[Contacts]:
+    def within(self, last: LastPosition) -> list[Contacts]:
         near = self._search(last.at, last.reach, partial(self._normals, last.at))
         pairs = [self._with_ends(part) for part in near]
-        return [self._contacts(part, last, last.reach, groups) for part in pairs if part.first.size]
+        return [self._contacts(part, last, last.reach) for part in pairs if part.first.size]
 
     def _with_ends(self, pairs: Pairs) -> Pairs:
         """The pairs without corners of endless shapes."""
@@ -49,24 +50,15 @@ class HullGaps(SearchedGaps):
             corners = corners | endless[pairs.first]
         return some_pairs(pairs, ~corners)
 
-    def selected(
-        self,
-        time: float,
-        y: np.ndarray,
-        p: np.ndarray,
-        keys: np.ndarray,
-        groups: tuple[int, ...],
-    ) -> Contacts:
-        position, kinds = self.position(time, y, p), keys // self._first[-1] ** 2
+    def selected(self, configuration: Configuration, keys: np.ndarray) -> Contacts:
+        position, kinds = self.position(configuration), keys // self._first[-1] ** 2
         rows = [np.flatnonzero(kinds == kind) for kind in np.unique(kinds)]
-        parts = [
-            self._contacts(self._pairs_of(keys[own]), position, np.inf, groups) for own in rows
-        ]
+        parts = [self._contacts(self._pairs_of(keys[own]), position, np.inf) for own in rows]
         order = np.argsort(np.concatenate([np.zeros(0, dtype=int), *rows]))
-        return Contacts.joined(parts or [self.none(groups)]).some(order)
+        return Contacts.joined(parts or [self.none()]).some(order)
 
     def separating(
-        self, start: Instant, end: Instant, p: np.ndarray, keys: np.ndarray, rounding: float
+        self, start: Configuration, end: Configuration, keys: np.ndarray, rounding: float
     ) -> np.ndarray:
         numbers = np.stack(np.divmod(keys % self._first[-1] ** 2, self._first[-1]))
         shapes = np.searchsorted(self._first, numbers, side="right") - 1
@@ -76,9 +68,7 @@ class HullGaps(SearchedGaps):
         if not tables:
             return keys[:0]
         faces = Pairs(Feature.FACE, *np.hstack(tables))
-        opened, closed = (
-            self._evaluate(faces, self.position(*instant, p).at)[0] for instant in (start, end)
-        )
+        opened, closed = (self._evaluate(faces, self.position(at).at)[0] for at in (start, end))
         sides = np.stack([faces.first, faces.second, faces.own])
         face = np.unique(sides, axis=1, return_inverse=True)[1]
         lowest = np.full(face.max(initial=0) + 1, np.inf)
@@ -95,9 +85,9 @@ class HullGaps(SearchedGaps):
         return kinds
 
     def points(
-        self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
+        self, configuration: Configuration, keys: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        at = self.geometry.positions(time, y, p)
+        at = self.geometry.positions(configuration)
         places = np.zeros((keys.size, 3))
         directions = np.zeros((keys.size, 3, self.dimension))
         kinds = keys // self._first[-1] ** 2
@@ -107,14 +97,12 @@ class HullGaps(SearchedGaps):
         return places, directions
 
     # gaps of pairs -------------------------------------------------------------------------------
-    def _contacts(
-        self, pairs: Pairs, last: LastPosition, reach: float, groups: tuple[int, ...]
-    ) -> Contacts:
+    def _contacts(self, pairs: Pairs, last: LastPosition, reach: float) -> Contacts:
         """Gaps of pairs within reach."""
         gaps = self._evaluate(pairs, last.at)
         near = gaps[0] <= reach
         pairs, gaps = some_pairs(pairs, near), [part[near] for part in gaps]
-        return self.contacts(last, pairs.first, pairs.second, gaps, self._keys(pairs), groups)
+        return self.contacts(last, pairs.first, pairs.second, gaps, self._keys(pairs))
 
     def _evaluate(self, pairs: Pairs, at: Positions) -> list[np.ndarray]:
         return self.evaluate(pairs.feature, self.geometry.columns(pairs, at))

@@ -9,6 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.cylinders.cylinders import (
     SECTORS,
     Cylinders,
@@ -34,7 +35,7 @@ from dalembert.symbolic.evaluation.kernel import Kernel
 
 @dataclass(frozen=True, eq=False)
 class Positions:
-    """Inertial positions at an instant.
+    """Inertial positions of shapes.
 
     Attributes
     ----------
@@ -159,9 +160,9 @@ class HullGeometry:
         self._positions = Kernel(ca.Function("positions", inputs, outputs))
         self.velocities = ShapeVelocities(moving, e.v, inputs)
 
-    def positions(self, time: float, y: np.ndarray, p: np.ndarray) -> Positions:
-        """Positions at an instant."""
-        corners, walls, radii, origins, laws, axes = self._positions(time, y, p)
+    def positions(self, configuration: Configuration) -> Positions:
+        """Positions of the shapes."""
+        corners, walls, radii, origins, laws, axes = self._positions(*configuration)
         points = walls.T.reshape(-1, 2, 3)
         return Positions(corners.T, points, radii.ravel(), origins.T, laws, axes.T)
 
