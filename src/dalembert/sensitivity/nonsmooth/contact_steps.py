@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -83,17 +84,13 @@ class ContactSteps:
         """Include changes of a state, or weights, in the largest growth."""
         self.growth = max(self.growth, float(np.abs(columns).max(initial=0.0)))
 
-    def refuse_break_away(self) -> None:
-        """Raise if a contact with higher static friction begins to slip.
-
-        Raises
-        ------
-        UnsupportedError
-            Names the instant.
-        """
-        record, linear = self.record, 1 + sum(self.step.groups[:1])
-        if not record.key.size or linear == 1:
-            return
+    @cached_property
+    def breaks(self) -> dict[int, np.ndarray]:
+        """Step → keys of the contacts with higher static friction that slip in the next step, but
+        not in this one."""
+        record = self.record
+        if not record.key.size or not self.step.groups:
+            return {}
         number = np.unique(record.key, return_inverse=True)[1]
         laws, slips = self._laws(record.key), self._slips(record.key, record.impulse)
         static, moving = laws[:, FIRST - 1], laws[:, FIRST]
@@ -101,13 +98,8 @@ class ContactSteps:
         ends, begins = order[1:], order[:-1]
         breaks = (number[ends] == number[begins]) & (record.step[ends] == record.step[begins] + 1)
         breaks &= slips[ends] & ~slips[begins] & (static > moving)[ends]
-        if breaks.any():
-            time = record.t[record.step[ends[breaks]].min()]
-            raise UnsupportedError(
-                f"a contact with static friction breaks away at t = {time:.9g} s, "
-                "and gradients do not include the change of this instant; give "
-                "static_friction equal to friction"
-            )
+        rows = begins[breaks]
+        return {int(k): record.key[rows[record.step[rows] == k]] for k in record.step[rows]}
 
     def _laws(self, key: np.ndarray) -> np.ndarray:
         """(n, c) coefficients of gaps at the start."""
@@ -204,10 +196,15 @@ class ContactSteps:
         return StepResult(y, v, none, contacts, impulses, active.offsets, stuck, 0.0)
 
     def acceleration(
-        self, x: np.ndarray, t: float, h: float, lasting: ActiveContacts | None
+        self,
+        x: np.ndarray,
+        t: float,
+        h: float,
+        lasting: ActiveContacts | None,
+        slipping: np.ndarray | None = None,
     ) -> np.ndarray:
         """Mean accelerations over a step in which ``lasting`` contacts neither impact nor part, or
-        without contacts."""
+        without contacts; those that stick have static friction, except keys ``slipping``."""
         y, v = x[: self.size], x[self.size :]
         step, scheme = self.step, self.step.scheme
         after, _, mobility = step.smooth.step(t, y, v, self.p, h, scheme.theta)
@@ -220,7 +217,12 @@ class ContactSteps:
             speeds = contacts.speeds(after) + offsets
             scale = float(np.abs(speeds).max(initial=0.0)) or 1.0
             matrix = delassus(contacts.directions, mobility)
-            friction = contacts.laws.friction
+            friction, laws = contacts.laws.friction.copy(), contacts.laws
+            if laws.higher_at_rest.any():
+                sticking = lasting.keys[~self._slips(lasting.keys, lasting.impulses)]
+                static = laws.higher_at_rest & np.isin(contacts.key, sticking)
+                static &= ~np.isin(contacts.key, [] if slipping is None else slipping)
+                friction[static, :1] = laws.static_friction[static, None]
             problem = FrictionProblem(matrix, speeds, friction, contacts.groups, scale)
             start = lasting.impulses[np.searchsorted(lasting.keys, contacts.key)]
             impulses = step.solver.solve(problem, start).impulses
