@@ -15,11 +15,12 @@ from dalembert.analysis.nonsmooth.mobility import Mobility, delassus
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
 from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart, warm_start
 from dalembert.elements.contact.impact_law import ImpactLaw
+from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contact_laws import widest_groups
 from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.integrators.contact.impulses import Impulses
-from dalembert.integrators.contact.schemes import Approach, ContactScheme
+from dalembert.integrators.contact.schemes import ContactScheme
 from dalembert.integrators.contact.static_friction import (
     STILL,
     may_stick,

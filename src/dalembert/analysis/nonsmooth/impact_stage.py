@@ -10,11 +10,11 @@ import scipy
 from dalembert.analysis.nonsmooth.mobility import Mobility, delassus
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import UnsupportedError
+from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.integrators.contact.impact_path import impact_impulses
 from dalembert.integrators.contact.impulses import Impulses
-from dalembert.integrators.contact.schemes import Approach
 
 MOVED = 1e-9
 """Threshold of a speed by a unit impulse, relative to the largest one [-]."""

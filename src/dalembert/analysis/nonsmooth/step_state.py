@@ -8,9 +8,9 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.impact_stage import ImpactStage
 from dalembert.analysis.nonsmooth.mobility import Mobility
+from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.integrators.contact.impulses import Impulses
-from dalembert.integrators.contact.schemes import Approach
 
 
 @dataclass(frozen=True, eq=False)

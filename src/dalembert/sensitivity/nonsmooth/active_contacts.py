@@ -15,10 +15,10 @@ import scipy
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.step_state import StepResult
+from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.integrators.contact.offset_slopes import OffsetSlopes
-from dalembert.integrators.contact.schemes import Approach
 from dalembert.integrators.contact.semismooth_newton import pieces
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps

@@ -10,30 +10,23 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.advance import advance
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
-from dalembert.analysis.nonsmooth.correction import (
-    SETTINGS,
-    PositionCorrection,
-    PositionResidual,
-    normals_of,
-)
+from dalembert.analysis.nonsmooth.correction import SETTINGS
 from dalembert.analysis.nonsmooth.mobility import delassus
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
 from dalembert.analysis.nonsmooth.step_state import StepResult
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contact_laws import FIRST, IMPACT
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.impulses import Impulses
-from dalembert.integrators.contact.schemes import Approach
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.sensitivity.nonsmooth.active_contacts import STICK_MARGIN, ActiveContacts
 from dalembert.sensitivity.nonsmooth.contact_changes import ContactChanges
 from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
 from dalembert.sensitivity.nonsmooth.linear_map import MapAt
+from dalembert.sensitivity.nonsmooth.recorded_opening import SAME, RecordedOpening
 from dalembert.symbolic.equations import newton
-
-SAME = 1e-6
-"""Permitted difference of a repeated state from the recorded one, relative to its size [-]."""
 
 
 class ContactSteps:
@@ -238,28 +231,3 @@ def contact_steps(motion: NonsmoothMotion) -> ContactSteps:
     if motion not in _STEPS:
         _STEPS[motion] = ContactSteps(motion)
     return _STEPS[motion]
-
-
-class RecordedOpening(PositionCorrection):
-    """Position correction that records its active gaps.
-
-    Attributes
-    ----------
-    active : for each iteration, keys of the active gaps and their distances
-    """
-
-    def __init__(self, step: ContactStep, t: float, open_gaps: bool):
-        super().__init__(step, t, open_gaps)
-        self.active: list[tuple[np.ndarray, np.ndarray]] = []
-
-    def step(self, x: np.ndarray, residual: newton.Residual) -> np.ndarray:
-        assert isinstance(residual, PositionResidual)
-        shift, gaps = self.shift(x, residual)
-        keys, lifts = np.zeros(0, dtype=int), np.zeros(0)
-        if gaps is not None:
-            remainder = np.abs(gaps.distance + normals_of(gaps) @ shift)
-            active = np.flatnonzero(remainder <= SAME * -gaps.distance.min())
-            active = active[np.argsort(gaps.key[active])]
-            keys, lifts = gaps.key[active], gaps.distance[active]
-        self.active.append((keys, lifts))
-        return shift

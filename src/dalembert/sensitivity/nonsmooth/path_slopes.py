@@ -169,8 +169,8 @@ def _point(source: SourceSlopes, state: StepState, path: Path, s: float, own: An
     (n_y, n), rest = (y.size, v.size), 1 + state.p.size
     turns = _columns(by_y, h / 2 * by_delta, rest)
     width = turns.shape[1]
-    kept = scipy.sparse.diags_array(shares)
-    start, ending = (_placed(kept, place, width) for place in (n_y, width - n))
+    scaling = scipy.sparse.diags_array(shares)
+    start, ending = (_placed(scaling, place, width) for place in (n_y, width - n))
     moved = [scipy.sparse.diags_array(u) @ turns for u in (v, state.after, path.speeds)]
     others = _placed(scipy.sparse.eye_array(rest), n_y + n, width)
     inner = [_columns(y_by_y, h / 2 * y_by_delta, rest), moved[0] + start, others]
@@ -187,8 +187,8 @@ def _point(source: SourceSlopes, state: StepState, path: Path, s: float, own: An
         "after": slopes["after"] @ chain + across @ moved[1],
         "ending": gap_matrices(at_end)["after"] @ chain + across @ (moved[2] + ending),
         "laws": slopes["laws"] @ chain,
-        "momentum": kept @ (slopes["momentum"] @ chain) + push @ turns,
-        "across": across @ kept,
+        "momentum": scaling @ (slopes["momentum"] @ chain) + push @ turns,
+        "across": across @ scaling,
     }
     values = gaps.values
     speeds = values.before, values.after, at_end.values.after
