@@ -57,14 +57,15 @@ def _advanced(
     lifts = approach.forced > step.solver.tolerance * approach.fastest  # against forces
     if step.scheme.projection and lifts:
         return _closed(step, start, some, before)
-    return step.solved(start, some, before)
+    return step.solved(step.struck(start, some), some, before)
 
 
 def _closed(
     step: ContactStep, start: StepStart, contacts: Contacts, before: StepResult | None
 ) -> StepResult:
     """Solution in which the gaps that a correction would open have their impact, too."""
-    result, end = step.solved(start, contacts, before), start.t + start.h
+    result = step.solved(step.struck(start, contacts), contacts, before)
+    end = start.t + start.h
     for _ in range(REPETITIONS):
         at_end = step.at(end, result.y)
         if not np.isfinite(result.y).all() or step.deepest(at_end) >= -step.rounding:
@@ -78,7 +79,7 @@ def _closed(
         if not added.count:
             break
         contacts = Contacts.joined([contacts, added])
-        again = step.solved(start, contacts, result)
+        again = step.solved(step.struck(start, contacts), contacts, result)
         push = again.impulses.impulses.ravel()
         exchanged = float(push @ (again.contacts.directions @ (again.v - start.free)))
         gains = again.loss < min(result.loss, -GAIN * exchanged)
@@ -101,10 +102,18 @@ def _opened(
     overlaps = compliant | (contacts.distance < -step.rounding)
     distance = np.where(compliant, contacts.distance, np.maximum(contacts.distance, 0.0))
     contacts = replace(contacts, distance=distance)
+    strikes = contacts.key[step.scheme.striking(start.approach(contacts, step.rounding))]
+    whole, start = start, step.struck(start, contacts.some(np.isin(contacts.key, strikes)))
     result, curved = step.solved(start, contacts, before), np.zeros_like(overlaps)
     for _ in range(REPETITIONS):
         if not np.isfinite(result.y).all():
             break
+        late = step.late(start, result)
+        if late.size:
+            strikes = np.append(strikes, late)
+            start = step.struck(whole, contacts.some(np.isin(contacts.key, strikes)))
+            result = _solved_on_path(step, start, contacts, curved, result)
+            continue
         at_end = step.at(end, result.y)
         last, depth = depth, -step.deepest(at_end)
         if depth <= step.rounding:
@@ -147,4 +156,4 @@ def _solved_on_path(
     """Solution with means over the path of the last one for curved gaps."""
     keys = contacts.key[curved]
     path = Contacts.joined([contacts.some(~curved), path_means(step, start, keys, last)])
-    return replace(step.solved(start, path, last), curved=np.sort(keys))
+    return replace(step.solved(start, path, last), curved=np.sort(keys), path=last)

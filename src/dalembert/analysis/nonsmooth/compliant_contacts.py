@@ -50,7 +50,8 @@ class CompliantContacts:
         self.compliance, self.offsets = np.zeros(contacts.count), np.zeros(self.rows.size)
         self.residual, self._share = np.inf, 1.0
         self._velocity = approach.free[self.rows, 0]
-        self._linearize()
+        if self.rows.size:
+            self._linearize()
 
     def law(self, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """``Ψ`` and ``κ`` (c,) at normal velocities (c,) after the step."""
@@ -115,11 +116,15 @@ class CompliantContacts:
     def fractions(self, after: np.ndarray) -> np.ndarray:
         """(n,) length of the step over the duration of each contact, ``√(2 κ H)/π`` [-]."""
         fractions = np.zeros(after.size)
+        if not self.rows.size:
+            return fractions
         fractions[self.rows] = np.sqrt(2 * self.law(after[self.rows])[1] * self._mobility) / np.pi
         return fractions
 
     def stored(self, after: np.ndarray) -> float:
         """Change of the elastic energy in the step [J]."""
+        if not self.rows.size:
+            return 0.0
         rate = -(self._theta * after[self.rows] + (1 - self._theta) * self._before)
         ends = np.stack([self._depth, self._depth + self._h * rate])
         energies = self._laws(self._numbers, np.maximum(ends, 0.0).T, 0 * ends.T)[3]

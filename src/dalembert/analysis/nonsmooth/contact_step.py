@@ -6,25 +6,24 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import scipy
 
 from dalembert.analysis.nonsmooth.compliant_contacts import CompliantContacts
 from dalembert.analysis.nonsmooth.force_laws import ForceLaws
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
-from dalembert.analysis.nonsmooth.gaps.gap_source import FormulaGaps, GapSource
+from dalembert.analysis.nonsmooth.gaps.gap_source import GapSource
 from dalembert.analysis.nonsmooth.gaps.joined_gaps import selected_of, separating_of
-from dalembert.analysis.nonsmooth.mobility import Mobility
+from dalembert.analysis.nonsmooth.impact_stage import impact_stage
+from dalembert.analysis.nonsmooth.mobility import Mobility, delassus
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
 from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart, warm_start
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import UnsupportedError
+from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contact_laws import widest_groups
 from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
-from dalembert.integrators.contact.delassus import Delassus
-from dalembert.integrators.contact.impact_path import impact_impulses, in_succession
 from dalembert.integrators.contact.impulses import Impulses, compliant_problem
-from dalembert.integrators.contact.schemes import Approach, ContactScheme
+from dalembert.integrators.contact.schemes import ContactScheme
 from dalembert.integrators.contact.static_friction import (
     STILL,
     may_stick,
@@ -32,7 +31,6 @@ from dalembert.integrators.contact.static_friction import (
     sticks,
 )
 from dalembert.model.graph.model import Model
-from dalembert.symbolic.evaluation.kernel import Matrix
 
 ROUNDS = 50
 """Upper limit of the changes of the contact offsets in one step."""
@@ -84,36 +82,19 @@ class ContactStep:
                 f"{laws.elements[0].name}: contacts with a force law need theta from 0.5 to 1; "
                 f"it is {theta:g}"
             )
+        impacts = [
+            (element.name, law)
+            for source in self.sources
+            for element, law in source.impact_laws()
+            if law is not ImpactLaw.NEWTON
+        ]
+        if laws.elements and impacts:
+            name, law = impacts[0]
+            raise UnsupportedError(
+                f"{name} has the {law.value} law of impact and {laws.elements[0].name} a force "
+                f"law, which are not available in one model; leave out one of them"
+            )
         return laws
-
-    @cached_property
-    def law(self) -> ImpactLaw:
-        """Law of restitution of all gaps.
-
-        Raises
-        ------
-        UnsupportedError
-            Gaps have several laws, or the scheme has not this law.
-        """
-        compliant = self.force_laws.elements
-        sources = [s for s in self.sources if s.elements[0] not in compliant] or self.sources
-        names = {source.law: source.elements[0].name for source in sources}
-        if len(names) > 1:
-            laws = " and ".join(f"{name} ({law.value})" for law, name in names.items())
-            raise UnsupportedError(f"contacts have several laws of impact: {laws}; give one law")
-        ((law, name),) = names.items()
-        if law not in self.scheme.impact_laws:
-            raise UnsupportedError(
-                f"{name}: {type(self.scheme).__name__} has no {law.value} law of impact; use "
-                f"integrator=da.MoreauJean(), or leave out {_keyword(self.sources, law)}"
-            )
-        if compliant and law is not ImpactLaw.NEWTON:
-            other = compliant[0].name
-            raise UnsupportedError(
-                f"{name} has the {law.value} law of impact and {other} a force law, which are not "
-                f"available in one model; leave out {_keyword(self.sources, law)}"
-            )
-        return law
 
     def at(self, t: float, y: np.ndarray) -> Configuration:
         """The configuration with the parameters of the steps."""
@@ -169,21 +150,43 @@ class ContactStep:
         """Penetration that counts as rounding [m]."""
         return CLOSED * self.model.scales.length
 
+    def struck(self, start: StepStart, contacts: Contacts) -> StepStart:
+        """The start with the impacts of some contacts by other laws than Newton's, if any."""
+        if contacts.laws.follows(ImpactLaw.NEWTON).all():
+            return start
+        approach = start.approach(contacts, self.rounding)
+        stage = impact_stage(approach, start.mobility, self.solver)
+        return start if stage is None else start.after(stage)
+
+    def late(self, start: StepStart, result: StepResult) -> np.ndarray:
+        """Keys of the pressing contacts by other laws than Newton's that close fast, but take no
+        part in the impacts of the start."""
+        contacts = result.contacts
+        other = ~contacts.laws.follows(ImpactLaw.NEWTON) & (result.impulses.impulses[:, 0] > 0)
+        if not other.any():
+            return contacts.key[:0]
+        approach = start.approach(contacts, self.rounding)
+        late: np.ndarray = contacts.key[other & approach.impacting & ~approach.hit]
+        return late
+
     def solved(self, start: StepStart, contacts: Contacts, before: StepResult | None) -> StepResult:
         """A step with some contacts; impulses of the step ``before`` are the starting point."""
         v, theta = start.v, self.scheme.theta
         approach = start.approach(contacts, self.rounding)
         impulses, offsets, stuck, compliant = self._impulses(approach, start.mobility, before)
-        push = impulses.impulses.ravel()
-        change, reactions = start.mobility(contacts.directions.T @ push)
+        momentum = contacts.directions.T @ impulses.impulses.ravel()
+        change, reactions = start.mobility(momentum)
         after = start.free + change
         displacement = start.h * (theta * after + (1 - theta) * v)
         position = self.model.equations.manifold.go(start.y, displacement)
         mean = 0.5 * (contacts.directions @ (after + v)).reshape(offsets.shape)
         ends = contacts.speeds(after)[:, 0]
-        loss = -float(push @ mean.ravel()) - compliant.stored(ends)
         work = np.zeros(contacts.count)
         work[compliant.rows] = (impulses.impulses * mean)[compliant.rows, 0]
+        if start.impact is not None:
+            momentum = momentum + start.impact.momentum
+            impulses = start.impact.added(contacts, impulses)
+        loss = -0.5 * float(momentum @ (after + v)) - compliant.stored(ends)
         solution = contacts, impulses, offsets, stuck, loss, work, compliant.fractions(ends)
         return StepResult(position, after, start.multiplier + reactions, *solution)
 
@@ -199,27 +202,22 @@ class ContactStep:
             absent = CompliantContacts(*soft, np.zeros(0), self.scheme.theta)
             return empty, np.zeros(shape), contacts.key[:0], absent
         matrix = delassus(contacts.directions, mobility)
-        own = matrix.diagonal().reshape(shape)[:, 0]
+        own = np.zeros(contacts.count)
+        if self.force_laws.elements:
+            own = matrix.diagonal().reshape(shape)[:, 0]
         compliant = CompliantContacts(*soft, own, self.scheme.theta)
-        offsets, free = self.scheme.first(approach), approach.free
+        offsets = self.scheme.first(approach)
         laws, none = contacts.laws, contacts.key[:0]
         scale = approach.fastest or 1.0
         rounding = STILL * self.solver.tolerance * scale
         static = may_stick(contacts, approach.before, before.stuck if before else none, rounding)
         start, rounds = warm_start(contacts, before, shape), 0
-        impact = None
-        if self.law is not ImpactLaw.NEWTON and approach.is_impact:
-            friction = laws.friction, contacts.groups, scale
-            instant = FrictionProblem(matrix, approach.before, *friction)
-            impact, at_end = impact_impulses(instant, laws.restitution, self.law, self.solver)
-            parting = approach.before[:, 0] > 0
-            free, held = free + at_end - approach.before, approach.held(at_end)
-            offsets = np.where(parting[:, None], np.maximum(held, offsets), held)
         for _ in range(ROUNDS):
             offsets[compliant.rows, 0] = compliant.offsets
-            velocity = free + offsets
+            velocity = approach.free + offsets
             problem = FrictionProblem(matrix, velocity, laws.friction, contacts.groups, scale)
-            problem = compliant_problem(problem, compliant.compliance)
+            if compliant.rows.size:
+                problem = compliant_problem(problem, compliant.compliance)
             state = laws, static, approach.before
             solution, static = solve_with_static_friction(self.solver, problem, start, *state)
             if solution.converged and solution.residual > JAMMED * scale:
@@ -233,13 +231,14 @@ class ContactStep:
             after = problem.speeds(solution.impulses) - offsets
             pushes = solution.impulses
             if compliant.rows.size:
-                after, pushes = (matrix @ start.ravel()).reshape(shape) + free, start.copy()
+                after = (matrix @ start.ravel()).reshape(shape) + approach.free
+                pushes = start.copy()
                 pushes[compliant.rows, 0] = 0.0  # force laws may do work
             changed = self.scheme.again(approach, offsets, pushes, after)
             if changed is not None:
                 changed[compliant.rows, 0] = offsets[compliant.rows, 0]
                 changed = changed if (changed != offsets).any() else None
-            size = problem.size(start)
+            size = problem.size(start) if compliant.rows.size else scale
             softened = compliant.update(start[:, 0], after[:, 0], self.solver.tolerance * size)
             if not (softened or changed is not None) or not solution.accepted:
                 break
@@ -248,20 +247,4 @@ class ContactStep:
         if laws.higher_at_rest.any():
             stuck = contacts.key[(start[:, 0] > 0) & sticks(self.solver, problem, solution)]
         solution = compliant.solution(replace(solution, rounds=rounds), after, self.solver, size)
-        solution = solution if impact is None else in_succession(impact, solution)
         return solution, offsets, stuck, compliant
-
-
-def _keyword(sources: list[GapSource], law: ImpactLaw) -> str:
-    """Argument of the element that requests a law."""
-    formulas = any(isinstance(source, FormulaGaps) for source in sources)
-    return "poisson=True" if formulas else f"impact_law={law.value!r}"
-
-
-def delassus(directions: Matrix, mobility: Mobility) -> np.ndarray | Delassus:
-    """``W A⁻¹ Wᵀ``, as an operator if the directions are sparse."""
-    responses = mobility.responses(directions)
-    if not scipy.sparse.issparse(directions):
-        return np.asarray(directions @ responses.T)
-    none = np.zeros(directions.shape[0])
-    return Delassus(directions, responses, mobility.matrix, mobility.joints, none)

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.contact_step import CLOSED, ContactStep, delassus
+from dalembert.analysis.nonsmooth.contact_step import CLOSED, ContactStep
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
-from dalembert.analysis.nonsmooth.mobility import Mobility
+from dalembert.analysis.nonsmooth.mobility import Mobility, delassus
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.symbolic.equations import newton
 from dalembert.symbolic.evaluation.kernel import Matrix

@@ -102,9 +102,8 @@ def solve_nonsmooth(
 ) -> NonsmoothMotion:
     """Integrate ``M dv = (f − d) dt − Cᵀ dΛ + Wᵀ dP``, ``0 ≤ g ⟂ dP_N ≥ 0``.
 
-    Impacts follow Newton's law, or with ``MoreauJean`` Poisson's or the energetic law, and friction
-    follows Coulomb's law, in fixed steps. Contacts with a force law have ``dP_N = N(−g, −ġ) dt``
-    instead.
+    Impacts follow Newton's, Poisson's or the energetic law, and friction follows Coulomb's law, in
+    fixed steps. Contacts with a force law have ``dP_N = N(−g, −ġ) dt`` instead.
 
     Parameters
     ----------

@@ -72,7 +72,6 @@ class NonsmoothRun:
         self.step = ContactStep(
             model, smooth_motion(model), sources, analysis.integrator, analysis.solver, self.p
         )
-        _ = self.step.law  # raises if it is not available
 
     def execute(self, progress) -> NonsmoothMotion:
         state = self.model.assemble(self.p, self.start)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -59,7 +60,8 @@ class Collisions(Element):
         its square of work, "energetic"
     law : normal force law such as ``contact.HuntCrossley``, instead of ``restitution`` and
         ``tangential``; None for rigid contacts
-    pairs : other coefficients between two groups, or groups that do not touch: ``contact.Pair``
+    pairs : other coefficients and laws between two groups, or groups that do not touch:
+        ``contact.Pair``
 
     Raises
     ------
@@ -151,35 +153,37 @@ class Collisions(Element):
 
     def _check_laws(self) -> None:
         names = [law.value for law in ImpactLaw]
-        if self.impact_law not in names:
-            text = unknown("law", self.impact_law, names)
-            raise ModelError(text, f"{self.name}.impact_law")
         for place, law in self._completed_laws.items():
             entity = f"{self.name}.{place}" if place else self.name
+            if law["impact_law"] not in names:
+                text = unknown("law", law["impact_law"], names)
+                raise ModelError(text, f"{entity}.impact_law")
             if self.dimension == 2 and not law["spinning"].sx.is_zero():
                 text = "nothing spins about a normal in the plane; leave out spinning="
                 raise ModelError(text, f"{entity}.spinning")
-            if self.restitution_law is not ImpactLaw.NEWTON and not law["tangential"].sx.is_zero():
+            impact = ImpactLaw(law["impact_law"])
+            if impact is not ImpactLaw.NEWTON and not law["tangential"].sx.is_zero():
                 raise ModelError(
-                    f"the {self.impact_law} law of impact has no restitution of the slip; leave "
+                    f"the {impact.value} law of impact has no restitution of the slip; leave "
                     "out tangential=, or impact_law=",
                     f"{entity}.tangential",
                 )
         rigid = [name for name in RETURNS if not getattr(self, name).sx.is_zero()]
         check_law(self.name, self.law, rigid)
-        if any(self.force_laws) and self.restitution_law is not ImpactLaw.NEWTON:
-            text = f"is {self.impact_law!r}, and a force law has no impacts; leave it out"
+        other = [law.value for law in self.impact_laws if law is not ImpactLaw.NEWTON]
+        if any(self.force_laws) and other:
+            text = f"is {other[0]!r}, and a force law has no impacts; leave it out"
             raise ModelError(text, f"{self.name}.impact_law")
+
+    @property
+    def impact_laws(self) -> list[ImpactLaw]:
+        """Law of impact of each law number."""
+        return [ImpactLaw(law["impact_law"]) for law in self._completed_laws.values()]
 
     @cached_property
     def force_laws(self) -> tuple[NormalLaw | None, ...]:
         """Force law of each law number; None for rigid contacts."""
         return force_laws(self.law, self.pairs, self.name)
-
-    @property
-    def restitution_law(self) -> ImpactLaw:
-        """Meaning of the restitution of rigid contacts."""
-        return ImpactLaw(self.impact_law)
 
     @cached_property
     def members(self) -> tuple[Shape, ...]:
@@ -210,11 +214,14 @@ class Collisions(Element):
     @property
     def coefficients(self) -> ca.SX:
         """(c, n) ``COEFFICIENTS`` of each law."""
-        laws = self._completed_laws.values()
+        laws = [
+            law | {"impact_law": Expression(ca.SX(ImpactLaw(law["impact_law"]).number))}
+            for law in self._completed_laws.values()
+        ]
         return ca.horzcat(*(ca.vertcat(*(law[c].sx for c in COEFFICIENTS)) for law in laws))
 
     @property
-    def _completed_laws(self) -> dict[str, dict[str, Scalar]]:
+    def _completed_laws(self) -> dict[str, dict[str, Any]]:
         """Place of each law in the element → its coefficients by their names."""
         own = {name: getattr(self, name) for name in COEFFICIENTS} | returns(self.law)
         if self.static_friction is None:
@@ -226,7 +233,7 @@ class Collisions(Element):
     def friction_groups(self) -> tuple[int, ...]:
         """Widths of the groups of tangential components: slip and, if there is friction of
         rotations, rolling and, in space, spinning."""
-        slip, turns = self.dimension - 1, not self.coefficients[4:, :].is_zero()
+        slip, turns = self.dimension - 1, not self.coefficients[5:, :].is_zero()
         rotations = (slip, 1)[:slip]
         return (slip, *rotations) if turns else (slip,)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -18,12 +19,14 @@ from dalembert.text.wording import unknown
 COEFFICIENTS = (
     "restitution",
     "tangential",
+    "impact_law",
     "static_friction",
     "friction",
     "rolling",
     "spinning",
 )
-"""Coefficients of a law, in the order of the columns of ``Collisions.coefficients``."""
+"""Coefficients of a law, in the order of the columns of ``Collisions.coefficients``; the
+law of impact counts as its number."""
 RETURNS = "restitution", "tangential"
 """Coefficients of rigid contacts only."""
 APART = -1
@@ -40,6 +43,7 @@ class Pair(Component):
     groups : names of two groups; the same name twice for shapes of one group
     restitution, tangential, friction, rolling, spinning : those of ``Collisions`` by default
     static_friction : by default ``friction`` of this pair, if it has one
+    impact_law : meaning of ``restitution``, that of ``Collisions`` by default
     law : normal force law, or ``contact.Restitution(…)`` for rigid contacts; that of ``Collisions``
         by default
     touching : False if shapes of these groups pass through each other
@@ -70,6 +74,7 @@ class Pair(Component):
     static_friction: Scalar = quantity(
         "", "coefficient of friction without slip", default=None, minimum=0.0
     )
+    impact_law: str | None = option("`newton`, `poisson` or `energetic`", default=None)
     law: NormalLaw | Restitution | None = option(
         "normal force law, or restitution of rigid contacts", default=None
     )
@@ -93,9 +98,10 @@ class Pair(Component):
         coefficients = {"restitution": self.restitution, "tangential": self.tangential}
         return [at_most_one(e.sx, name) for name, e in coefficients.items() if e is not None]
 
-    def completed(self, defaults: Mapping[str, Scalar]) -> dict[str, Scalar]:
+    def completed(self, defaults: Mapping[str, Any]) -> dict[str, Any]:
         """The coefficients by their names, with defaults where it has none."""
-        own = {name: getattr(self, name) for name in COEFFICIENTS} | returns(self.law)
+        own: dict[str, Any] = {name: getattr(self, name) for name in COEFFICIENTS}
+        own |= returns(self.law)
         if own["static_friction"] is None:
             own["static_friction"] = self.friction
         return {name: defaults[name] if c is None else c for name, c in own.items()}

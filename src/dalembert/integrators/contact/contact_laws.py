@@ -7,10 +7,12 @@ from itertools import zip_longest
 
 import numpy as np
 
+from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import UnsupportedError
 
-FIRST = 3
-"""Number of the first coefficient of friction in a column of ``Collisions.coefficients``."""
+IMPACT, FIRST = 2, 4
+"""Numbers of the law of impact and of the first coefficient of friction in a column of
+``Collisions.coefficients``."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,6 +22,7 @@ class ContactLaws:
     Attributes
     ----------
     restitution, tangential : (n,) restitution along the normal and of the slip [-]
+    impact : (n,) number of the ``ImpactLaw``
     static_friction : (n,) ``μ_s ≥ μ`` of contacts without slip [-]
     friction : (n, groups) of each group of tangential components, as in ``FrictionProblem``
     number : (n,) number of the law in the element of the gap
@@ -27,6 +30,7 @@ class ContactLaws:
 
     restitution: np.ndarray
     tangential: np.ndarray
+    impact: np.ndarray
     static_friction: np.ndarray
     friction: np.ndarray
     number: np.ndarray
@@ -39,10 +43,15 @@ class ContactLaws:
         number: np.ndarray | None = None,
     ) -> ContactLaws:
         """Laws from columns of ``Collisions.coefficients`` (c, n); numbers are 0 by default."""
-        restitution, tangential, static_friction = coefficients[:FIRST]
+        restitution, tangential, impact, static_friction = coefficients[:FIRST]
         friction = coefficients[FIRST : FIRST + len(groups)].T
         number = np.zeros(restitution.size, dtype=int) if number is None else number
-        return cls(restitution, tangential, static_friction, friction, number)
+        return cls(restitution, tangential, impact, static_friction, friction, number)
+
+    def follows(self, law: ImpactLaw) -> np.ndarray:
+        """(n,) mask of contacts with a law of impact."""
+        mask: np.ndarray = self.impact == law.number
+        return mask
 
     @property
     def higher_at_rest(self) -> np.ndarray:

@@ -52,7 +52,6 @@ class CollisionGaps(GapSource):
     def __init__(self, model: Model, element: Collisions):
         self.elements, self.groups = [element], element.friction_groups
         self.dimension: int = element.dimension
-        self.law = element.restitution_law
         e, balls, walls = model.all_equations, element.balls, element.walls
         self.speeds = e.speed_count
         points = [shape.point for shape in (*balls, *walls)]

@@ -58,7 +58,6 @@ class SearchedGaps(GapSource):
     def __init__(self, model: Model, element: Collisions):
         self.elements, self.groups = [element], element.friction_groups
         self.dimension: int = element.dimension
-        self.law = element.restitution_law
         self.geometry = HullGeometry(model, element)
         self.speeds = model.all_equations.speed_count
         self._last: LastPosition | None = None
