@@ -34,9 +34,12 @@ def spatial_features(first: Polyhedra, second: Polyhedra, rounded: np.ndarray) -
     """
     faces = face_separation(first, second), face_separation(second, first)
     edges, normals = edge_separation(first, second)
-    i, j, corner = corner_separation(first, second)
-    corner = np.where(rounded, corner, -np.inf)
-    beside = np.where(rounded, _beside_edges(first, second), -np.inf)
+    i, j = np.zeros((2, rounded.size), dtype=int)
+    corner, beside = np.full((2, rounded.size), -np.inf)
+    if rounded.any():
+        own, other = first.some(rounded), second.some(rounded)
+        i[rounded], j[rounded], corner[rounded] = corner_separation(own, other)
+        beside[rounded] = _beside_edges(own, other)
     face, edge = (s.max(axis=1, initial=-np.inf) for s in (np.hstack(faces), edges))
     everything = np.concatenate([first.corners, second.corners], axis=1)
     size = np.ptp(everything, axis=1).max(axis=1)
