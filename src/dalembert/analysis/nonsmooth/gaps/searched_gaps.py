@@ -76,11 +76,20 @@ class SearchedGaps(GapSource):
         last = self._last = self.position(configuration)
         moved = self.geometry.velocities.displacements(last.velocities, travels)
         reach = self.geometry.reach(self.arms(last.at), moved)
+        contacts = self._searched(last, reach)
+        return contacts.some(contacts.distance <= reach)
+
+    def deepest(self, configuration: Configuration) -> float:
+        last = self._last = self.position(configuration)
+        return float(self._searched(last, 0.0).distance.min(initial=0.0))
+
+    def _searched(self, last: LastPosition, reach: float) -> Contacts:
+        """Gaps at a position, which include all within reach."""
         if last.contacts is None or reach > last.reach:
             last.reach = max(last.reach, reach)
             last.contacts = Contacts.joined(self.within(last) or [self.none()])
         last.requested = max(last.requested, reach)
-        return last.contacts.some(last.contacts.distance <= reach)
+        return last.contacts
 
     def position(self, configuration: Configuration) -> LastPosition:
         """The last position if it is this one, else a new one."""
@@ -112,11 +121,11 @@ class SearchedGaps(GapSource):
         last: LastPosition,
         first: np.ndarray,
         second: np.ndarray,
-        gaps: list[np.ndarray],
+        distance: np.ndarray,
+        blocks: np.ndarray,
         key: np.ndarray,
     ) -> Contacts:
         """Contacts of pairs of shapes with evaluated gaps."""
-        distance, blocks, *_ = gaps
         laws = last.at.coefficients[:, self.geometry.law(first, second)]
         derivatives = self.geometry.velocities.gap_derivatives(
             blocks, first, second, last.velocities
