@@ -21,6 +21,9 @@ from dalembert.symbolic.evaluation.kernel import Kernel
 
 SMALLEST = 16
 """Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
+AHEAD = 1.25
+"""Reach of a search at a new position, by the largest request at the position before: one search
+suffices for the end of a step and the start of the next one."""
 
 
 @dataclass(eq=False)
@@ -98,7 +101,9 @@ class SearchedGaps(GapSource):
             return last
         at = self.geometry.positions(configuration)
         velocities = self.geometry.velocities(*configuration)
-        ahead = 0.0 if last is None else last.requested
+        ahead = 0.0
+        if last is not None:
+            ahead = AHEAD * last.requested or last.reach
         return LastPosition(configuration.copy(), at, velocities, ahead)
 
     def evaluate(self, feature: Feature, columns: list[np.ndarray]) -> list[np.ndarray]:

@@ -63,9 +63,9 @@ class BoundaryGaps(SearchedGaps):
             if feet.first.size:
                 gaps = self.evaluate(Feature.WALL, self._columns(feet, last.at))
                 near = gaps[0] <= last.reach
-                feet, gaps = feet.some(near), [part[near] for part in gaps[:2]]
-                shapes, key = (feet.first, feet.second), self._keys(feet)
-                parts.append(self.contacts(last, *shapes, *gaps, key))
+                feet, distance, blocks = feet.some(near), gaps[0][near], gaps[1][near]
+                columns = feet.first, feet.second, distance, blocks, self._keys(feet)
+                parts.append(self.contacts(last, *columns))
         return parts
 
     def arms(self, at: Positions) -> np.ndarray:

@@ -100,8 +100,8 @@ class HullSearch:
         tables: dict[Feature, list[np.ndarray]] = {}
         for pairs, one, another in self.geometry.batches(first, second, at):
             i, j = first[pairs], second[pairs]
-            for rows in self._features(i, j, one, another, evaluate):
-                part = _pairs_of(rows, i, j)
+            for listed in self._features(i, j, one, another, evaluate):
+                part = _pairs_of(listed, i, j)
                 table = np.stack([part.first, part.second, part.own, part.other])
                 tables.setdefault(part.feature, []).append(table)
         joined = ((feature, np.hstack(parts)) for feature, parts in tables.items())
