@@ -7,6 +7,7 @@ import scipy
 
 import dalembert as da
 from dalembert import planar
+from dalembert.analysis.nonsmooth.gaps.bounding_balls import near_balls
 from dalembert.analysis.nonsmooth.gaps.neighbours import Neighbours
 from dalembert.analysis.nonsmooth.mobility import Coupling, Mobility
 from dalembert.integrators.contact.contacts import FrictionProblem
@@ -79,6 +80,17 @@ def test_sparse_impulses_are_those_of_the_dense_matrix(joints, groups, minimum):
     assert same.residual(expected) < 1e-10
     assert semismooth_newton(problem, start, 1e-12) == pytest.approx(expected, abs=1e-8)
     assert swept(problem, start, 1e-13) == pytest.approx(expected, abs=1e-8)
+
+
+@pytest.mark.parametrize("large", [0, 1, 3])
+def test_near_balls_of_all_sizes_are_those_of_all_pairs(large):
+    """Points, small balls of many sizes, and large ones around them."""
+    rng, count, reach = np.random.default_rng(large), 80, 0.05
+    centers, radii = rng.normal(size=(count, 3)), 0.1 * np.exp(rng.normal(size=count))
+    radii[:10], radii[10 : 10 + large] = 0.0, 2.0
+    i, j = np.triu_indices(count, 1)
+    near = np.linalg.norm(centers[i] - centers[j], axis=1) <= radii[i] + radii[j] + reach
+    assert np.array_equal(near_balls(centers, radii, reach), np.stack([i[near], j[near]]))
 
 
 def test_a_list_of_neighbours_contains_all_near_pairs_while_bodies_move():
