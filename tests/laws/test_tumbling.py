@@ -109,7 +109,7 @@ def test_moreau_jean_tumbles_without_refusal(theta):
     motion = da.solve_nonsmooth(planar_scene(2, 0.5, 0.3), 0.5, step=2e-3, integrator=scheme)
     assert motion.status.success and not motion.warnings
     assert motion.data["penetration"].max() <= 1e-9 * SIZE
-    assert np.abs(motion.data["balance_error"]).max() <= 2e-2 * np.ptp(motion.data["energy"].values)
+    assert np.abs(motion.data["balance_error"]).max() <= 2e-3 * np.ptp(motion.data["energy"].values)
 
 
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])

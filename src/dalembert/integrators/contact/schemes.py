@@ -71,6 +71,17 @@ class Approach:
         """Whether a gap closes faster than forces change speeds."""
         return bool((self.before[:, 0] < -SLOW * self.forced).any())
 
+    @property
+    def slow(self) -> np.ndarray:
+        """(n,) mask of the gaps that do not open faster than forces change speeds."""
+        return np.asarray(self.before[:, 0] <= SLOW * self.forced)
+
+    @property
+    def resting(self) -> np.ndarray:
+        """(n,) mask of the gaps that forces can close in a step, and that move no faster."""
+        near = self.contacts.distance <= self.h * self.forced / 2
+        return np.asarray(near & (np.abs(self.before[:, 0]) <= SLOW * self.forced))
+
     def held(self, at_end: np.ndarray) -> Offsets:
         """Forces in the step do not reduce the speeds ``at_end`` of an impact, up to those before.
 
