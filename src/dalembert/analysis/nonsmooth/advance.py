@@ -8,7 +8,7 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
-from dalembert.analysis.nonsmooth.mean_gaps import mean_gaps
+from dalembert.analysis.nonsmooth.paths import bent_gaps, path_means
 from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart
 from dalembert.integrators.contact.contacts import Contacts
 
@@ -16,6 +16,8 @@ AHEAD = 2.0
 """Search distance for gaps in motions of a step; those beyond it are added where they close."""
 REPETITIONS = 12
 """Upper limit of the solutions of a step that open gaps at its end."""
+PATHS = 4
+"""Upper limit of the repetitions with means over the path for compliant contacts."""
 GAIN = 1e-10
 """Work of contacts that counts as rounding, relative to that of their impulses alone [-]."""
 
@@ -23,14 +25,35 @@ GAIN = 1e-10
 def advance(
     step: ContactStep, t: float, h: float, y: np.ndarray, v: np.ndarray, before: StepResult | None
 ) -> StepResult:
-    """A step of length ``h``; impulses of the step ``before`` are the starting point."""
+    """A step of length ``h``; impulses of the step ``before`` are the starting point.
+
+    Where the gap of a compliant contact is not linear, its force acts along the mean of its
+    direction over the path, so that its work is the change of its elastic energy.
+    """
     smooth = step.smooth.step(t, y, v, step.p, h, step.scheme.theta)
     start = StepStart(t, h, y, v, *smooth, before is None)
     contacts = step.near(step.at(t, y), AHEAD * h * np.column_stack([v, start.free]))
+    result = _advanced(step, start, contacts, before)
+    for _ in range(PATHS if step.force_laws.elements else 0):
+        if not result.impulses.accepted or not np.isfinite(result.y).all():
+            break
+        bent = bent_gaps(step, start, result)
+        if not bent.size:
+            break
+        straight = contacts.some(~np.isin(contacts.key, bent))
+        contacts = Contacts.joined([straight, path_means(step, start, bent, result)])
+        result = _advanced(step, start, contacts, result)
+    return result
+
+
+def _advanced(
+    step: ContactStep, start: StepStart, contacts: Contacts, before: StepResult | None
+) -> StepResult:
+    """A step with some contacts, and with those that have to open or to close with them."""
     if step.scheme.anticipates:
         return _opened(step, start, contacts, before)
     approach = start.approach(contacts, step.rounding)
-    some = contacts.some(step.scheme.acting(approach))
+    some = contacts.some(step.scheme.acting(approach) | step.force_laws.compliant(contacts))
     lifts = approach.forced > step.solver.tolerance * approach.fastest  # against forces
     if step.scheme.projection and lifts:
         return _closed(step, start, some, contacts.key[approach.resting], before)
@@ -82,8 +105,10 @@ def _opened(
     over the path, and gaps that were beyond reach or of other features are added.
     """
     end, depth = start.t + start.h, np.inf
-    overlaps = contacts.distance < -step.rounding
-    contacts = replace(contacts, distance=np.maximum(contacts.distance, 0.0))
+    compliant = step.force_laws.compliant(contacts)
+    overlaps = compliant | (contacts.distance < -step.rounding)
+    distance = np.where(compliant, contacts.distance, np.maximum(contacts.distance, 0.0))
+    contacts = replace(contacts, distance=distance)
     result, curved = step.solved(start, contacts, before), np.zeros_like(overlaps)
     for _ in range(REPETITIONS):
         if not np.isfinite(result.y).all():
@@ -129,12 +154,5 @@ def _solved_on_path(
 ) -> StepResult:
     """Solution with means over the path of the last one for curved gaps."""
     keys = contacts.key[curved]
-    mean = mean_gaps(
-        lambda t, y: step.selected(step.at(t, y), keys),
-        step.model.equations.manifold,
-        (start.t, start.h),
-        start.y,
-        start.h * (last.v + start.v) / 2,
-    )
-    path = Contacts.joined([contacts.some(~curved), mean])
+    path = Contacts.joined([contacts.some(~curved), path_means(step, start, keys, last)])
     return replace(step.solved(start, path, last), curved=np.sort(keys))

@@ -14,6 +14,7 @@ from dalembert.analysis.dynamics.residual_check import DRIFT, DRIFT_WARNING, Ene
 from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.model_residuals import Violation
 from dalembert.analysis.nonsmooth.advance import advance
+from dalembert.analysis.nonsmooth.contact_durations import duration_warnings
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import consistent_speeds, correct_position
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
@@ -212,7 +213,8 @@ class ContactCheck(ResidualCheck):
         if depth == 0:
             return Violation(0.0)
         t, none = float(self.record.t[k]), np.zeros((model.equations.speed_count, 1))
-        contacts = self.step.near(self.step.at(t, self.record.ends.y[:, k]), none)
+        at = self.step.at(t, self.record.ends.y[:, k])
+        contacts = self.step.rigid(self.step.near(at, none))
         name = self.record.names[contacts.owner[np.argmin(contacts.distance)]]
         text = f"a gap of {name} is {-depth:.3g} m at t = {t:.9g} s"
         return Violation(depth / model.scales.length, text)
@@ -221,7 +223,8 @@ class ContactCheck(ResidualCheck):
     def energy(self) -> EnergyBalance:
         """Energies at the ends of the steps, and the dissipation of contacts."""
         record = self.record
-        energies, natural = self.residuals.energies, self.step.model.scales.energy
+        energies, natural = self.residuals.energies.copy(), self.step.model.scales.energy
+        energies[1] += record.stored
         return EnergyBalance(energies, record.ends.work, record.t, natural)
 
     @property
@@ -262,7 +265,7 @@ class ContactCheck(ResidualCheck):
                 f"t = {record.t[worst]:.9g} s; give ContactSolver a larger tolerance, or a smaller "
                 "value of acceptable to end such runs"
             )
-        return warnings
+        return [*warnings, *duration_warnings(record, self.energy.moved)]
 
 
 @once

@@ -28,6 +28,7 @@ class StepEntry:
     owner, key, impulse, offset : element, gap, impulse and velocity offset of each pressing contact
     curved : whether the step had means over its path for the gap of a pressing contact
     loss, friction : energy dissipated by the contacts, and its part by tangential impulses
+    work, fraction : of each pressing contact, as in ``StepResult``
     residual, rounds, converged : of the solution of the friction problem
     """
 
@@ -39,6 +40,8 @@ class StepEntry:
     curved: np.ndarray
     loss: float
     friction: float
+    work: np.ndarray
+    fraction: np.ndarray
     residual: float
     rounds: int
     converged: bool
@@ -58,6 +61,8 @@ class StepEntry:
             np.isin(contacts.key[pressing], result.curved),
             result.loss,
             -float((impulses.impulses[:, 1:] * slip).sum()),
+            result.work[pressing],
+            result.fractions[pressing],
             impulses.residual,
             impulses.rounds,
             impulses.converged,
@@ -82,7 +87,7 @@ class StepLog:
         self.lengths: list[float] = []
         self.entries: list[StepEntry] = []
         self.speed_losses: list[float] = []
-        self.depths = [self._depth(t, y)]
+        self.depths, self.stored = [self._depth(t, y)], [self._stored(t, y)]
         self.scheme_losses, self.correction_work = np.zeros(1), 0.0
 
     @property
@@ -120,9 +125,14 @@ class StepLog:
         self.speeds.append(v)
         self.speed_losses.append(lost)
         self.depths.append(self._depth(t, y))
+        self.stored.append(self._stored(t, y))
 
     def _depth(self, t: float, y: np.ndarray) -> float:
         return abs(self.step.deepest(self.step.at(t, y)))
+
+    def _stored(self, t: float, y: np.ndarray) -> float:
+        laws = self.step.force_laws
+        return laws.stored(self.step.touching(self.step.at(t, y))) if laws.elements else 0.0
 
     def record(self) -> ContactRecord:
         """The steps as arrays."""
@@ -159,6 +169,9 @@ class StepLog:
             curved=np.concatenate([*(s.curved for s in entries), np.zeros(0, dtype=bool)]),
             linear=1 + sum(self.step.groups[:1]),
             loss=loss,
+            work=np.concatenate([*(s.work for s in entries), np.zeros(0)]),
+            fraction=np.concatenate([*(s.fraction for s in entries), np.zeros(0)]),
+            stored=np.array(self.stored),
             penetration=np.array(self.depths),
             residual=np.array([s.residual for s in entries]),
             rounds=np.array([s.rounds for s in entries], dtype=int),
@@ -214,6 +227,7 @@ class StepLog:
         self.correction_work = float(work.sum())
         if self.step.scheme.theta != 0.5:
             energies = ModelResiduals(model, ends, p).energies
+            energies[1] += self.stored
             losses = -energy_errors(energies, ends.work)[1:]
             return np.append(0.0, np.maximum(losses, 0.0))
         losses = np.cumsum(np.array(self.speed_losses) - work)

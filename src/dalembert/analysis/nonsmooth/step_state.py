@@ -25,6 +25,8 @@ class StepResult:
     offsets : (n, k) velocity offsets of the conditions
     stuck : keys of the contacts with static friction at the end
     loss : energy dissipated by the contacts
+    work : (n,) work of the normal forces of compliant contacts on the bodies [J]
+    fractions : (n,) length of the step over the duration of compliant contacts, else zero [-]
     curved : keys of the contacts with means over the path; others have the values of the start
     """
 
@@ -36,6 +38,8 @@ class StepResult:
     offsets: np.ndarray
     stuck: np.ndarray
     loss: float
+    work: np.ndarray
+    fractions: np.ndarray
     curved: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
 
     @property

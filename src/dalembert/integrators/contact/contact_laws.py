@@ -22,19 +22,27 @@ class ContactLaws:
     restitution, tangential : (n,) restitution along the normal and of the slip [-]
     static_friction : (n,) ``μ_s ≥ μ`` of contacts without slip [-]
     friction : (n, groups) of each group of tangential components, as in ``FrictionProblem``
+    number : (n,) number of the law in the element of the gap
     """
 
     restitution: np.ndarray
     tangential: np.ndarray
     static_friction: np.ndarray
     friction: np.ndarray
+    number: np.ndarray
 
     @classmethod
-    def of(cls, coefficients: np.ndarray, groups: tuple[int, ...]) -> ContactLaws:
-        """Laws from columns of ``Collisions.coefficients`` (c, n)."""
+    def of(
+        cls,
+        coefficients: np.ndarray,
+        groups: tuple[int, ...],
+        number: np.ndarray | None = None,
+    ) -> ContactLaws:
+        """Laws from columns of ``Collisions.coefficients`` (c, n); numbers are 0 by default."""
         restitution, tangential, static_friction = coefficients[:FIRST]
         friction = coefficients[FIRST : FIRST + len(groups)].T
-        return cls(restitution, tangential, static_friction, friction)
+        number = np.zeros(restitution.size, dtype=int) if number is None else number
+        return cls(restitution, tangential, static_friction, friction, number)
 
     @property
     def higher_at_rest(self) -> np.ndarray:

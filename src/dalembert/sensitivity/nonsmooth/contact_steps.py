@@ -46,7 +46,7 @@ class ContactSteps:
     Raises
     ------
     UnsupportedError
-        The law of impact is not Newton's.
+        The law of impact is not Newton's, or contacts have force laws.
     """
 
     def __init__(self, motion: NonsmoothMotion):
@@ -58,6 +58,13 @@ class ContactSteps:
             raise UnsupportedError(
                 f"gradients of impacts by the {self.step.law.value} law are not available in "
                 "solve_nonsmooth; use Newton's law, or solve_dynamics"
+            )
+        if elements := self.step.force_laws.elements:
+            names = ", ".join(element.name for element in elements)
+            raise UnsupportedError(
+                f"{names}: gradients of contacts with a force law are not available in "
+                "solve_nonsmooth; use rigid contacts, or a Contact for each pair of shapes in "
+                "solve_dynamics"
             )
         self.maps = ContactMaps(self.step)
         self.x = np.vstack([self.record.ends.y, self.record.ends.v])

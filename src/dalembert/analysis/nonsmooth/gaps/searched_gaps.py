@@ -58,7 +58,7 @@ class SearchedGaps(GapSource):
     def __init__(self, model: Model, element: Collisions):
         self.elements, self.groups = [element], element.friction_groups
         self.dimension: int = element.dimension
-        self.law = element.law
+        self.law = element.restitution_law
         self.geometry = HullGeometry(model, element)
         self.speeds = model.all_equations.speed_count
         self._last: LastPosition | None = None
@@ -117,7 +117,7 @@ class SearchedGaps(GapSource):
     ) -> Contacts:
         """Contacts of pairs of shapes with evaluated gaps."""
         distance, blocks, *_ = gaps
-        laws = last.at.coefficients[:, self.geometry.law(first, second)]
+        number = self.geometry.law(first, second)
         derivatives = self.geometry.velocities.gap_derivatives(
             blocks, first, second, last.velocities
         )
@@ -126,7 +126,7 @@ class SearchedGaps(GapSource):
             distance,
             derivatives.rows(np.arange(count)),
             np.zeros((count, 1 + sum(self.groups))),
-            ContactLaws.of(laws, self.groups),
+            ContactLaws.of(last.at.coefficients[:, number], self.groups, number),
             self.groups,
             key,
             np.zeros(count, dtype=int),
