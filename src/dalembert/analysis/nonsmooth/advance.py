@@ -56,26 +56,34 @@ def _advanced(
     some = contacts.some(step.scheme.acting(approach) | step.force_laws.compliant(contacts))
     lifts = approach.forced > step.solver.tolerance * approach.fastest  # against forces
     if step.scheme.projection and lifts:
-        return _closed(step, start, some, before)
+        return _closed(step, start, some, contacts.key[approach.resting], before)
     return step.solved(step.struck(start, some), some, before)
 
 
 def _closed(
-    step: ContactStep, start: StepStart, contacts: Contacts, before: StepResult | None
+    step: ContactStep,
+    start: StepStart,
+    contacts: Contacts,
+    resting: np.ndarray,
+    before: StepResult | None,
 ) -> StepResult:
-    """Solution in which the gaps that a correction would open have their impact, too."""
+    """Solution in which the gaps that a correction would open have their impact, too.
+
+    Together with them act the contacts whose keys are ``resting``: on curved surfaces these open by
+    ``O(h²)`` in each step, and without them bodies would fall into each other in every second step.
+    """
     result = step.solved(step.struck(start, contacts), contacts, before)
     end = start.t + start.h
     for _ in range(REPETITIONS):
         at_end = step.at(end, result.y)
         if not np.isfinite(result.y).all() or step.deepest(at_end) >= -step.rounding:
             break
-        keys = step.closed(at_end).key
+        keys = np.union1d(step.closed(at_end).key, resting)
         keys = keys[~np.isin(keys, contacts.key)]
         added = step.selected(step.at(start.t, start.y), keys)
         joined = start.approach(Contacts.joined([contacts, added]), step.rounding)
         if joined.is_impact:
-            added = added.some(added.speeds(start.v)[:, 0] <= 0)
+            added = added.some(joined.slow[contacts.count :])
         if not added.count:
             break
         contacts = Contacts.joined([contacts, added])

@@ -84,7 +84,7 @@ class NonsmoothRun:
         times = record.t if self.requested is None else self.requested
         times = times[times <= record.t[-1]] if times.size else times
         elapsed = clock.perf_counter() - begin
-        check = ContactCheck(self.step, record, self.analysis.balance)
+        check = ContactCheck(self.step, record, self.analysis.balance, log.correction_work)
         status = replace(status, residual=max(status.residual, check.residual))
         trajectory = interpolate(self.model, record, times)
         return NonsmoothMotion(
@@ -93,7 +93,7 @@ class NonsmoothRun:
             parameters=self.p,
             trajectory=trajectory,
             status=check.verify(status),
-            statistics=self.statistics(record, log.scheme_losses, elapsed),
+            statistics=self.statistics(record, log, elapsed),
             warnings=[*check.warnings, *elastic_warnings(self.model, trajectory, self.p)],
             record=record,
         )
@@ -156,9 +156,7 @@ class NonsmoothRun:
             return Status(Outcome.NOT_CONVERGED, text, t, impulses.residual)
         return None
 
-    def statistics(
-        self, record: ContactRecord, scheme_losses: np.ndarray, elapsed: float
-    ) -> dict[str, Any]:
+    def statistics(self, record: ContactRecord, log: StepLog, elapsed: float) -> dict[str, Any]:
         count = max(record.loss.size, 1)
         key = "initial overlaps removed"
         overlaps = {key: self.closed_gaps} if self.closed_gaps else {}
@@ -172,7 +170,9 @@ class NonsmoothRun:
             "maximum residual [m/s]": float(record.residual.max(initial=0.0)),
             "maximum penetration [m]": float(record.penetration.max(initial=0.0)),
             "energy dissipated in contacts [J]": float(record.loss.sum()),
-            "energy dissipated by the scheme [J]": float(scheme_losses[-1]),
+            "energy dissipated by friction of contacts [J]": log.friction,
+            "energy dissipated by the scheme [J]": float(log.scheme_losses[-1]),
+            "work of corrections of positions [J]": log.correction_work,
             "maximum energy gained in contacts [J]": float((-record.loss).max(initial=0.0)),
         }
 
@@ -185,11 +185,15 @@ class ContactCheck(ResidualCheck):
     step : ContactStep of the run
     record : ContactRecord of the run
     balance : largest error of the energy, relative to the exchanged energy
+    correction_work : work of the corrections of positions [J]
     """
 
-    def __init__(self, step: ContactStep, record: ContactRecord, balance: float):
+    def __init__(
+        self, step: ContactStep, record: ContactRecord, balance: float, correction_work: float = 0.0
+    ):
         super().__init__(step.model, record.ends, step.p, (Level.POSITION, Level.SPEED), np.inf)
         self.step, self.record, self.balance = step, record, balance
+        self.correction_work = correction_work
 
     @property
     def residual(self) -> float:
@@ -238,7 +242,8 @@ class ContactCheck(ResidualCheck):
         if not self.deepest.share <= self.limit:
             text = f"{self.deepest.text}, {self.deepest.share:.2g} of the natural length"
             return Outcome.VIOLATED, text + self.cure(self.limit)
-        return self.energy.objection(self.balance, "use a shorter step")
+        work = f"corrections of positions did {self.correction_work:.3g} J of work"
+        return self.energy.objection(self.balance, f"{work}; use a shorter step")
 
     @property
     def warnings(self) -> list[str]:

@@ -73,6 +73,17 @@ class Approach:
         return bool(self.impacting.any())
 
     @property
+    def slow(self) -> np.ndarray:
+        """(n,) mask of the gaps that do not open faster than forces change speeds."""
+        return np.asarray(self.before[:, 0] <= SLOW * self.forced)
+
+    @property
+    def resting(self) -> np.ndarray:
+        """(n,) mask of the gaps that forces can close in a step, and that move no faster."""
+        near = self.contacts.distance <= self.h * self.forced / 2
+        return np.asarray(near & (np.abs(self.before[:, 0]) <= SLOW * self.forced))
+
+    @property
     def rebound(self) -> np.ndarray:
         """(n,) normal speeds after an impact, by Newton's law or those of impacts at the start.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -16,9 +16,6 @@ from dalembert.integrators.contact.offset_slopes import (
     newton_slopes,
 )
 from dalembert.options import options
-
-if TYPE_CHECKING:
-    pass
 
 CLOSING = 0.5
 """Fraction of a gap that a resting contact closes per step [-]."""
