@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import sys
 from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # workers share the cores
@@ -17,6 +18,12 @@ from hypothesis import settings
 
 from dalembert.io import json_schema
 from dalembert.symbolic.evaluation import switching
+
+if sys.dont_write_bytecode:  # programs that tests start would compile all modules again
+    sys.pycache_prefix = str(Path(__file__).parents[1] / ".pytest_cache" / "bytecode")
+    os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    sys.dont_write_bytecode = False
 
 
 class NeverCompiled:

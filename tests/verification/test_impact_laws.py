@@ -17,6 +17,7 @@ import pytest
 import dalembert as da
 from dalembert import planar, spatial
 from dalembert.errors import ModelError, UnsupportedError
+from dalembert.io import load
 
 LENGTH, MASS, STEP = 1.0, 2.0, 1e-4
 
@@ -110,11 +111,14 @@ CASES = {
 }
 
 
-def impact(name: str, law: str, e: float) -> tuple[da.Motion, np.ndarray]:
+def impact(
+    name: str, law: str, e: float, scheme=None, step: float = STEP
+) -> tuple[da.Motion, np.ndarray]:
     """Motion of a step, and impulses."""
     angle, speed, spin, mu = CASES[name]
     model = rod(angle, speed, spin, mu, e, law)
-    motion = da.solve_nonsmooth(model, STEP, step=STEP, integrator=da.MoreauJean())
+    scheme = scheme or da.MoreauJean()
+    motion = da.solve_nonsmooth(model, step, step=step, integrator=scheme)
     assert motion.status.success
     jumps = [motion[f"rod.v{axis}"].values for axis in "yx"]
     return motion, MASS * np.array([v[-1] - v[0] for v in jumps])
@@ -133,6 +137,20 @@ def test_oblique_impact_of_a_rod(name, law, e):
     if law == "energetic":
         energy = motion.values("kinetic_energy")
         assert energy[-1] <= energy[0] * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("step", [1e-2, 1e-4])
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("law", ["poisson", "energetic"])
+def test_oblique_impact_in_anticipated_steps(name, law, step):
+    """Impacts precede the forces of a step, so that its length does not matter."""
+    angle, speed, spin, mu = CASES[name]
+    arm, g = tip_of(angle)
+    course = Course(g, np.array([speed[1], speed[0]]) + arm * spin, mu)
+    for e in (0.6, 1.0):
+        normal = course.end(law, e)
+        impulses = impact(name, law, e, da.AnticipatedImpacts(), step)[1]
+        assert impulses == pytest.approx([normal, course.tangential(normal)], rel=1e-7, abs=1e-7)
 
 
 def test_the_laws_differ_where_slip_ends_and_agree_where_it_does_not():
@@ -160,7 +178,10 @@ def test_energy_of_random_impacts_is_never_gained():
     assert max(gained["newton"]) > 1e-3
 
 
-def bouncing(law: str, gravity: float) -> da.Motion:
+SCHEMES = [da.MoreauJean(), da.AnticipatedImpacts()]
+
+
+def bouncing(law: str, gravity: float, scheme) -> da.Motion:
     """A row of two balls, which bounces on the floor."""
     system = da.System("balls", gravity=(0, -gravity))
     shapes = [planar.contact.HalfPlane(system.ground)]
@@ -170,18 +191,44 @@ def bouncing(law: str, gravity: float) -> da.Motion:
         shapes.append(planar.contact.Circle(system.add(ball), 0.1))
     law = {"restitution": 0.7, "friction": 0.3, "impact_law": law}
     system.add(planar.Collisions("hits", shapes, **law))
-    return da.solve_nonsmooth(system.build(), 1.0, step=1e-3, integrator=da.MoreauJean())
+    return da.solve_nonsmooth(system.build(), 1.0, step=1e-3, integrator=scheme)
 
 
 @pytest.mark.parametrize("law", ["poisson", "energetic"])
 def test_central_impacts_are_those_of_newtons_law(law):
-    expected, motion = bouncing("newton", 9.81), bouncing(law, 9.81)
+    expected, motion = (bouncing(name, 9.81, da.MoreauJean()) for name in ("newton", law))
     assert motion.status.success
     np.testing.assert_allclose(motion.trajectory.y, expected.trajectory.y, atol=1e-9)
 
 
 @pytest.mark.parametrize("law", ["poisson", "energetic"])
-def test_a_ball_on_a_floor_in_space(law):
+def test_anticipated_central_impacts(law):
+    """They come in other steps than those of Newton's law, and leave with the same speeds."""
+    expected, motion = (bouncing(name, 9.81, da.AnticipatedImpacts()) for name in ("newton", law))
+    assert motion.status.success
+    np.testing.assert_allclose(motion.trajectory.y, expected.trajectory.y, atol=2e-2)
+    energy = motion.values("energy")
+    assert (np.diff(energy) < 1e-9).all()
+
+
+def elastic(law: str) -> da.Motion:
+    """A ball that bounces without loss."""
+    system = da.System("ball", gravity=(0, -9.81))
+    ball = system.add(planar.Body("ball", mass=1.0, inertia=0.01, position=(0.0, 0.5)))
+    shapes = [planar.contact.HalfPlane(system.ground), planar.contact.Circle(ball, 0.1)]
+    system.add(planar.Collisions("hits", shapes, restitution=1.0, impact_law=law))
+    return da.solve_nonsmooth(system.build(), 2.0, step=2e-3)
+
+
+@pytest.mark.parametrize("law", ["poisson", "energetic"])
+def test_elastic_ball_conserves_its_energy(law):
+    energy = elastic(law).values("energy")
+    assert energy == pytest.approx(energy[0], rel=1e-9)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("law", ["poisson", "energetic"])
+def test_a_ball_on_a_floor_in_space(law, scheme):
     """Oblique, with spin: friction ends or reduces slip, along one direction."""
     system = da.System("ball")
     inertia, e, mu, r = 0.4 * 0.1**2, 0.8, 0.2, 0.1
@@ -190,21 +237,21 @@ def test_a_ball_on_a_floor_in_space(law):
     shapes = [spatial.contact.Sphere(system.add(body), r), spatial.contact.HalfSpace(system.ground)]
     coefficients = {"restitution": e, "friction": mu}
     system.add(spatial.Collisions("floor", shapes, impact_law=law, **coefficients))
-    scheme = da.MoreauJean()
     motion = da.solve_nonsmooth(system.build(), STEP, step=STEP, integrator=scheme)
     after = np.array([motion[f"ball.v{axis}"][-1].item() for axis in "xyz"])
     change = min(mu * (1 + e) * 2.0, 1.5 / 3.5)
     assert after == pytest.approx([*(np.array([1.2, 0.9]) * (1 - change / 1.5)), e * 2.0], abs=1e-8)
 
 
-def test_poisson_of_formulas():
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_poisson_of_formulas(scheme):
     """``poisson=True`` of other elements."""
     system = da.System("ball")
     ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 0.0), velocity=(0.5, -1)))
     law = {"restitution": 0.5, "friction": 0.1, "poisson": True}
     system.add(planar.UnilateralConstraint("floor", ball.y, ball.vx, **law))
     model = system.build()
-    motion = da.solve_nonsmooth(model, STEP, step=STEP, integrator=da.MoreauJean())
+    motion = da.solve_nonsmooth(model, STEP, step=STEP, integrator=scheme)
     assert motion["ball.vy"][-1] == pytest.approx(0.5)
     assert motion["ball.vx"][-1] == pytest.approx(0.5 - 0.15)
 
@@ -213,8 +260,6 @@ def test_what_is_not_available():
     with pytest.raises(ModelError, match=r"floor\.impact_law: unknown law 'poison' \(did you"):
         rod(1.0, (0, -1), 0.0, 0.1, 0.5, "poison")
     model = rod(1.0, (0, -1), 0.0, 0.1, 0.5, "energetic")
-    with pytest.raises(UnsupportedError, match="AnticipatedImpacts has no energetic law of impact"):
-        da.solve_nonsmooth(model, STEP, step=STEP)
     motion = da.solve_nonsmooth(model, STEP, step=STEP, integrator=da.MoreauJean())
     with pytest.raises(UnsupportedError, match="impacts by the energetic law are not available"):
         da.sensitivity(motion, da.final("rod.vy"))
@@ -225,12 +270,90 @@ def test_what_is_not_available():
         )
 
 
-def test_laws_are_not_mixed():
-    system = da.System("mixed")
-    for k, law in enumerate(("newton", "poisson")):
-        body = system.add(planar.Body(f"b{k}", mass=1.0, inertia=1.0, position=(k, 1.0)))
-        shapes = [planar.contact.Circle(body, 0.1), planar.contact.HalfPlane(system.ground)]
-        system.add(planar.Collisions(f"c{k}", shapes, impact_law=law))
-    text = r"several laws of impact: c0 \(newton\) and c1 \(poisson\); give one law"
-    with pytest.raises(UnsupportedError, match=text):
-        da.solve_nonsmooth(system.build(), STEP, step=STEP, integrator=da.MoreauJean())
+def rods(laws: dict[str, str], together: bool) -> da.Model:
+    """Rods that do not touch each other, in one element with pairs or in one element each."""
+    system = da.System("rods")
+    system.parameter("idle", 1.0)
+    floor, groups, pairs = planar.contact.HalfPlane(system.ground), {}, []
+    coefficients = {"restitution": 0.6, "friction": 0.9}
+    angle, speed, spin, _ = CASES["sticks in compression"]
+    half = np.array([np.cos(angle), np.sin(angle)]) * LENGTH / 2
+    for k, (name, law) in enumerate(laws.items()):
+        start = {"position": (half[0] + 3 * k, half[1]), "angle": angle, "velocity": speed}
+        inertia = MASS * LENGTH**2 / 12
+        body = planar.Body(name, mass=MASS, inertia=inertia, angular_velocity=spin, **start)
+        groups[name] = [planar.contact.Vertex(system.add(body).point(-LENGTH / 2, 0))]
+        pairs.append(planar.contact.Pair((name, "floor"), impact_law=law))
+        if not together:
+            own = {"impact_law": law, **coefficients}
+            system.add(planar.Collisions(f"{name}_floor", [*groups[name], floor], **own))
+    if together:
+        shapes = {**groups, "floor": [floor]}
+        system.add(planar.Collisions("all", shapes, pairs=pairs, **coefficients))
+    return system.build()
+
+
+@pytest.mark.parametrize("together", [True, False], ids=["pairs", "elements"])
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_each_pair_or_element_has_its_law(together, scheme):
+    laws = {"first": "newton", "second": "poisson", "third": "energetic"}
+    motion = da.solve_nonsmooth(rods(laws, together), STEP, step=STEP, integrator=scheme)
+    for name, law in laws.items():
+        jumps = [motion[f"{name}.v{axis}"].values for axis in "yx"]
+        impulses = MASS * np.array([v[-1] - v[0] for v in jumps])
+        alone = impact("sticks in compression", law, 0.6, scheme)[1]
+        assert impulses == pytest.approx(alone, rel=1e-9)
+
+
+def bar_on_two_laws(laws: tuple[str, str], scheme) -> tuple[np.ndarray, np.ndarray]:
+    """Speeds of a level bar whose ends hit two floors, and its energy."""
+    system = da.System("bar")
+    bar = planar.Body("bar", mass=1.0, inertia=0.05, velocity=(0.0, -1.0), angular_velocity=0.3)
+    ends = {f"end{k}": [system.add(bar).point(x, 0)] for k, x in enumerate((-0.5, 0.5)) if k == 0}
+    ends["end1"] = [bar.point(0.5, 0)]
+    floor = [planar.contact.HalfPlane(system.ground)]
+    pairs = [planar.contact.Pair((f"end{k}", "floor"), impact_law=laws[k]) for k in range(2)]
+    shapes = {**ends, "floor": floor}
+    system.add(planar.Collisions("hits", shapes, restitution=0.5, pairs=pairs))
+    motion = da.solve_nonsmooth(system.build(), STEP, step=STEP, integrator=scheme)
+    assert motion.status.success
+    speeds = np.array([motion[f"bar.{name}"][-1].item() for name in ("vy", "angular_velocity")])
+    return speeds, motion.values("kinetic_energy")
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("laws", [("newton", "poisson"), ("poisson", "energetic")])
+def test_laws_in_one_impact(laws, scheme):
+    """Contacts of Newton's law reach their speeds, and energy is not gained."""
+    (vy, spin), energy = bar_on_two_laws(laws, scheme)
+    assert energy[-1] < energy[0]
+    left, right = vy - 0.5 * spin, vy + 0.5 * spin
+    assert right > 0
+    if laws[0] == "newton":
+        assert left == pytest.approx(0.5 * 1.15, rel=1e-9)
+
+
+def test_laws_of_pairs_in_files(tmp_path):
+    text = """
+format = 1
+name = "two balls"
+[bodies.low]
+mass = 1
+inertia = 0.005
+position = [0, 0.1]
+velocity = [0, -1]
+[forces.hits]
+type = "Collisions"
+restitution = 0.5
+pairs = [{ groups = ["balls", "floor"], impact_law = "LAW" }]
+[forces.hits.shapes]
+balls = [{ type = "Circle", point = "low", radius = 0.1 }]
+floor = [{ type = "HalfPlane", point = "ground" }]
+"""
+    path = tmp_path / "balls.toml"
+    path.write_text(text.replace("LAW", "energetic"))
+    motion = da.solve_nonsmooth(load(path).build(), STEP, step=STEP)
+    assert motion["low.vy"][-1].item() == pytest.approx(0.5)
+    path.write_text(text.replace("LAW", "energetics"))
+    with pytest.raises(ModelError, match=r"hits\.pairs\[0\]\.impact_law: unknown law 'energetics'"):
+        load(path)

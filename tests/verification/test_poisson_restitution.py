@@ -143,8 +143,6 @@ def balls(*laws: bool) -> da.System:
 def test_laws_are_not_mixed():
     with pytest.raises(da.ModelError, match="floor0: has restitution by Poisson's law and floor1"):
         balls(True, False).build()
-    with pytest.raises(da.UnsupportedError, match="leave out poisson=True"):
-        da.solve_nonsmooth(balls(True).build(), 1.0, step=0.01)
     law = {"restitution": 0.5, "tangential_restitution": 0.5, "poisson": True}
     with pytest.raises(da.ModelError, match="Poisson's law has none"):
         planar.UnilateralConstraint("floor", da.t, **law)

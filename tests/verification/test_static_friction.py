@@ -12,7 +12,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
-from dalembert.errors import ModelError, UnsupportedError
+from dalembert.errors import ModelError
 
 G, STATIC, SLIDING = 9.81, 0.5, 0.3
 SCHEMES = [da.AnticipatedImpacts(), da.MoreauJean()]
@@ -63,7 +63,7 @@ def test_a_sliding_block_keeps_sliding_until_it_stops(scheme):
 MASS, STIFFNESS, BELT = 1.0, 100.0, 0.1
 
 
-def belt(step: float, scheme) -> da.Motion:
+def belt(step: float, scheme, duration: float = 3.0) -> da.Motion:
     """A mass on a belt, tied to the ground."""
     system = da.System("stick-slip", gravity=(0, -G))
     carrier = system.add(planar.Body("belt", mass=1.0, inertia=1.0, velocity=(BELT, 0)))
@@ -75,18 +75,18 @@ def belt(step: float, scheme) -> da.Motion:
     spring = {"stiffness": STIFFNESS, "free_length": 1.0}
     system.add(planar.Spring("spring", anchor, mass.center, **spring))
     shapes = [planar.contact.Vertex(mass.center), planar.contact.HalfPlane(carrier.center)]
-    friction = system.parameter("friction", SLIDING)
-    law = {"friction": friction, "static_friction": STATIC}
+    static = system.parameter("static", STATIC)
+    law = {"friction": system.parameter("friction", SLIDING), "static_friction": static}
     system.add(planar.Collisions("contact", shapes, **law))
-    return da.solve_nonsmooth(system.build(), 3.0, step=step, integrator=scheme)
+    return da.solve_nonsmooth(system.build(), duration, step=step, integrator=scheme)
 
 
-def piecewise(times: np.ndarray) -> np.ndarray:
+def piecewise(times: np.ndarray, friction=SLIDING, static=STATIC) -> np.ndarray:
     """Positions of the mass by exact pieces of sticking and slipping."""
-    omega, middle = np.sqrt(STIFFNESS / MASS), SLIDING * MASS * G / STIFFNESS
+    omega, middle = np.sqrt(STIFFNESS / MASS), friction * MASS * G / STIFFNESS
     x, t, places = 0.0, 0.0, np.empty_like(times)
     while t < times[-1]:
-        sticks = (STATIC * MASS * G / STIFFNESS - x) / BELT
+        sticks = (static * MASS * G / STIFFNESS - x) / BELT
         part = (times >= t) & (times <= t + sticks)
         places[part] = x + BELT * (times[part] - t)
         x, t = x + BELT * sticks, t + sticks
@@ -111,14 +111,53 @@ def test_stick_slip_oscillator(scheme):
     assert errors[1] < 0.3 * errors[0]  # first order
 
 
-def test_gradients_refuse_break_away():
+def test_gradients_before_break_away():
     angle, scheme = np.arctan(0.9 * STATIC), da.MoreauJean()
     motion = da.solve_nonsmooth(block(angle, "Circle", 0.2), 0.1, step=1e-3, integrator=scheme)
     slope = da.sensitivity(motion, da.final("block.vx")).item()
     assert slope == pytest.approx(-G * np.cos(angle) * 0.1, rel=1e-7)
-    motion = belt(4e-3, scheme)
-    with pytest.raises(UnsupportedError, match="with static friction breaks away at t = 0"):
-        da.sensitivity(motion, da.final("mass.x"))
+
+
+@pytest.mark.parametrize("duration", [0.65, 1.5])
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_gradients_of_the_stick_slip_oscillator(scheme, duration):
+    """Before and after it sticks again, and beyond the next time that it breaks away."""
+    exact = [
+        (piecewise(*up) - piecewise(*down))[-1] / 2e-6
+        for up, down in (
+            [(np.array([0.0, duration]), SLIDING + s, STATIC) for s in (1e-6, -1e-6)],
+            [(np.array([0.0, duration]), SLIDING, STATIC + s) for s in (1e-6, -1e-6)],
+        )
+    ]
+    errors = []
+    for step in (2e-3, 5e-4):
+        motion = belt(step, scheme, duration)
+        direct, adjoint = (
+            da.sensitivity(motion, da.final("mass.x"), ["friction", "static"], method=method)
+            for method in ("direct", "adjoint")
+        )
+        np.testing.assert_allclose(adjoint.values, direct.values, rtol=1e-8)
+        errors.append(abs(direct.values.ravel() - exact).max() / np.abs(exact).max())
+    assert errors[1] < 0.02
+    assert errors[1] < 0.5 * errors[0]
+    assert any("break away" in note for note in direct.attrs["notes"])
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_gradient_of_a_block_that_a_growing_force_breaks_away(scheme):
+    """Both corners at one instant ``t = μ_s m g/c``; ``v = c (T² − t²)/2m − μ g (T − t)``."""
+    system = da.System("pulled block", gravity=(0, -G))
+    static, pace = system.parameter("static", STATIC), system.parameter("pace", 20.0, "N/s")
+    block = system.add(planar.Body("block", mass=2.0, inertia=0.1, position=(0, 0.1)))
+    system.add(planar.Force("pull", block.point(0, -0.1), (pace * da.t, 0)))
+    shapes = [planar.contact.Rectangle(block, (0.8, 0.2)), planar.contact.HalfPlane(system.ground)]
+    law = {"friction": SLIDING, "static_friction": static}
+    system.add(planar.Collisions("floor", shapes, **law))
+    motion = da.solve_nonsmooth(system.build(), 0.8, step=1e-3, integrator=scheme)
+    slopes = da.sensitivity(motion, da.final("block.vx"))
+    t, jump = STATIC * 2.0 * G / 20.0, (STATIC - SLIDING) * G
+    exact = [-jump * 2.0 * G / 20.0, (0.8**2 - t**2) / 4 + jump * t / 20.0]
+    assert slopes.values.ravel() == pytest.approx(exact, rel=5e-3)
 
 
 def test_static_friction_is_not_below_friction():

@@ -100,12 +100,13 @@ def as_responses(responses: Response | Sequence[Response]) -> list[Response]:
 
 def expanded(responses: Sequence[Response]) -> tuple[list[Response], np.ndarray]:
     """Distinct terms of all responses, and their (responses, terms) weights."""
-    terms = list(dict.fromkeys(term for response in responses for _, term in response.terms))
+    terms = dict.fromkeys(term for response in responses for _, term in response.terms)
+    index = {term: k for k, term in enumerate(terms)}
     weights = np.zeros((len(responses), len(terms)))
     for row, response in zip(weights, responses, strict=True):
         for weight, term in response.terms:
-            row[terms.index(term)] += weight
-    return terms, weights
+            row[index[term]] += weight
+    return list(terms), weights
 
 
 def representative(batch: Batch) -> Any:

@@ -33,7 +33,10 @@ class ContactRecord:
     curved : (c,) whether the velocities are means over the path of the step, as for concave gaps
     linear : number of components that are not rotations
     loss : (K,) energy dissipated by contacts [J]
-    penetration : (K+1,) maximum penetration of the gaps [m]
+    work : (c,) work of the normal force of a compliant contact, zero for a rigid one [J]
+    fraction : (c,) length of the step over the duration of a compliant contact, else zero [-]
+    stored : (K+1,) elastic energy of compliant contacts [J]
+    penetration : (K+1,) maximum penetration of rigid gaps [m]
     residual : (K,) of the contact conditions, as a speed [m/s]
     rounds : (K,) iterations of the proximal method
     converged : (K,) whether the residual is within the tolerance of the solver
@@ -49,6 +52,9 @@ class ContactRecord:
     curved: np.ndarray
     linear: int
     loss: np.ndarray
+    work: np.ndarray
+    fraction: np.ndarray
+    stored: np.ndarray
     penetration: np.ndarray
     residual: np.ndarray
     rounds: np.ndarray
@@ -76,10 +82,12 @@ class ContactRecord:
 
 @dataclass(eq=False, repr=False)
 class NonsmoothMotion(Motion):
-    """Motion of a mechanism with rigid contacts.
+    """Motion of a mechanism with contacts.
 
     ``data`` has, since the previous output, ``normal_impulse`` and ``friction_impulse`` of every
-    element with gaps (sums of magnitudes), and at each output ``penetration``.
+    element with gaps (sums of magnitudes), and at each output ``penetration`` of rigid contacts and
+    ``contact_energy``, the elastic energy of compliant ones, which is part of the
+    ``potential_energy``.
     """
 
     @cached_property
@@ -97,7 +105,14 @@ class NonsmoothMotion(Motion):
             "friction_impulse": (dims, friction, _attributes("friction impulses", "N s")),
             "penetration": ("time", depth, _attributes("depth of the deepest gap", "m")),
         }
-        return motion_contents(self).plus(variables, {"contact": list(record.names)})
+        contents = motion_contents(self)
+        stored = np.interp(self.time, record.t, record.stored)
+        variables["contact_energy"] = ("time", stored, _attributes("energy of contacts", "J"))
+        for name in ("potential_energy", "energy", "balance_error") if stored.any() else ():
+            start = stored[:1] if name == "balance_error" else 0.0
+            values = contents[name] + stored - start
+            variables[name] = ("time", values, contents.attributes_of(name))
+        return contents.plus(variables, {"contact": list(record.names)})
 
     def impulse(self, name: str) -> xr.DataArray:
         """(K,) sum of the normal impulses of an element since the previous output [N s].

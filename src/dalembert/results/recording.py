@@ -38,7 +38,9 @@ class Trajectory:
 
     def forces(self, count: int) -> np.ndarray:
         """(count, K) multipliers and contact forces, padded with zeros."""
-        return np.pad(self.multiplier, ((0, count - self.multiplier.shape[0]), (0, 0)))
+        padded = np.zeros((count, self.multiplier.shape[1]))
+        padded[: len(self.multiplier)] = self.multiplier
+        return padded
 
     def some(self, index: np.ndarray) -> Trajectory:
         """The trajectory at some of the instants."""

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import casadi as ca
 import numpy as np
 
 from dalembert.analysis.kinematics.kinematics import measure_rate
 from dalembert.sensitivity.engine import RowEngine
 from dalembert.sensitivity.samples import Sample, weights_change
+from dalembert.symbolic.evaluation.kernel import Kernel
 
 
 class PointwiseGradient:
@@ -51,12 +51,12 @@ class PointwiseGradient:
         derivatives = np.zeros((t.size, len(columns)))
         if not active.size:
             return derivatives
-        mapped = self.measured.tangent.map(active.size)
-        zero_t, zero_y = ca.DM.zeros(1, active.size), ca.DM.zeros(y.shape[0], active.size)
+        mapped = Kernel(self.measured.tangent.map(active.size))
+        instants = t[active], y[:, active], p[:, active]
+        fixed = np.zeros((1, active.size)), np.zeros((y.shape[0], active.size))
         for i, change in enumerate(self.motion.model.tangents(p[:, 0], columns).T):
             direction = np.tile(change[:, None], active.size)
-            rates = mapped(t[active], y[:, active], p[:, active], zero_t, zero_y, direction)
-            derivatives[active, i] = rates.full().ravel()
+            derivatives[active, i] = mapped(*instants, *fixed, direction)[0].ravel()
         return derivatives
 
     def hessian_product(self, direction: np.ndarray) -> np.ndarray:

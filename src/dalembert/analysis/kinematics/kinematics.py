@@ -28,6 +28,7 @@ from dalembert.results.live import LiveFunctions
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
 from dalembert.results.sources import Row
+from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
 from dalembert.text.arguments import check_arguments
@@ -135,8 +136,7 @@ class Kinematics(OverTime[Motion]):
         """
         function = motion.record.kernel.configuration.function
         values = np.tile(p[:, None], times.size)
-        parts = function.map(times.size)(times, near, values)
-        y, v, a, multiplier = (part.full() for part in parts)
+        y, v, a, multiplier = Kernel(function.map(times.size))(times, near, values)
         violation = motion.record.kernel.jacobian.map(times.size)(times, y, values)[0].full()
         sizes = motion.model.equations.scales.rows
         refuse_open(times, np.abs(violation / sizes[:, None]).max(axis=0, initial=0.0))

@@ -8,7 +8,7 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
-from dalembert.analysis.nonsmooth.mean_gaps import mean_gaps
+from dalembert.analysis.nonsmooth.paths import bent_gaps, path_means
 from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart
 from dalembert.integrators.contact.contacts import Contacts
 
@@ -16,6 +16,8 @@ AHEAD = 2.0
 """Search distance for gaps in motions of a step; those beyond it are added where they close."""
 REPETITIONS = 12
 """Upper limit of the solutions of a step that open gaps at its end."""
+PATHS = 4
+"""Upper limit of the repetitions with means over the path for compliant contacts."""
 GAIN = 1e-10
 """Work of contacts that counts as rounding, relative to that of their impulses alone [-]."""
 
@@ -23,39 +25,69 @@ GAIN = 1e-10
 def advance(
     step: ContactStep, t: float, h: float, y: np.ndarray, v: np.ndarray, before: StepResult | None
 ) -> StepResult:
-    """A step of length ``h``; impulses of the step ``before`` are the starting point."""
+    """A step of length ``h``; impulses of the step ``before`` are the starting point.
+
+    Where the gap of a compliant contact is not linear, its force acts along the mean of its
+    direction over the path, so that its work is the change of its elastic energy.
+    """
     smooth = step.smooth.step(t, y, v, step.p, h, step.scheme.theta)
     start = StepStart(t, h, y, v, *smooth, before is None)
     contacts = step.near(step.at(t, y), AHEAD * h * np.column_stack([v, start.free]))
+    result = _advanced(step, start, contacts, before)
+    for _ in range(PATHS if step.force_laws.elements else 0):
+        if not result.impulses.accepted or not np.isfinite(result.y).all():
+            break
+        bent = bent_gaps(step, start, result)
+        if not bent.size:
+            break
+        straight = contacts.some(~np.isin(contacts.key, bent))
+        contacts = Contacts.joined([straight, path_means(step, start, bent, result)])
+        result = _advanced(step, start, contacts, result)
+    return result
+
+
+def _advanced(
+    step: ContactStep, start: StepStart, contacts: Contacts, before: StepResult | None
+) -> StepResult:
+    """A step with some contacts, and with those that have to open or to close with them."""
     if step.scheme.anticipates:
         return _opened(step, start, contacts, before)
     approach = start.approach(contacts, step.rounding)
-    some = contacts.some(step.scheme.acting(approach))
+    some = contacts.some(step.scheme.acting(approach) | step.force_laws.compliant(contacts))
     lifts = approach.forced > step.solver.tolerance * approach.fastest  # against forces
     if step.scheme.projection and lifts:
-        return _closed(step, start, some, before)
-    return step.solved(start, some, before)
+        return _closed(step, start, some, contacts.key[approach.resting], before)
+    return step.solved(step.struck(start, some), some, before)
 
 
 def _closed(
-    step: ContactStep, start: StepStart, contacts: Contacts, before: StepResult | None
+    step: ContactStep,
+    start: StepStart,
+    contacts: Contacts,
+    resting: np.ndarray,
+    before: StepResult | None,
 ) -> StepResult:
-    """Solution in which the gaps that a correction would open have their impact, too."""
-    result, end = step.solved(start, contacts, before), start.t + start.h
+    """Solution in which the gaps that a correction would open have their impact, too.
+
+    Together with them act the contacts whose keys are ``resting``: on curved surfaces these open by
+    ``O(h²)`` in each step, and without them bodies would fall into each other in every second step.
+    """
+    result = step.solved(step.struck(start, contacts), contacts, before)
+    end = start.t + start.h
     for _ in range(REPETITIONS):
         at_end = step.at(end, result.y)
         if not np.isfinite(result.y).all() or step.deepest(at_end) >= -step.rounding:
             break
-        keys = step.closed(at_end).key
+        keys = np.union1d(step.closed(at_end).key, resting)
         keys = keys[~np.isin(keys, contacts.key)]
         added = step.selected(step.at(start.t, start.y), keys)
         joined = start.approach(Contacts.joined([contacts, added]), step.rounding)
         if joined.is_impact:
-            added = added.some(added.speeds(start.v)[:, 0] <= 0)
+            added = added.some(joined.slow[contacts.count :])
         if not added.count:
             break
         contacts = Contacts.joined([contacts, added])
-        again = step.solved(start, contacts, result)
+        again = step.solved(step.struck(start, contacts), contacts, result)
         push = again.impulses.impulses.ravel()
         exchanged = float(push @ (again.contacts.directions @ (again.v - start.free)))
         gains = again.loss < min(result.loss, -GAIN * exchanged)
@@ -74,12 +106,22 @@ def _opened(
     over the path, and gaps that were beyond reach or of other features are added.
     """
     end, depth = start.t + start.h, np.inf
-    overlaps = contacts.distance < -step.rounding
-    contacts = replace(contacts, distance=np.maximum(contacts.distance, 0.0))
+    compliant = step.force_laws.compliant(contacts)
+    overlaps = compliant | (contacts.distance < -step.rounding)
+    distance = np.where(compliant, contacts.distance, np.maximum(contacts.distance, 0.0))
+    contacts = replace(contacts, distance=distance)
+    strikes = contacts.key[step.scheme.striking(start.approach(contacts, step.rounding))]
+    whole, start = start, step.struck(start, contacts.some(np.isin(contacts.key, strikes)))
     result, curved = step.solved(start, contacts, before), np.zeros_like(overlaps)
     for _ in range(REPETITIONS):
         if not np.isfinite(result.y).all():
             break
+        late = step.late(start, result)
+        if late.size:
+            strikes = np.append(strikes, late)
+            start = step.struck(whole, contacts.some(np.isin(contacts.key, strikes)))
+            result = _solved_on_path(step, start, contacts, curved, result)
+            continue
         at_end = step.at(end, result.y)
         last, depth = depth, -step.deepest(at_end)
         if depth <= step.rounding:
@@ -121,12 +163,5 @@ def _solved_on_path(
 ) -> StepResult:
     """Solution with means over the path of the last one for curved gaps."""
     keys = contacts.key[curved]
-    mean = mean_gaps(
-        lambda t, y: step.selected(step.at(t, y), keys),
-        step.model.equations.manifold,
-        (start.t, start.h),
-        start.y,
-        start.h * (last.v + start.v) / 2,
-    )
-    path = Contacts.joined([contacts.some(~curved), mean])
-    return replace(step.solved(start, path, last), curved=np.sort(keys))
+    path = Contacts.joined([contacts.some(~curved), path_means(step, start, keys, last)])
+    return replace(step.solved(start, path, last), curved=np.sort(keys), path=last)

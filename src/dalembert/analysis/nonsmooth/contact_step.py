@@ -6,23 +6,24 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import scipy
 
+from dalembert.analysis.nonsmooth.compliant_contacts import CompliantContacts
+from dalembert.analysis.nonsmooth.force_laws import ForceLaws
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
-from dalembert.analysis.nonsmooth.gaps.gap_source import FormulaGaps, GapSource
+from dalembert.analysis.nonsmooth.gaps.gap_source import GapSource
 from dalembert.analysis.nonsmooth.gaps.joined_gaps import selected_of, separating_of
-from dalembert.analysis.nonsmooth.mobility import Mobility
+from dalembert.analysis.nonsmooth.impact_stage import impact_stage
+from dalembert.analysis.nonsmooth.mobility import Mobility, delassus
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
 from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart, warm_start
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import UnsupportedError
+from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contact_laws import widest_groups
 from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
-from dalembert.integrators.contact.delassus import Delassus
-from dalembert.integrators.contact.impact_path import impact_impulses, in_succession
-from dalembert.integrators.contact.impulses import Impulses
-from dalembert.integrators.contact.schemes import Approach, ContactScheme
+from dalembert.integrators.contact.impulses import Impulses, compliant_problem
+from dalembert.integrators.contact.schemes import ContactScheme
 from dalembert.integrators.contact.static_friction import (
     STILL,
     may_stick,
@@ -30,7 +31,6 @@ from dalembert.integrators.contact.static_friction import (
     sticks,
 )
 from dalembert.model.graph.model import Model
-from dalembert.symbolic.evaluation.kernel import Matrix
 
 ROUNDS = 50
 """Upper limit of the changes of the contact offsets in one step."""
@@ -68,25 +68,33 @@ class ContactStep:
         return widest_groups([source.groups for source in self.sources])
 
     @cached_property
-    def law(self) -> ImpactLaw:
-        """Law of restitution of all gaps.
+    def force_laws(self) -> ForceLaws:
+        """Force laws of compliant contacts.
 
         Raises
         ------
         UnsupportedError
-            Gaps have several laws, or the scheme has not this law.
+            The scheme has none.
         """
-        names = {source.law: source.elements[0].name for source in self.sources}
-        if len(names) > 1:
-            laws = " and ".join(f"{name} ({law.value})" for law, name in names.items())
-            raise UnsupportedError(f"contacts have several laws of impact: {laws}; give one law")
-        ((law, name),) = names.items()
-        if law not in self.scheme.impact_laws:
+        laws, theta = ForceLaws(self.model, self.sources, self.p), self.scheme.theta
+        if laws.elements and theta < 0.5:
             raise UnsupportedError(
-                f"{name}: {type(self.scheme).__name__} has no {law.value} law of impact; use "
-                f"integrator=da.MoreauJean(), or leave out {_keyword(self.sources, law)}"
+                f"{laws.elements[0].name}: contacts with a force law need theta from 0.5 to 1; "
+                f"it is {theta:g}"
             )
-        return law
+        impacts = [
+            (element.name, law)
+            for source in self.sources
+            for element, law in source.impact_laws()
+            if law is not ImpactLaw.NEWTON
+        ]
+        if laws.elements and impacts:
+            name, law = impacts[0]
+            raise UnsupportedError(
+                f"{name} has the {law.value} law of impact and {laws.elements[0].name} a force "
+                f"law, which are not available in one model; leave out one of them"
+            )
+        return laws
 
     def at(self, t: float, y: np.ndarray) -> Configuration:
         """The configuration with the parameters of the steps."""
@@ -117,59 +125,99 @@ class ContactStep:
         return separating_of(self.sources, APART, start, end, keys, self.rounding)
 
     def deepest(self, configuration: Configuration) -> float:
-        """The smallest gap if it is negative, else 0 [m]."""
+        """The smallest gap of rigid contacts if it is negative, else 0 [m]."""
+        if self.force_laws.elements:
+            gaps = self.rigid(self.touching(configuration))
+            return float(gaps.distance.min(initial=0.0))
         return min(source.deepest(configuration) for source in self.sources)
 
     def closed(self, configuration: Configuration) -> Contacts:
-        """Gaps that are negative by more than rounding."""
-        contacts = self.near(configuration, np.zeros((self.model.equations.speed_count, 1)))
+        """Gaps of rigid contacts that are negative by more than rounding."""
+        contacts = self.rigid(self.touching(configuration))
         return contacts.some(contacts.distance < -self.rounding)
+
+    def touching(self, configuration: Configuration) -> Contacts:
+        """Gaps that are not open."""
+        return self.near(configuration, np.zeros((self.model.equations.speed_count, 1)))
+
+    def rigid(self, contacts: Contacts) -> Contacts:
+        """Those of the contacts that have no force law."""
+        compliant = self.force_laws.compliant(contacts)
+        return contacts.some(~compliant) if compliant.any() else contacts
 
     @property
     def rounding(self) -> float:
         """Penetration that counts as rounding [m]."""
         return CLOSED * self.model.scales.length
 
+    def struck(self, start: StepStart, contacts: Contacts) -> StepStart:
+        """The start with the impacts of some contacts by other laws than Newton's, if any."""
+        if contacts.laws.follows(ImpactLaw.NEWTON).all():
+            return start
+        approach = start.approach(contacts, self.rounding)
+        stage = impact_stage(approach, start.mobility, self.solver)
+        return start if stage is None else start.after(stage)
+
+    def late(self, start: StepStart, result: StepResult) -> np.ndarray:
+        """Keys of the pressing contacts by other laws than Newton's that close fast, but take no
+        part in the impacts of the start."""
+        contacts = result.contacts
+        other = ~contacts.laws.follows(ImpactLaw.NEWTON) & (result.impulses.impulses[:, 0] > 0)
+        if not other.any():
+            return contacts.key[:0]
+        approach = start.approach(contacts, self.rounding)
+        late: np.ndarray = contacts.key[other & approach.impacting & ~approach.hit]
+        return late
+
     def solved(self, start: StepStart, contacts: Contacts, before: StepResult | None) -> StepResult:
         """A step with some contacts; impulses of the step ``before`` are the starting point."""
         v, theta = start.v, self.scheme.theta
         approach = start.approach(contacts, self.rounding)
-        impulses, offsets, stuck = self._impulses(approach, start.mobility, before)
-        push = impulses.impulses.ravel()
-        change, reactions = start.mobility(contacts.directions.T @ push)
+        impulses, offsets, stuck, compliant = self._impulses(approach, start.mobility, before)
+        momentum = contacts.directions.T @ impulses.impulses.ravel()
+        change, reactions = start.mobility(momentum)
         after = start.free + change
         displacement = start.h * (theta * after + (1 - theta) * v)
         position = self.model.equations.manifold.go(start.y, displacement)
-        loss = -0.5 * float(push @ (contacts.directions @ (after + v)))
-        multiplier = start.multiplier + reactions
-        return StepResult(position, after, multiplier, contacts, impulses, offsets, stuck, loss)
+        mean = 0.5 * (contacts.directions @ (after + v)).reshape(offsets.shape)
+        ends = contacts.speeds(after)[:, 0]
+        work = np.zeros(contacts.count)
+        work[compliant.rows] = (impulses.impulses * mean)[compliant.rows, 0]
+        if start.impact is not None:
+            momentum = momentum + start.impact.momentum
+            impulses = start.impact.added(contacts, impulses)
+        loss = -0.5 * float(momentum @ (after + v)) - compliant.stored(ends)
+        solution = contacts, impulses, offsets, stuck, loss, work, compliant.fractions(ends)
+        return StepResult(position, after, start.multiplier + reactions, *solution)
 
     def _impulses(
         self, approach: Approach, mobility: Mobility, before: StepResult | None
-    ) -> tuple[Impulses, np.ndarray, np.ndarray]:
+    ) -> tuple[Impulses, np.ndarray, np.ndarray, CompliantContacts]:
         """Impulses of the contacts, their offsets, which are updated until they no longer change,
-        and keys of the sticking contacts with static friction."""
+        keys of the sticking contacts with static friction, and the compliant contacts."""
         contacts, shape = approach.contacts, approach.before.shape
+        soft = self.force_laws, approach
         if not contacts.count:
-            return Impulses(np.zeros(shape), 0.0, True), np.zeros(shape), contacts.key[:0]
+            empty = Impulses(np.zeros(shape), 0.0, True)
+            absent = CompliantContacts(*soft, np.zeros(0), self.scheme.theta)
+            return empty, np.zeros(shape), contacts.key[:0], absent
         matrix = delassus(contacts.directions, mobility)
-        offsets, free = self.scheme.first(approach), approach.free
+        own = np.zeros(contacts.count)
+        if self.force_laws.elements:
+            own = matrix.diagonal().reshape(shape)[:, 0]
+        compliant = CompliantContacts(*soft, own, self.scheme.theta)
+        offsets = self.scheme.first(approach)
         laws, none = contacts.laws, contacts.key[:0]
         scale = approach.fastest or 1.0
         rounding = STILL * self.solver.tolerance * scale
         static = may_stick(contacts, approach.before, before.stuck if before else none, rounding)
         start, rounds = warm_start(contacts, before, shape), 0
-        impact = None
-        if self.law is not ImpactLaw.NEWTON and approach.is_impact:
-            friction = laws.friction, contacts.groups, scale
-            instant = FrictionProblem(matrix, approach.before, *friction)
-            impact, at_end = impact_impulses(instant, laws.restitution, self.law, self.solver)
-            parting = approach.before[:, 0] > 0
-            free, held = free + at_end - approach.before, approach.held(at_end)
-            offsets = np.where(parting[:, None], np.maximum(held, offsets), held)
         for _ in range(ROUNDS):
-            velocity = free + offsets
+            offsets[compliant.rows, 0] = compliant.offsets
+            velocity = approach.free + offsets
             problem = FrictionProblem(matrix, velocity, laws.friction, contacts.groups, scale)
+            if compliant.rows.size:
+                problem = compliant_problem(problem, compliant.compliance)
             state = laws, static, approach.before
             solution, static = solve_with_static_friction(self.solver, problem, start, *state)
             if solution.converged and solution.residual > JAMMED * scale:
@@ -181,28 +229,22 @@ class ContactStep:
                 solution = replace(solution, accepted=solution.accepted and not jammed)
             start, rounds = solution.impulses, rounds + solution.rounds
             after = problem.speeds(solution.impulses) - offsets
-            changed = self.scheme.again(approach, offsets, solution.impulses, after)
-            if changed is None or not solution.accepted:
+            pushes = solution.impulses
+            if compliant.rows.size:
+                after = (matrix @ start.ravel()).reshape(shape) + approach.free
+                pushes = start.copy()
+                pushes[compliant.rows, 0] = 0.0  # force laws may do work
+            changed = self.scheme.again(approach, offsets, pushes, after)
+            if changed is not None:
+                changed[compliant.rows, 0] = offsets[compliant.rows, 0]
+                changed = changed if (changed != offsets).any() else None
+            size = problem.size(start) if compliant.rows.size else scale
+            softened = compliant.update(start[:, 0], after[:, 0], self.solver.tolerance * size)
+            if not (softened or changed is not None) or not solution.accepted:
                 break
-            offsets = changed
+            offsets = offsets if changed is None else changed
         stuck = none
         if laws.higher_at_rest.any():
             stuck = contacts.key[(start[:, 0] > 0) & sticks(self.solver, problem, solution)]
-        solution = replace(solution, rounds=rounds)
-        solution = solution if impact is None else in_succession(impact, solution)
-        return solution, offsets, stuck
-
-
-def _keyword(sources: list[GapSource], law: ImpactLaw) -> str:
-    """Argument of the element that requests a law."""
-    formulas = any(isinstance(source, FormulaGaps) for source in sources)
-    return "poisson=True" if formulas else f"impact_law={law.value!r}"
-
-
-def delassus(directions: Matrix, mobility: Mobility) -> np.ndarray | Delassus:
-    """``W A⁻¹ Wᵀ``, as an operator if the directions are sparse."""
-    responses = mobility.responses(directions)
-    if not scipy.sparse.issparse(directions):
-        return np.asarray(directions @ responses.T)
-    none = np.zeros(directions.shape[0])
-    return Delassus(directions, responses, mobility.matrix, mobility.joints, none)
+        solution = compliant.solution(replace(solution, rounds=rounds), after, self.solver, size)
+        return solution, offsets, stuck, compliant

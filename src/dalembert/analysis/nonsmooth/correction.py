@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.contact_step import CLOSED, ContactStep, delassus
-from dalembert.analysis.nonsmooth.mobility import Mobility
+from dalembert.analysis.nonsmooth.contact_step import CLOSED, ContactStep
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
+from dalembert.analysis.nonsmooth.mobility import Mobility, delassus
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.symbolic.equations import newton
 from dalembert.symbolic.evaluation.kernel import Matrix
@@ -78,17 +79,21 @@ class PositionCorrection(newton.Equations[np.ndarray]):
         if closed is None or not closed.count:
             return joint_shift, None
         allowed, at = self.step_of.rounding, self.step_of.at(self.t, x)
-        gaps = closed if self.travel is None else self.step_of.near(at, self.travel)
+        gaps = closed if self.travel is None else self._near(at, self.travel)
         for _ in range(ROUNDS):
             push, opened = self._push(gaps, joint_shift, mobility)
             shift = joint_shift + opened
-            near = self.step_of.near(at, shift[:, None])
+            near = self._near(at, shift[:, None])
             closes = near.distance + normals_of(near) @ shift < -allowed
             missing = closes & ~np.isin(near.key, gaps.key)
             if not missing.any():
                 break
             gaps = Contacts.joined([gaps, near.some(missing)])
         return shift, gaps.some((push > 0) | (gaps.distance < -allowed))
+
+    def _near(self, at: Configuration, travels: np.ndarray) -> Contacts:
+        """Gaps of rigid contacts within reach of displacements."""
+        return self.step_of.rigid(self.step_of.near(at, travels))
 
     def _push(
         self, gaps: Contacts, joint_shift: np.ndarray, mobility: Mobility

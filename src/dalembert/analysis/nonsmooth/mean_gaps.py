@@ -14,8 +14,6 @@ from dalembert.symbolic.evaluation.kernel import Matrix
 
 LOBATTO = {0.0: 1 / 12, (1 - 5**-0.5) / 2: 5 / 12, (1 + 5**-0.5) / 2: 5 / 12, 1.0: 1 / 12}
 """Fractions of the path and their weights in the mean (Lobatto's rule with four points)."""
-STILL = 1e-9
-"""Displacements below this share of the largest one do not correct velocities [-]."""
 
 
 def mean_gaps(
@@ -43,12 +41,9 @@ def mean_gaps(
     parts = []
     for s in LOBATTO:
         parts.append(gaps_at(t + s * h, manifold.go(y, s * displacement)))
-    still = np.abs(displacement) <= STILL * np.abs(displacement).max(initial=0.0)
-    divisor = np.where(still, 1.0, displacement)
     directions = []
     for (s, weight), gaps in zip(LOBATTO.items(), parts, strict=True):
-        velocity = manifold.path_velocity(y, displacement, s)
-        shares = np.where(still, 1.0, velocity / divisor)
+        shares = manifold.path_shares(y, displacement, s)
         directions.append(_scaled(gaps.directions, weight * shares))
     drift = np.tensordot(list(LOBATTO.values()), [gaps.drift for gaps in parts], axes=1)
     mean = replace(parts[0], directions=sum(directions[1:], directions[0]), drift=drift)

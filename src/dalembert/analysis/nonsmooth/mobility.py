@@ -9,6 +9,7 @@ import numpy as np
 import scipy
 
 from dalembert.errors import SingularityError
+from dalembert.integrators.contact.delassus import Delassus
 from dalembert.sparse.factorise import general_factors
 from dalembert.symbolic.evaluation.kernel import Matrix
 
@@ -169,6 +170,15 @@ class Mobility:
         if coupled.size < matrix.shape[0]:
             matrix, joints = matrix[coupled][:, coupled], joints[:, coupled]
         return saddle(matrix, joints)
+
+
+def delassus(directions: Matrix, mobility: Mobility) -> np.ndarray | Delassus:
+    """``W A⁻¹ Wᵀ``, as an operator if the directions are sparse."""
+    responses = mobility.responses(directions)
+    if not scipy.sparse.issparse(directions):
+        return np.asarray(directions @ responses.T)
+    none = np.zeros(directions.shape[0])
+    return Delassus(directions, responses, mobility.matrix, mobility.joints, none)
 
 
 def saddle(matrix: Matrix, joints: Matrix) -> Matrix:

@@ -1,4 +1,4 @@
-"""Nonsmooth contact dynamics: rigid contacts by time stepping with fixed steps."""
+"""Nonsmooth contact dynamics: contacts by time stepping with fixed steps."""
 
 from __future__ import annotations
 
@@ -28,10 +28,11 @@ from dalembert.text.arguments import check_arguments
 
 @options
 class Nonsmooth(OverTime[NonsmoothMotion]):
-    """Dynamics with rigid contacts as a strategy object.
+    """Dynamics with contacts as a strategy object.
 
     Impacts are not located: all contacts of a step are solved together as impulses. The motion is
-    of first order in the step, and so are gradients.
+    of first order in the step, and so are gradients; of second order with force laws alone, which
+    have no gradients.
 
     Parameters
     ----------
@@ -101,12 +102,12 @@ def solve_nonsmooth(
 ) -> NonsmoothMotion:
     """Integrate ``M dv = (f − d) dt − Cᵀ dΛ + Wᵀ dP``, ``0 ≤ g ⟂ dP_N ≥ 0``.
 
-    Impacts follow Newton's law, or with ``MoreauJean`` Poisson's or the energetic law, and friction
-    follows Coulomb's law, in fixed steps.
+    Impacts follow Newton's, Poisson's or the energetic law, and friction follows Coulomb's law, in
+    fixed steps. Contacts with a force law have ``dP_N = N(−g, −ġ) dt`` instead.
 
     Parameters
     ----------
-    model : Model with rigid contacts: ``Collisions``, or other elements with gaps
+    model : Model with ``Collisions``, or other elements with gaps of rigid contacts
     duration : [s]
     parameters : new values of parameters, without rebuilding
     progress : True for a bar, or a function of the fraction done

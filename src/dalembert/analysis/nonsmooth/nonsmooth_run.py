@@ -14,6 +14,7 @@ from dalembert.analysis.dynamics.residual_check import DRIFT, DRIFT_WARNING, Ene
 from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.model_residuals import Violation
 from dalembert.analysis.nonsmooth.advance import advance
+from dalembert.analysis.nonsmooth.contact_durations import duration_warnings
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import consistent_speeds, correct_position
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
@@ -71,7 +72,6 @@ class NonsmoothRun:
         self.step = ContactStep(
             model, smooth_motion(model), sources, analysis.integrator, analysis.solver, self.p
         )
-        _ = self.step.law  # raises if it is not available
 
     def execute(self, progress) -> NonsmoothMotion:
         state = self.model.assemble(self.p, self.start)
@@ -84,7 +84,7 @@ class NonsmoothRun:
         times = record.t if self.requested is None else self.requested
         times = times[times <= record.t[-1]] if times.size else times
         elapsed = clock.perf_counter() - begin
-        check = ContactCheck(self.step, record, self.analysis.balance)
+        check = ContactCheck(self.step, record, self.analysis.balance, log.correction_work)
         status = replace(status, residual=max(status.residual, check.residual))
         trajectory = interpolate(self.model, record, times)
         return NonsmoothMotion(
@@ -93,7 +93,7 @@ class NonsmoothRun:
             parameters=self.p,
             trajectory=trajectory,
             status=check.verify(status),
-            statistics=self.statistics(record, log.scheme_losses, elapsed),
+            statistics=self.statistics(record, log, elapsed),
             warnings=[*check.warnings, *elastic_warnings(self.model, trajectory, self.p)],
             record=record,
         )
@@ -156,9 +156,7 @@ class NonsmoothRun:
             return Status(Outcome.NOT_CONVERGED, text, t, impulses.residual)
         return None
 
-    def statistics(
-        self, record: ContactRecord, scheme_losses: np.ndarray, elapsed: float
-    ) -> dict[str, Any]:
+    def statistics(self, record: ContactRecord, log: StepLog, elapsed: float) -> dict[str, Any]:
         count = max(record.loss.size, 1)
         key = "initial overlaps removed"
         overlaps = {key: self.closed_gaps} if self.closed_gaps else {}
@@ -172,7 +170,9 @@ class NonsmoothRun:
             "maximum residual [m/s]": float(record.residual.max(initial=0.0)),
             "maximum penetration [m]": float(record.penetration.max(initial=0.0)),
             "energy dissipated in contacts [J]": float(record.loss.sum()),
-            "energy dissipated by the scheme [J]": float(scheme_losses[-1]),
+            "energy dissipated by friction of contacts [J]": log.friction,
+            "energy dissipated by the scheme [J]": float(log.scheme_losses[-1]),
+            "work of corrections of positions [J]": log.correction_work,
             "maximum energy gained in contacts [J]": float((-record.loss).max(initial=0.0)),
         }
 
@@ -185,11 +185,15 @@ class ContactCheck(ResidualCheck):
     step : ContactStep of the run
     record : ContactRecord of the run
     balance : largest error of the energy, relative to the exchanged energy
+    correction_work : work of the corrections of positions [J]
     """
 
-    def __init__(self, step: ContactStep, record: ContactRecord, balance: float):
+    def __init__(
+        self, step: ContactStep, record: ContactRecord, balance: float, correction_work: float = 0.0
+    ):
         super().__init__(step.model, record.ends, step.p, (Level.POSITION, Level.SPEED), np.inf)
         self.step, self.record, self.balance = step, record, balance
+        self.correction_work = correction_work
 
     @property
     def residual(self) -> float:
@@ -208,7 +212,8 @@ class ContactCheck(ResidualCheck):
         if depth == 0:
             return Violation(0.0)
         t, none = float(self.record.t[k]), np.zeros((model.equations.speed_count, 1))
-        contacts = self.step.near(self.step.at(t, self.record.ends.y[:, k]), none)
+        at = self.step.at(t, self.record.ends.y[:, k])
+        contacts = self.step.rigid(self.step.near(at, none))
         name = self.record.names[contacts.owner[np.argmin(contacts.distance)]]
         text = f"a gap of {name} is {-depth:.3g} m at t = {t:.9g} s"
         return Violation(depth / model.scales.length, text)
@@ -217,7 +222,8 @@ class ContactCheck(ResidualCheck):
     def energy(self) -> EnergyBalance:
         """Energies at the ends of the steps, and the dissipation of contacts."""
         record = self.record
-        energies, natural = self.residuals.energies, self.step.model.scales.energy
+        energies, natural = self.residuals.energies.copy(), self.step.model.scales.energy
+        energies[1] += record.stored
         return EnergyBalance(energies, record.ends.work, record.t, natural)
 
     @property
@@ -236,7 +242,8 @@ class ContactCheck(ResidualCheck):
         if not self.deepest.share <= self.limit:
             text = f"{self.deepest.text}, {self.deepest.share:.2g} of the natural length"
             return Outcome.VIOLATED, text + self.cure(self.limit)
-        return self.energy.objection(self.balance, "use a shorter step")
+        work = f"corrections of positions did {self.correction_work:.3g} J of work"
+        return self.energy.objection(self.balance, f"{work}; use a shorter step")
 
     @property
     def warnings(self) -> list[str]:
@@ -257,7 +264,7 @@ class ContactCheck(ResidualCheck):
                 f"t = {record.t[worst]:.9g} s; give ContactSolver a larger tolerance, or a smaller "
                 "value of acceptable to end such runs"
             )
-        return warnings
+        return [*warnings, *duration_warnings(record, self.energy.moved)]
 
 
 @once

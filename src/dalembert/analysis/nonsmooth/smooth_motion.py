@@ -5,6 +5,7 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.nonsmooth.gyroscopic import smooth_forces
 from dalembert.analysis.nonsmooth.mobility import Coupling, Mobility
 from dalembert.errors import UnsupportedError
 from dalembert.model.graph.assembly.assembly import ROUNDING
@@ -18,7 +19,8 @@ class SmoothMotion:
         (M − h θ D − h² θ² K)(v⁺ − v) = h F − Cᵀ Λ,      C (σ v⁺ + (1−σ) v) = −Φ_t
 
     with ``F = f − d``, ``D = ∂F/∂v``, ``K = (∂F/∂y) A`` at ``y ⊕ θ h v``, ``v``; for linear forces
-    this is the θ-method itself. ``C`` and ``Φ_t`` are taken at ``y ⊕ σ h v``, ``σ = max(θ, 1/2)``:
+    this is the θ-method itself. Gyroscopic forces of free bodies do no work (``smooth_forces``).
+    ``C`` and ``Φ_t`` are taken at ``y ⊕ σ h v``, ``σ = max(θ, 1/2)``:
     with constraints on the speeds at the end alone the centripetal forces within the step are lost.
 
     Parameters
@@ -28,7 +30,8 @@ class SmoothMotion:
 
     def __init__(self, model: Model):
         e = model.equations
-        driving = ca.densify(e.force - e.bias)
+        lead = ca.SX.sym("lead")
+        driving, damping = smooth_forces(e, lead)
         unknown = ca.vertcat(e.a, e.multiplier, e.dropped)
         if ca.depends_on(driving, unknown):
             raise UnsupportedError(
@@ -42,8 +45,8 @@ class SmoothMotion:
             )
         inputs_at_position = [e.t, e.y, e.p]
         still = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
-        damping, stiffness = ca.jacobian(driving, e.v), e.by_displacement(driving)
-        inputs = [e.t, e.y, e.v, e.p]
+        stiffness = e.by_displacement(ca.densify(e.force - e.bias))
+        inputs = [e.t, e.y, e.v, e.p, lead]
         self._forces = Patterned("forces", inputs, [driving, damping, stiffness])
         self._mass = Patterned("mass", [e.y, e.p], [e.mass])
         magnitudes = ca.mtimes(ca.fabs(e.lift).T, ca.fabs(e.y))
@@ -67,7 +70,7 @@ class SmoothMotion:
         step."""
         fraction = constrained_fraction(theta)
         middle, between = self._go(y, theta * h * v), self._go(y, fraction * h * v)
-        force, damping, stiffness = self._forces(t + theta * h, middle, v, p)
+        force, damping, stiffness = self._forces(t + theta * h, middle, v, p, theta * h)
         mass = self._mass(middle, p)[0]
         matrix = mass
         if self._reacts:

@@ -27,7 +27,8 @@ class StepEntry:
     multiplier : of the joints, times the step
     owner, key, impulse, offset : element, gap, impulse and velocity offset of each pressing contact
     curved : whether the step had means over its path for the gap of a pressing contact
-    loss : energy dissipated by the contacts
+    loss, friction : energy dissipated by the contacts, and its part by tangential impulses
+    work, fraction : of each pressing contact, as in ``StepResult``
     residual, rounds, converged : of the solution of the friction problem
     """
 
@@ -38,15 +39,19 @@ class StepEntry:
     offset: np.ndarray
     curved: np.ndarray
     loss: float
+    friction: float
+    work: np.ndarray
+    fraction: np.ndarray
     residual: float
     rounds: int
     converged: bool
 
     @classmethod
-    def of(cls, result: StepResult) -> StepEntry:
-        """The entry of a step."""
+    def of(cls, result: StepResult, v: np.ndarray) -> StepEntry:
+        """The entry of a step with the speeds ``v`` at its start."""
         impulses, contacts = result.impulses, result.contacts
         pressing = impulses.impulses[:, 0] > 0
+        slip = contacts.speeds((v + result.v) / 2)[:, 1:]
         return cls(
             result.multiplier,
             contacts.owner[pressing],
@@ -55,6 +60,9 @@ class StepEntry:
             result.offsets[pressing],
             np.isin(contacts.key[pressing], result.curved),
             result.loss,
+            -float((impulses.impulses[:, 1:] * slip).sum()),
+            result.work[pressing],
+            result.fractions[pressing],
             impulses.residual,
             impulses.rounds,
             impulses.converged,
@@ -68,16 +76,19 @@ class StepLog:
     ----------
     t, y, v : the last state
     scheme_losses : (K+1,) energy dissipated by the scheme, once recorded [J]
+    correction_work : work of the corrections of positions, positive where they lift, once recorded
+        [J]
     """
 
     def __init__(self, step: ContactStep, t: float, y: np.ndarray, v: np.ndarray):
         self.step = step
         self.times, self.positions, self.speeds = [t], [y], [v]
+        self.uncorrected: list[np.ndarray] = []
         self.lengths: list[float] = []
         self.entries: list[StepEntry] = []
         self.speed_losses: list[float] = []
-        self.depths = [self._depth(t, y)]
-        self.scheme_losses = np.zeros(1)
+        self.depths, self.stored = [self._depth(t, y)], [self._stored(t, y)]
+        self.scheme_losses, self.correction_work = np.zeros(1), 0.0
 
     @property
     def t(self) -> float:
@@ -92,6 +103,11 @@ class StepLog:
         return self.speeds[-1]
 
     @property
+    def friction(self) -> float:
+        """Energy dissipated by friction of contacts [J]."""
+        return float(sum(entry.friction for entry in self.entries))
+
+    @property
     def open_by(self) -> float:
         """The deepest penetration [m]."""
         return max(self.depths)
@@ -103,14 +119,20 @@ class StepLog:
         ``lost``."""
         self.times.append(t)
         self.lengths.append(h)
+        self.uncorrected.append(result.y)
+        self.entries.append(StepEntry.of(result, self.v))
         self.positions.append(y)
         self.speeds.append(v)
-        self.entries.append(StepEntry.of(result))
         self.speed_losses.append(lost)
         self.depths.append(self._depth(t, y))
+        self.stored.append(self._stored(t, y))
 
     def _depth(self, t: float, y: np.ndarray) -> float:
         return abs(self.step.deepest(self.step.at(t, y)))
+
+    def _stored(self, t: float, y: np.ndarray) -> float:
+        laws = self.step.force_laws
+        return laws.stored(self.step.touching(self.step.at(t, y))) if laws.elements else 0.0
 
     def record(self) -> ContactRecord:
         """The steps as arrays."""
@@ -147,6 +169,9 @@ class StepLog:
             curved=np.concatenate([*(s.curved for s in entries), np.zeros(0, dtype=bool)]),
             linear=1 + sum(self.step.groups[:1]),
             loss=loss,
+            work=np.concatenate([*(s.work for s in entries), np.zeros(0)]),
+            fraction=np.concatenate([*(s.fraction for s in entries), np.zeros(0)]),
+            stored=np.array(self.stored),
             penetration=np.array(self.depths),
             residual=np.array([s.residual for s in entries]),
             rounds=np.array([s.rounds for s in entries], dtype=int),
@@ -185,25 +210,27 @@ class StepLog:
     def _scheme_losses(self, ends: Trajectory) -> np.ndarray:
         """(K+1,) energy dissipated by the scheme since the start [J].
 
-        With ``θ = ½`` it is exchanged where positions are corrected, so that they are not
-        ``y ⊕ h (v⁺ + v)/2``, and where speeds are made consistent with the joints; gains are left
-        as errors of the balance. Other ``θ`` exchange all that is missing in the balance. As they
-        shift positions by ``h (θ − ½)(v⁺ − v)``, an impact returns what the fall before it lost:
-        only the net loss since the start counts, and a net gain is an error.
+        With ``θ = ½`` it is exchanged where positions are corrected, and where speeds are made
+        consistent with the joints; gains are left as errors of the balance. Other ``θ`` exchange
+        all that is missing in the balance. As they shift positions by ``h (θ − ½)(v⁺ − v)``, an
+        impact returns what the fall before it lost: only the net loss since the start counts, and a
+        net gain is an error.
         """
-        model, p = self.step.model, self.step.p
+        model, p, h = self.step.model, self.step.p, np.array(self.lengths)
+        potential, repeated = _potential(model, h.size), np.tile(p[:, None], h.size)
+        work = np.subtract(
+            *(
+                potential(ends.t[1:], y, repeated)[0].ravel()
+                for y in (ends.y[:, 1:], np.stack(self.uncorrected, 1))
+            )
+        )
+        self.correction_work = float(work.sum())
         if self.step.scheme.theta != 0.5:
             energies = ModelResiduals(model, ends, p).energies
+            energies[1] += self.stored
             losses = -energy_errors(energies, ends.work)[1:]
             return np.append(0.0, np.maximum(losses, 0.0))
-        h, v = np.array(self.lengths), ends.v
-        middle = h * (v[:, 1:] + v[:, :-1]) / 2
-        middle = model.equations.manifold.go(ends.y[:, :-1], middle)
-        potential, repeated = _potential(model, h.size), np.tile(p[:, None], h.size)
-        change, corrected = (
-            potential(ends.t[1:], y, repeated)[0].ravel() for y in (middle, ends.y[:, 1:])
-        )
-        losses = np.cumsum(change - corrected + np.array(self.speed_losses))
+        losses = np.cumsum(np.array(self.speed_losses) - work)
         return np.append(0.0, np.maximum.accumulate(np.maximum(losses, 0.0)))
 
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from dalembert.analysis.nonsmooth.impact_stage import ImpactStage
 from dalembert.analysis.nonsmooth.mobility import Mobility
+from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.integrators.contact.impulses import Impulses
-from dalembert.integrators.contact.schemes import Approach
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +26,10 @@ class StepResult:
     offsets : (n, k) velocity offsets of the conditions
     stuck : keys of the contacts with static friction at the end
     loss : energy dissipated by the contacts
+    work : (n,) work of the normal forces of compliant contacts on the bodies [J]
+    fractions : (n,) length of the step over the duration of compliant contacts, else zero [-]
     curved : keys of the contacts with means over the path; others have the values of the start
+    path : the solution whose displacement is the path of the means
     """
 
     y: np.ndarray
@@ -36,7 +40,10 @@ class StepResult:
     offsets: np.ndarray
     stuck: np.ndarray
     loss: float
+    work: np.ndarray
+    fractions: np.ndarray
     curved: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
+    path: StepResult | None = None
 
     @property
     def pressing(self) -> tuple[np.ndarray, np.ndarray]:
@@ -57,6 +64,7 @@ class StepStart:
     free, multiplier : speeds and multipliers at the end without impulses
     mobility : of the step
     begins : True in the first step
+    impact : impacts that ``free`` includes; None without any
     """
 
     t: float
@@ -67,11 +75,21 @@ class StepStart:
     multiplier: np.ndarray
     mobility: Mobility
     begins: bool
+    impact: ImpactStage | None = None
+
+    def after(self, impact: ImpactStage) -> StepStart:
+        """The start with impacts."""
+        free, multiplier = self.free + impact.change, self.multiplier + impact.multiplier
+        return replace(self, free=free, multiplier=multiplier, impact=impact)
 
     def approach(self, contacts: Contacts, rounding: float) -> Approach:
         """Contacts with their velocities; gaps up to ``rounding`` count as closed."""
         speeds = contacts.speeds(self.v), contacts.speeds(self.free)
-        return Approach(contacts, *speeds, self.h, self.begins, rounding)
+        approach = Approach(contacts, *speeds, self.h, self.begins, rounding)
+        if self.impact is None:
+            return approach
+        struck = contacts.speeds(self.v + self.impact.change)
+        return replace(approach, struck=struck, hit=self.impact.rows(contacts))
 
 
 def warm_start(contacts: Contacts, before: StepResult | None, shape: tuple[int, ...]) -> np.ndarray:

@@ -15,6 +15,7 @@ from dalembert.design.optimize.program import FEASIBLE, Program
 from dalembert.errors import AnalysisError
 from dalembert.options import options
 from dalembert.responses.values import Final
+from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.formulas.expression import stack
 
 BLOCK_SIZE = 200_000
@@ -161,9 +162,12 @@ def _depends_only_on(expression: ca.SX, p: ca.SX) -> bool:
 def _rank_by_formulas(program: Program, table: _Table, formulas: ca.Function) -> list[np.ndarray]:
     """Best feasible designs by their formulas, in order."""
     best: list[tuple[float, np.ndarray]] = []
+    kernels: dict[int, Kernel] = {}  # by sizes of blocks, most of which are equal
     for designs in table.chunks():
         count = designs.shape[1]
-        terms = np.array(formulas.map(count)(_parameters(program, designs)))
+        if count not in kernels:
+            kernels[count] = Kernel(formulas.map(count))
+        terms = kernels[count](_parameters(program, designs))[0]
         values = _values(program, terms)
         feasible = (_violations(program, values) <= FEASIBLE) & np.isfinite(values[0])
         objective = np.where(feasible, program.sign * values[0], np.inf)

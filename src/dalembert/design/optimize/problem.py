@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -93,7 +94,12 @@ class DesignProblem:
     # values -----------------------------------------------------------------------------
     def term_indices(self, quantity: Quantity) -> list[int]:
         """Indices of the terms of a quantity."""
-        return [self.terms.index((t.case, t.response)) for t in quantity.terms]
+        return [self._index[t.case, t.response] for t in quantity.terms]
+
+    @cached_property
+    def _index(self) -> dict[tuple[AnalysisCase, Response], int]:
+        """Term → its index."""
+        return {term: k for k, term in enumerate(self.terms)}
 
     def responses(self, case: AnalysisCase) -> tuple[list[int], list[Response]]:
         """Indices of the terms of a case, and their responses."""

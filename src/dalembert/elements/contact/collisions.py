@@ -1,10 +1,11 @@
-"""Unilateral contacts among many shapes."""
+"""Contacts among many shapes."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -14,7 +15,17 @@ from dalembert.elements.body import BodyElement
 from dalembert.elements.component import Component
 from dalembert.elements.contact.hull import Boundary, Solid
 from dalembert.elements.contact.impact_law import ImpactLaw
-from dalembert.elements.contact.pairs import COEFFICIENTS, Pair, checked_pairs, law_numbers
+from dalembert.elements.contact.laws import NormalLaw, Restitution
+from dalembert.elements.contact.pairs import (
+    COEFFICIENTS,
+    RETURNS,
+    Pair,
+    check_law,
+    checked_pairs,
+    force_laws,
+    law_numbers,
+    returns,
+)
 from dalembert.elements.contact.shapes import Flat, Round, Shape, Vertex
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.look import Rail
@@ -29,11 +40,12 @@ EXAMPLE = "contact.Circle(ball.center, 0.1), contact.HalfPlane(ground)"
 
 @dataclass(eq=False)
 class Collisions(Element):
-    """Unilateral contacts ``g ≥ 0`` among all shapes of different bodies.
+    """Contacts among all shapes of different bodies, with Coulomb's friction.
 
-    Restitution and Coulomb's friction. Two shapes touch at one point, or
-    at several where edges or faces are parallel. ``solve_nonsmooth`` detects near pairs in every
-    step.
+    Without a law, contacts are rigid: ``g ≥ 0``, with restitution. With one, they have its force
+    ``N(δ, δ̇)`` at the penetration ``δ = −g``, each contact point the whole force. Two shapes touch
+    at one point, or at several where edges or faces are parallel. ``solve_nonsmooth`` detects near
+    pairs in every step.
 
     Parameters
     ----------
@@ -46,12 +58,16 @@ class Collisions(Element):
     spinning : the same about the normal, in space
     impact_law : meaning of ``restitution``: a ratio of speeds, "newton"; of impulses, "poisson"; or
         its square of work, "energetic"
-    pairs : other coefficients between two groups, or groups that do not touch: ``contact.Pair``
+    law : normal force law such as ``contact.HuntCrossley``, instead of ``restitution`` and
+        ``tangential``; None for rigid contacts
+    pairs : other coefficients and laws between two groups, or groups that do not touch:
+        ``contact.Pair``
 
     Raises
     ------
     ModelError
-        No shape, a shape that is not available, an unknown group, or spinning in the plane.
+        No shape, a shape that is not available, an unknown group, spinning in the plane, or a law
+        beside restitution.
 
     Examples
     --------
@@ -79,6 +95,9 @@ class Collisions(Element):
         "", "coefficient of friction without slip", default=None, minimum=0.0
     )
     impact_law: str = option("`newton`, `poisson` or `energetic`", default="newton")
+    law: NormalLaw | Restitution | None = option(
+        "normal force law, or restitution of rigid contacts", default=None
+    )
     pairs: tuple[Pair, ...] = option("laws between two groups", default=())
 
     def __post_init__(self) -> None:
@@ -134,25 +153,37 @@ class Collisions(Element):
 
     def _check_laws(self) -> None:
         names = [law.value for law in ImpactLaw]
-        if self.impact_law not in names:
-            text = unknown("law", self.impact_law, names)
-            raise ModelError(text, f"{self.name}.impact_law")
         for place, law in self._completed_laws.items():
             entity = f"{self.name}.{place}" if place else self.name
+            if law["impact_law"] not in names:
+                text = unknown("law", law["impact_law"], names)
+                raise ModelError(text, f"{entity}.impact_law")
             if self.dimension == 2 and not law["spinning"].sx.is_zero():
                 text = "nothing spins about a normal in the plane; leave out spinning="
                 raise ModelError(text, f"{entity}.spinning")
-            if self.law is not ImpactLaw.NEWTON and not law["tangential"].sx.is_zero():
+            impact = ImpactLaw(law["impact_law"])
+            if impact is not ImpactLaw.NEWTON and not law["tangential"].sx.is_zero():
                 raise ModelError(
-                    f"the {self.impact_law} law of impact has no restitution of the slip; leave "
+                    f"the {impact.value} law of impact has no restitution of the slip; leave "
                     "out tangential=, or impact_law=",
                     f"{entity}.tangential",
                 )
+        rigid = [name for name in RETURNS if not getattr(self, name).sx.is_zero()]
+        check_law(self.name, self.law, rigid)
+        other = [law.value for law in self.impact_laws if law is not ImpactLaw.NEWTON]
+        if any(self.force_laws) and other:
+            text = f"is {other[0]!r}, and a force law has no impacts; leave it out"
+            raise ModelError(text, f"{self.name}.impact_law")
 
     @property
-    def law(self) -> ImpactLaw:
-        """Law of restitution."""
-        return ImpactLaw(self.impact_law)
+    def impact_laws(self) -> list[ImpactLaw]:
+        """Law of impact of each law number."""
+        return [ImpactLaw(law["impact_law"]) for law in self._completed_laws.values()]
+
+    @cached_property
+    def force_laws(self) -> tuple[NormalLaw | None, ...]:
+        """Force law of each law number; None for rigid contacts."""
+        return force_laws(self.law, self.pairs, self.name)
 
     @cached_property
     def members(self) -> tuple[Shape, ...]:
@@ -183,13 +214,16 @@ class Collisions(Element):
     @property
     def coefficients(self) -> ca.SX:
         """(c, n) ``COEFFICIENTS`` of each law."""
-        laws = self._completed_laws.values()
+        laws = [
+            law | {"impact_law": Expression(ca.SX(ImpactLaw(law["impact_law"]).number))}
+            for law in self._completed_laws.values()
+        ]
         return ca.horzcat(*(ca.vertcat(*(law[c].sx for c in COEFFICIENTS)) for law in laws))
 
     @property
-    def _completed_laws(self) -> dict[str, dict[str, Scalar]]:
+    def _completed_laws(self) -> dict[str, dict[str, Any]]:
         """Place of each law in the element → its coefficients by their names."""
-        own = {name: getattr(self, name) for name in COEFFICIENTS}
+        own = {name: getattr(self, name) for name in COEFFICIENTS} | returns(self.law)
         if self.static_friction is None:
             own["static_friction"] = self.friction
         pairs = {f"pairs[{k}]": pair.completed(own) for k, pair in enumerate(self.pairs)}
@@ -199,7 +233,7 @@ class Collisions(Element):
     def friction_groups(self) -> tuple[int, ...]:
         """Widths of the groups of tangential components: slip and, if there is friction of
         rotations, rolling and, in space, spinning."""
-        slip, turns = self.dimension - 1, not self.coefficients[4:, :].is_zero()
+        slip, turns = self.dimension - 1, not self.coefficients[5:, :].is_zero()
         rotations = (slip, 1)[:slip]
         return (slip, *rotations) if turns else (slip,)
 
@@ -215,13 +249,15 @@ class Collisions(Element):
 
     @property
     def components(self) -> dict[str, Component]:
-        """Place of each shape and pair → the shape or pair."""
+        """Place of each shape, pair and law → the component."""
         shapes: dict[str, Component] = {
             f"{self._label(group)}[{k}]": shape
             for group, shapes in self.groups.items()
             for k, shape in enumerate(shapes)
         }
-        return shapes | {f"{self.name}.pairs[{k}]": pair for k, pair in enumerate(self.pairs)}
+        pairs = {f"{self.name}.pairs[{k}]": pair for k, pair in enumerate(self.pairs)}
+        laws = {self.name: self.law, **{place: pair.law for place, pair in pairs.items()}}
+        return shapes | pairs | {f"{at}.law": law for at, law in laws.items() if law is not None}
 
     def checked_quantities(self) -> list[tuple[str, Expression, Mapping]]:
         quantities = [

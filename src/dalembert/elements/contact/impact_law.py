@@ -15,3 +15,8 @@ class ImpactLaw(Enum):
     NEWTON = "newton"
     POISSON = "poisson"
     ENERGETIC = "energetic"
+
+    @property
+    def number(self) -> int:
+        """Its number among the coefficients of a contact."""
+        return list(ImpactLaw).index(self)

@@ -4,26 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from dalembert.elements.base import Condition, Scalar, option, quantity
 from dalembert.elements.component import Component
+from dalembert.elements.contact.laws import NormalLaw, Restitution
 from dalembert.elements.contact.unilateral import at_most_one
 from dalembert.errors import ModelError
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.wording import unknown
 
 COEFFICIENTS = (
     "restitution",
     "tangential",
+    "impact_law",
     "static_friction",
     "friction",
     "rolling",
     "spinning",
 )
-"""Coefficients of a law, in the order of the columns of ``Collisions.coefficients``."""
+"""Coefficients of a law, in the order of the columns of ``Collisions.coefficients``; the
+law of impact counts as its number."""
+RETURNS = "restitution", "tangential"
+"""Coefficients of rigid contacts only."""
 APART = -1
 """Law number of shapes that pass through each other."""
+EXAMPLE = "contact.HuntCrossley(stiffness=1e6, damping=0.1)"
 
 
 @dataclass(eq=False)
@@ -35,6 +43,9 @@ class Pair(Component):
     groups : names of two groups; the same name twice for shapes of one group
     restitution, tangential, friction, rolling, spinning : those of ``Collisions`` by default
     static_friction : by default ``friction`` of this pair, if it has one
+    impact_law : meaning of ``restitution``, that of ``Collisions`` by default
+    law : normal force law, or ``contact.Restitution(…)`` for rigid contacts; that of ``Collisions``
+        by default
     touching : False if shapes of these groups pass through each other
 
     Examples
@@ -63,6 +74,10 @@ class Pair(Component):
     static_friction: Scalar = quantity(
         "", "coefficient of friction without slip", default=None, minimum=0.0
     )
+    impact_law: str | None = option("`newton`, `poisson` or `energetic`", default=None)
+    law: NormalLaw | Restitution | None = option(
+        "normal force law, or restitution of rigid contacts", default=None
+    )
     touching: bool = option("whether shapes of these groups touch each other", default=True)
 
     def __post_init__(self) -> None:
@@ -77,17 +92,48 @@ class Pair(Component):
         if not isinstance(self.touching, bool):
             raise ModelError(f"touching is {self.touching!r}; give True or False", "Pair")
         super().__post_init__()
+        check_law("Pair", self.law, [name for name in RETURNS if getattr(self, name) is not None])
 
     def conditions(self) -> list[Condition]:
         coefficients = {"restitution": self.restitution, "tangential": self.tangential}
         return [at_most_one(e.sx, name) for name, e in coefficients.items() if e is not None]
 
-    def completed(self, defaults: Mapping[str, Scalar]) -> dict[str, Scalar]:
+    def completed(self, defaults: Mapping[str, Any]) -> dict[str, Any]:
         """The coefficients by their names, with defaults where it has none."""
-        own = {name: getattr(self, name) for name in COEFFICIENTS}
+        own: dict[str, Any] = {name: getattr(self, name) for name in COEFFICIENTS}
+        own |= returns(self.law)
         if own["static_friction"] is None:
             own["static_friction"] = self.friction
         return {name: defaults[name] if c is None else c for name, c in own.items()}
+
+
+def check_law(entity: str, law: object, rigid: list[str]) -> None:
+    """Check the law of shapes.
+
+    Parameters
+    ----------
+    rigid : coefficients of rigid contacts that stand beside the law
+
+    Raises
+    ------
+    ModelError
+        Another object, or a law beside other coefficients of restitution.
+    """
+    if law is None:
+        return
+    if not isinstance(law, (NormalLaw, Restitution)):
+        raise ModelError(f"is {law!r:.60}; give a law such as {EXAMPLE}", f"{entity}.law")
+    if rigid:
+        kind = type(law).__name__
+        text = f"{rigid[0]} and law={kind}(…) are both present; the law has its own restitution"
+        raise ModelError(f"{text}, so leave out one of them", f"{entity}.{rigid[0]}")
+
+
+def returns(law: NormalLaw | Restitution | None) -> dict[str, Scalar]:
+    """Coefficients of restitution in a law, zero in a force law; empty without a law."""
+    if isinstance(law, Restitution):
+        return {"restitution": law.e, "tangential": law.tangential}
+    return {} if law is None else dict.fromkeys(RETURNS, Expression(0.0))
 
 
 def checked_pairs(pairs: Pair | Iterable[Pair], groups: list[str], owner: str) -> tuple[Pair, ...]:
@@ -123,3 +169,23 @@ def law_numbers(groups: list[str], pairs: tuple[Pair, ...]) -> np.ndarray:
         i, j = (groups.index(group) for group in pair.groups)
         table[i, j] = table[j, i] = k + 1 if pair.touching else APART
     return table
+
+
+def force_laws(
+    law: NormalLaw | Restitution | None, pairs: tuple[Pair, ...], owner: str
+) -> tuple[NormalLaw | None, ...]:
+    """Force laws of shapes in the order of the law numbers; None for rigid contacts.
+
+    Raises
+    ------
+    ModelError
+        A pair has a restitution beside the force law of ``owner``.
+    """
+    laws = [law, *(law if pair.law is None else pair.law for pair in pairs)]
+    force = tuple(each if isinstance(each, NormalLaw) else None for each in laws)
+    for k, pair in enumerate(pairs):
+        rigid = [name for name in RETURNS if getattr(pair, name) is not None]
+        if rigid and force[k + 1]:
+            text = f"has no effect beside law={type(law).__name__}(…) of {owner}; give this pair "
+            raise ModelError(text + "law=contact.Restitution(…)", f"{owner}.pairs[{k}].{rigid[0]}")
+    return force

@@ -7,10 +7,12 @@ from itertools import zip_longest
 
 import numpy as np
 
+from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import UnsupportedError
 
-FIRST = 3
-"""Number of the first coefficient of friction in a column of ``Collisions.coefficients``."""
+IMPACT, FIRST = 2, 4
+"""Numbers of the law of impact and of the first coefficient of friction in a column of
+``Collisions.coefficients``."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,21 +22,36 @@ class ContactLaws:
     Attributes
     ----------
     restitution, tangential : (n,) restitution along the normal and of the slip [-]
+    impact : (n,) number of the ``ImpactLaw``
     static_friction : (n,) ``μ_s ≥ μ`` of contacts without slip [-]
     friction : (n, groups) of each group of tangential components, as in ``FrictionProblem``
+    number : (n,) number of the law in the element of the gap
     """
 
     restitution: np.ndarray
     tangential: np.ndarray
+    impact: np.ndarray
     static_friction: np.ndarray
     friction: np.ndarray
+    number: np.ndarray
 
     @classmethod
-    def of(cls, coefficients: np.ndarray, groups: tuple[int, ...]) -> ContactLaws:
-        """Laws from columns of ``Collisions.coefficients`` (c, n)."""
-        restitution, tangential, static_friction = coefficients[:FIRST]
+    def of(
+        cls,
+        coefficients: np.ndarray,
+        groups: tuple[int, ...],
+        number: np.ndarray | None = None,
+    ) -> ContactLaws:
+        """Laws from columns of ``Collisions.coefficients`` (c, n); numbers are 0 by default."""
+        restitution, tangential, impact, static_friction = coefficients[:FIRST]
         friction = coefficients[FIRST : FIRST + len(groups)].T
-        return cls(restitution, tangential, static_friction, friction)
+        number = np.zeros(restitution.size, dtype=int) if number is None else number
+        return cls(restitution, tangential, impact, static_friction, friction, number)
+
+    def follows(self, law: ImpactLaw) -> np.ndarray:
+        """(n,) mask of contacts with a law of impact."""
+        mask: np.ndarray = self.impact == law.number
+        return mask
 
     @property
     def higher_at_rest(self) -> np.ndarray:

@@ -61,6 +61,8 @@ class Contacts:
 
     def some(self, selected: np.ndarray) -> Contacts:
         """The selected gaps."""
+        if selected.dtype == bool and selected.all():
+            return self
         k = self.drift.shape[1]
         rows = (np.arange(self.count)[selected][:, None] * k + np.arange(k)).ravel()
         return Contacts(
@@ -129,6 +131,7 @@ class FrictionProblem:
     scale : lower limit of the speed that residuals are compared with [m/s]
     minimum : (n,) or one, lower limit of the normal impulses, not negative:
         ``0 ≤ u_N ⟂ P_N − minimum ≥ 0``
+    compliance : (n,) or one, part of the normal diagonal of ``H`` that is no motion of bodies
     """
 
     matrix: np.ndarray | Delassus
@@ -137,6 +140,7 @@ class FrictionProblem:
     groups: tuple[int, ...]
     scale: float = 1.0
     minimum: float | np.ndarray = 0.0
+    compliance: float | np.ndarray = 0.0
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -177,13 +181,14 @@ class FrictionProblem:
     @cached_property
     def weights(self) -> np.ndarray:
         """(n, k) residual per violation of an impulse; rotations count by their energy [m/s]."""
-        sliding, turning = np.split(self.mobility, [self.linear], axis=1)
+        sliding, turning = np.split(self.mobility.copy(), [self.linear], axis=1)
+        sliding[:, 0] -= self.compliance
         return np.hstack([sliding, np.sqrt(turning * sliding[:, :1])])
 
     def size(self, impulses: np.ndarray) -> float:
         """Reference speed: the scale or the largest change of speed of a contact by its impulse."""
         sliding = impulses[:, : self.linear]
-        changes = np.linalg.norm(sliding, axis=1) * self.mobility[:, 0]
+        changes = np.linalg.norm(sliding, axis=1) * (self.mobility[:, 0] - self.compliance)
         return max(self.scale, float(np.nan_to_num(changes).max(initial=0.0)))
 
     def project(self, impulses: np.ndarray, speeds: np.ndarray) -> np.ndarray:

@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from dalembert.elements.contact.impact_law import ImpactLaw
+from dalembert.integrators.contact.contact_laws import ContactLaws
 from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.impact_slip import Pace, Slip, slip_of
@@ -49,6 +50,7 @@ class ImpactPath:
     converged, accepted : whether all increments are, and the phases ended
     residual, rounds : largest residual, and iterations, of the increments
     rounding : slip that counts as zero [m/s]
+    lowest : (n,) normal speeds that increments of the restored energy do not fall below
     """
 
     def __init__(self, problem: FrictionProblem, solver: ContactSolver):
@@ -56,6 +58,7 @@ class ImpactPath:
         self.velocity, self.impulses = problem.velocity, np.zeros(problem.shape)
         self.work, self.residual, self.rounds = np.zeros(problem.shape[0]), 0.0, 0
         self.converged = self.accepted = True
+        self.lowest = np.zeros(problem.shape[0])
         self.rounding = STILL * solver.tolerance * problem.scale
 
     def compress(self) -> None:
@@ -63,9 +66,11 @@ class ImpactPath:
         closing = np.minimum(self.velocity[:, 0], 0.0)
         self._march(lambda done, share: ((1 - done - share) * closing, 0.0))
 
-    def expand(self, normal: np.ndarray) -> None:
-        """Increments whose normal impulses are (n,) ``normal`` or, to keep a gap open, larger."""
-        self._march(lambda done, share: (0.0 * normal, share * normal))
+    def expand(self, normal: np.ndarray, speed: np.ndarray) -> None:
+        """Increments whose normal impulses are (n,) ``normal`` or, to reach the normal speeds (n,)
+        ``speed``, larger."""
+        self._march(lambda done, share: ((done + share) * speed, share * normal))
+        self.lowest = speed
 
     def restore(self, energy: np.ndarray, normal: np.ndarray) -> None:
         """Increments whose normal impulses do the work (n,) ``energy``, or less.
@@ -81,7 +86,7 @@ class ImpactPath:
             if not running.any() or not self.accepted:
                 break
             increments = np.where(running, pace.share * whole, 0.0)
-            step = self._increment(np.zeros_like(normal), increments)
+            step = self._increment(self.lowest, increments)
             if pace.is_too_long(self._slip(step)):
                 continue
             part = np.minimum(self._part(step, left), allowed) / pace.share
@@ -153,33 +158,27 @@ class ImpactPath:
 
 
 def impact_impulses(
-    problem: FrictionProblem, restitution: np.ndarray, law: ImpactLaw, solver: ContactSolver
+    problem: FrictionProblem, laws: ContactLaws, solver: ContactSolver
 ) -> tuple[Impulses, np.ndarray]:
-    """Impulses of an impact by Poisson's or the energetic law, and (n, k) velocities after it.
+    """Impulses of an impact with compression and expansion, and (n, k) velocities after it.
+
+    Contacts of all laws are compressed together. Then those of Poisson's law expand by their
+    impulses while those of Newton's law reach their speeds, then the energetic law restores energy.
 
     Parameters
     ----------
     problem : with the velocities before the impact
-    restitution : (n,) ``e``
-    law, solver : law of restitution, and solver of the increments
+    laws : restitution, and the law of each contact
+    solver : of the increments
     """
-    path = ImpactPath(problem, solver)
+    path, e = ImpactPath(problem, solver), laws.restitution
+    newton, poisson, energetic = (laws.follows(law) for law in ImpactLaw)
+    speed = np.where(newton, -e * np.minimum(problem.velocity[:, 0], 0.0), 0.0)
     path.compress()
-    pressed = restitution * path.impulses[:, 0]
-    if law is ImpactLaw.POISSON:
-        path.expand(pressed)
-    else:
-        path.restore(restitution**2 * path.work, pressed)
+    pressed, work = e * path.impulses[:, 0], path.work
+    if newton.any() or poisson.any():
+        path.expand(np.where(poisson, pressed, 0.0), speed)
+    if energetic.any():
+        path.restore(np.where(energetic, e**2 * work, 0.0), np.where(energetic, pressed, 0.0))
     outcome = path.residual, path.converged, path.rounds, path.accepted
     return Impulses(path.impulses, *outcome), path.velocity
-
-
-def in_succession(first: Impulses, second: Impulses) -> Impulses:
-    """Sums of the impulses of two problems, solved one after the other."""
-    return Impulses(
-        first.impulses + second.impulses,
-        max(first.residual, second.residual),
-        first.converged and second.converged,
-        first.rounds + second.rounds,
-        first.accepted and second.accepted,
-    )

@@ -147,9 +147,20 @@ def proximal_problem(
     problem: FrictionProblem, impulses: np.ndarray, weight: float
 ) -> FrictionProblem:
     """The problem with a proximal term at ``impulses``."""
-    diagonal, matrix = weight * problem.mobility, problem.matrix
-    if isinstance(matrix, Delassus):
-        matrix = matrix.shifted(diagonal.ravel())
-    else:
-        matrix = matrix + np.diag(diagonal.ravel())
+    diagonal = weight * problem.mobility
+    matrix = shifted(problem.matrix, diagonal.ravel())
     return replace(problem, matrix=matrix, velocity=problem.velocity - diagonal * impulses)
+
+
+def compliant_problem(problem: FrictionProblem, compliance: np.ndarray) -> FrictionProblem:
+    """The problem with an addition (n,) to the normal diagonal that is no motion of bodies."""
+    if not compliance.any():
+        return problem
+    diagonal = np.zeros(problem.shape)
+    diagonal[:, 0] = compliance
+    return replace(problem, matrix=shifted(problem.matrix, diagonal.ravel()), compliance=compliance)
+
+
+def shifted(matrix: np.ndarray | Delassus, diagonal: np.ndarray) -> np.ndarray | Delassus:
+    """The matrix with an addition to its diagonal."""
+    return matrix.shifted(diagonal) if isinstance(matrix, Delassus) else matrix + np.diag(diagonal)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dalembert.errors import AnalysisError
+
 if TYPE_CHECKING:
     from dalembert.integrators.contact.contacts import Contacts
 
@@ -49,32 +51,48 @@ def anticipated_slopes(
 ) -> OffsetSlopes:
     """Derivatives of the branch of ``AnticipatedImpacts`` that an offset equals.
 
-    Where branches tie, as at rest, closed contacts remain closed.
+    Where branches tie, as at rest, closed contacts remain closed. A contact on no other branch
+    approaches by less than the fraction of its gap, as forces change its speed; the caller verifies
+    this change.
 
     Parameters
     ----------
     before, offsets : (n, k)
     closing : fraction of a gap that a resting contact closes per step
     rounding : difference of speeds that counts as rounding [m/s]
+
+    Raises
+    ------
+    AnalysisError
+        An offset follows no branch.
     """
     gap, u, e = np.maximum(contacts.distance, 0), before[:, 0], contacts.laws.restitution
-    room, zero, one = h * (1 - e / 2), np.zeros(u.size), np.ones(u.size)
+    overlaps = contacts.distance < -rounding * h
+    room, zero = h * (1 - e / 2), np.zeros(u.size)
+    one = np.where(overlaps, 0.0, 1.0)
     margin = (gap + h * u / 2) / room
     branches = np.array(  # value, derivatives by g, u and e, by the change of speed by forces
         [
             [closing * gap / h, closing / h * one, zero, zero, zero],  # at rest
-            [2 * contacts.distance / h + u, 2 / h * one, one, zero, zero],  # remains open
+            [2 * contacts.distance / h + u, 2 / h + zero, 1 + zero, zero, zero],  # remains open
             [e * u, zero, e, u, zero],  # impact
-            [gap / h + u / 2, one / h, one / 2, zero, zero],  # separates
+            [gap / h + u / 2, one / h, 0.5 + zero, zero, zero],  # separates
             [margin, one / room, h / 2 / room, margin / (2 - e), zero],  # room for an impact
-            [u, zero, one, zero, zero],  # no work
-            [offsets[:, 0], zero, zero, zero, one],  # approaches as forces change its speed
+            [u, zero, 1 + zero, zero, zero],  # no work
+            [offsets[:, 0], zero, zero, zero, 1 + zero],  # approaches as forces change its speed
         ]
     )
     tied = np.abs(branches[:, 0] - offsets[:, 0]) <= rounding
     tied[0] &= ~tied[2] | (np.abs(u) <= rounding)
-    tied[1] &= u <= 0
+    tied[1] &= (u <= 0) | overlaps
     tied[3] &= u > 0
+    tied[-1] &= (u <= rounding) & (offsets[:, 0] >= 0) & (offsets[:, 0] <= branches[0, 0])
+    if not tied.any(axis=0).all():
+        speed = -offsets[np.argmin(tied.any(axis=0)), 0]
+        raise AnalysisError(
+            f"the normal speed {speed:.6g} m/s at the end of a step follows no branch of "
+            "AnticipatedImpacts with a derivative; use integrator=da.MoreauJean()"
+        )
     number = np.argmax(tied, axis=0)
     _, by_gap, speed, restitution, forced = branches[number, :, np.arange(u.size)].T
     law = contacts.laws.tangential[:, None] * before[:, 1:]

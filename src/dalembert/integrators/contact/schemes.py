@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import UnsupportedError
+from dalembert.integrators.contact.approach import Approach, Offsets
 from dalembert.integrators.contact.offset_slopes import (
     OffsetSlopes,
     anticipated_slopes,
@@ -17,68 +17,8 @@ from dalembert.integrators.contact.offset_slopes import (
 )
 from dalembert.options import options
 
-if TYPE_CHECKING:
-    from dalembert.integrators.contact.contacts import Contacts
-
-Offsets = np.ndarray
-"""(n, k) offsets of the velocities after a step: ``u⁺ + offset`` satisfies the conditions."""
-SLOW, CLOSING = 2.0, 0.5
-"""Threshold of the approach speed of a resting contact, relative to the change of speed by forces
-in a step, and the fraction of a gap that a resting contact closes per step [-]."""
-
-
-@dataclass(frozen=True, eq=False)
-class Approach:
-    """Contacts and their velocities before a step.
-
-    Attributes
-    ----------
-    contacts : Contacts
-    before, free : (n, k) relative velocities at the start, and at the end without impulses
-    h : step [s]
-    begins : True in the first step, which no earlier step could prepare for an impact
-    rounding : gap that counts as closed [m]
-    """
-
-    contacts: Contacts
-    before: np.ndarray
-    free: np.ndarray
-    h: float
-    begins: bool = False
-    rounding: float = 0.0
-
-    @property
-    def fastest(self) -> float:
-        """The largest component of a velocity [m/s]."""
-        linear = self.contacts.linear
-        return float(np.abs([self.before[:, :linear], self.free[:, :linear]]).max(initial=0.0))
-
-    def newton(self) -> Offsets:
-        """Restitution, ``u_N⁺ ≥ −e u_N⁻`` and ``u_T⁺ + e_T u_T⁻`` (Newton; Moreau 1988)."""
-        laws, linear = self.contacts.laws, self.contacts.linear
-        offsets = np.zeros_like(self.before)
-        offsets[:, 0] = laws.restitution * self.before[:, 0]
-        offsets[:, 1:linear] = laws.tangential[:, None] * self.before[:, 1:linear]
-        return offsets
-
-    @property
-    def forced(self) -> float:
-        """The largest change of a normal velocity by forces in the step [m/s]."""
-        return float(np.abs(self.free[:, 0] - self.before[:, 0]).max(initial=0.0))
-
-    @property
-    def is_impact(self) -> bool:
-        """Whether a gap closes faster than forces change speeds."""
-        return bool((self.before[:, 0] < -SLOW * self.forced).any())
-
-    def held(self, at_end: np.ndarray) -> Offsets:
-        """Forces in the step do not reduce the speeds ``at_end`` of an impact, up to those before.
-
-        So contacts do no work, and a central impact is that of Newton's law.
-        """
-        offsets = np.zeros_like(self.before)
-        offsets[:, 0] = -np.clip(at_end[:, 0], 0.0, np.maximum(-self.before[:, 0], 0.0))
-        return offsets
+CLOSING = 0.5
+"""Fraction of a gap that a resting contact closes per step [-]."""
 
 
 class ContactScheme(ABC):
@@ -91,13 +31,16 @@ class ContactScheme(ABC):
 
     theta: float
     projection: bool
-    impact_laws: ClassVar[tuple[ImpactLaw, ...]] = (ImpactLaw.NEWTON,)
     anticipates: ClassVar[bool] = False
     """True if the scheme keeps gaps open, so that no position correction is needed."""
 
     @abstractmethod
     def acting(self, approach: Approach) -> np.ndarray:
         """(n,) mask of the active contacts."""
+
+    def striking(self, approach: Approach) -> np.ndarray:
+        """(n,) mask of the active contacts that take part in impacts at the start of the step."""
+        return np.ones(approach.contacts.count, dtype=bool)
 
     @abstractmethod
     def first(self, approach: Approach) -> Offsets:
@@ -154,7 +97,6 @@ class MoreauJean(ContactScheme):
     theta: float = 0.5
     gamma: float = 0.5
     projection: bool = True
-    impact_laws: ClassVar[tuple[ImpactLaw, ...]] = tuple(ImpactLaw)
 
     def __post_init__(self) -> None:
         check_share("MoreauJean", "theta", self.theta)
@@ -168,6 +110,9 @@ class MoreauJean(ContactScheme):
         offsets, parting = approach.newton(), approach.before[:, 0]
         if self.projection:
             offsets[:, 0] = np.maximum(offsets[:, 0], parting)
+        hit = np.broadcast_to(approach.hit, parting.shape)
+        lower = np.where(parting > 0, offsets[:, 0], -np.inf)
+        offsets[hit, 0] = np.maximum(-approach.rebound, lower)[hit]
         return offsets
 
     def slopes(self, approach: Approach, offsets: Offsets, rounding: float) -> OffsetSlopes:
@@ -226,10 +171,14 @@ class AnticipatedImpacts(ContactScheme):
     def acting(self, approach: Approach) -> np.ndarray:
         return np.ones(approach.contacts.count, dtype=bool)
 
+    def striking(self, approach: Approach) -> np.ndarray:
+        closed = approach.contacts.distance <= approach.rounding
+        return np.asarray(closed | (approach.free[:, 0] < _room(approach)))
+
     def first(self, approach: Approach) -> Offsets:
         offsets = approach.newton()
-        margin = _margin(approach, approach.contacts.laws.restitution)
-        impact = approach.free[:, 0] < margin
+        margin = _room(approach)
+        impact = (approach.free[:, 0] < margin) | approach.hit
         offsets[:, 0] = -np.where(impact, _bounce(approach), margin)
         return offsets
 
@@ -267,15 +216,21 @@ def _margin(approach: Approach, restitution: np.ndarray | float) -> np.ndarray:
     return np.maximum(-gap / (approach.h * (1 - restitution / 2)), _open(approach))
 
 
+def _room(approach: Approach) -> np.ndarray:
+    """Minimum speed that permits an impact in the next step, without restitution by other laws
+    than Newton's."""
+    laws = approach.contacts.laws
+    return _margin(approach, np.where(laws.follows(ImpactLaw.NEWTON), laws.restitution, 0.0))
+
+
 def _bounce(approach: Approach) -> np.ndarray:
     """Minimum speed of contacts under pressure: impacting, resting or separating."""
-    before, e = approach.before[:, 0], approach.contacts.laws.restitution
-    forced = approach.forced
+    before, forced = approach.before[:, 0], approach.forced
     closing = CLOSING * np.maximum(approach.contacts.distance, 0) / approach.h
     resting = np.where(before > 0, _margin(approach, 0.0), -np.minimum(closing, forced))
-    impact = before < -SLOW * forced
+    impact = approach.impacting
     lower = np.where(impact & approach.begins, -np.inf, _open(approach))  # opened after the step
-    return np.maximum(np.where(impact, -e * before, resting), lower)
+    return np.maximum(np.where(impact, approach.rebound, resting), lower)
 
 
 def check_share(owner: str, name: str, value: float) -> None:

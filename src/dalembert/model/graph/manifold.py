@@ -17,6 +17,9 @@ import numpy as np
 from dalembert.elements.coordinates import Coordinates
 from dalembert.symbolic.formulas.expression import stack
 
+STILL = 1e-6
+"""Displacements below this share of the largest one have the limit for small ones [-]."""
+
 
 @dataclass(frozen=True, eq=False)
 class Manifold:
@@ -111,17 +114,30 @@ class Manifold:
         """``other ⊖ y`` of a pair of positions, or of all columns."""
         return other - y if self.flat else _shaped(self._apart(y, other), y)
 
-    def path_velocity(self, y: np.ndarray, delta: np.ndarray, s: float) -> np.ndarray:
-        """Displacement per ``s`` at ``y ⊕ s δ``; δ where ``s = 0``."""
-        return delta if self.flat or s == 0 else self._path_velocity(y, delta, s).full().ravel()
+    def path_shares(self, y: np.ndarray, delta: np.ndarray, s: float) -> np.ndarray:
+        """Displacement per ``s`` at ``y ⊕ s δ``, relative to ``δ``, by components."""
+        if self.flat or s == 0:
+            return np.ones(delta.size)
+        return self._path_shares(y, delta, s).full().ravel()
 
     @cached_property
-    def _path_velocity(self) -> ca.Function:
-        path = ca.SX.sym("s")
-        moved = self.retract(self.y, path * self.delta)
-        rate = ca.jtimes(moved, path, ca.SX(1))
+    def path(self) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Symbol ``s``, ``y ⊕ s δ``, and the displacement per ``s`` there relative to ``δ``."""
+        share, count = ca.SX.sym("s"), self.delta.numel()
+        moved = self.retract(self.y, share * self.delta)
+        if self.flat:
+            return share, moved, ca.SX.ones(count)
+        rate = ca.jtimes(moved, share, ca.SX(1))
         velocity = ca.mtimes(ca.substitute(self.reading, self.y, moved), rate)
-        return ca.Function("path_velocity", [self.y, self.delta, path], [velocity])
+        still = ca.fabs(self.delta) <= STILL * ca.mmax(ca.fabs(self.delta))
+        limit = ca.diag(ca.jacobian(velocity, self.delta))
+        ratio = velocity / ca.if_else(still, 1, self.delta)
+        return share, moved, ca.if_else(still, limit, ratio)
+
+    @cached_property
+    def _path_shares(self) -> ca.Function:
+        share, _, shares = self.path
+        return ca.Function("path_shares", [self.y, self.delta, share], [shares])
 
     @cached_property
     def going(self) -> ca.Function:

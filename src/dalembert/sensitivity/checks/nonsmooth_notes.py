@@ -35,6 +35,12 @@ def nonsmooth_notes(motion: NonsmoothMotion) -> list[str]:
             "the gradient includes this to the order of the step; the run has impacts at the ends "
             "of steps, so that its differences jump and do not confirm the gradient"
         )
+    if breaks := sum(change.breaks for change in changes):
+        notes.append(
+            f"contacts with static friction break away at {breaks} "
+            f"instant{'s' if breaks > 1 else ''}, which move with the parameters: the gradient "
+            "includes this to the order of the step, and differences of the run do not confirm it"
+        )
     if first["simultaneous"]:
         notes.append(
             f"gaps on the same bodies close in one instant at {first['simultaneous'][0]}: "
@@ -80,5 +86,5 @@ def _changes(steps: ContactSteps, k: int) -> ContactChanges:
         if k not in steps.changes:
             step_tangent(steps, k)
         return steps.changes[k]
-    except SingularityError:  # which gradients refuse
+    except (SingularityError, UnsupportedError):  # which gradients refuse
         return ContactChanges()

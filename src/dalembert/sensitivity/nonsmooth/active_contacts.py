@@ -14,11 +14,13 @@ import numpy as np
 import scipy
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.step_state import StepResult
+from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.integrators.contact.offset_slopes import OffsetSlopes
-from dalembert.integrators.contact.schemes import Approach
 from dalembert.integrators.contact.semismooth_newton import pieces
+from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 
@@ -34,19 +36,31 @@ class ActiveContacts:
     ----------
     keys : (n,)
     impulses, offsets : (n, k)
+    curved : (n,) mask of means over the path of the step
     """
 
     keys: np.ndarray
     impulses: np.ndarray
     offsets: np.ndarray
+    curved: np.ndarray
+
+    @classmethod
+    def of(cls, result: StepResult) -> ActiveContacts:
+        """Pressing contacts of a result."""
+        impulses, keys = result.impulses.impulses, result.contacts.key
+        rows = np.flatnonzero(impulses[:, 0] > 0)
+        rows = rows[np.argsort(keys[rows])]
+        curved = np.isin(keys[rows], result.curved)
+        return cls(keys[rows], impulses[rows], result.offsets[rows], curved)
 
     def some(self, selected: np.ndarray) -> ActiveContacts:
         """The selected contacts."""
-        return ActiveContacts(self.keys[selected], self.impulses[selected], self.offsets[selected])
+        fields = self.keys, self.impulses, self.offsets, self.curved
+        return ActiveContacts(*(field[selected] for field in fields))
 
     def pressing(self, impulses: np.ndarray) -> ActiveContacts:
         """The same contacts with other impulses."""
-        return ActiveContacts(self.keys, impulses.reshape(self.impulses.shape), self.offsets)
+        return replace(self, impulses=impulses.reshape(self.impulses.shape))
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +69,7 @@ class ContactEquations:
 
     Attributes
     ----------
+    keys : (n,)
     gaps : Gaps
     own, coupled : (n, k, k)
     slopes : of the offsets
@@ -64,6 +79,7 @@ class ContactEquations:
     residual : (n k,)
     """
 
+    keys: np.ndarray
     gaps: Gaps
     own: np.ndarray
     coupled: np.ndarray
@@ -99,19 +115,23 @@ class ContactEquations:
         factors[:, 1 : contacts.linear] = laws.tangential[:, None]
         factors[slopes.idle] = 1.0
         factors[:, 0] = slopes.speed
-        return cls(gaps, own, coupled, slopes, limit, column, factors, residual)
+        return cls(keys, gaps, own, coupled, slopes, limit, column, factors, residual)
 
     @classmethod
-    def of_openings(cls, gaps: Gaps, distance: np.ndarray, presses: np.ndarray) -> ContactEquations:
+    def of_openings(
+        cls, keys: np.ndarray, gaps: Gaps, distance: np.ndarray, presses: np.ndarray
+    ) -> ContactEquations:
         """``N δ + g = 0``, with ``g`` constant unless the contact presses."""
         zero, one = np.zeros(distance.size), np.ones((distance.size, 1, 1))
         slopes = OffsetSlopes(presses.astype(float), zero, zero, zero, ~presses, ~presses)
         residual, still = gaps.values.after[:, 0] + distance, zero[:, None]
         column = np.zeros((distance.size, 1), dtype=int)
-        return cls(gaps, 0 * one, one, slopes, still, column, still, residual)
+        return cls(keys, gaps, 0 * one, one, slopes, still, column, still, residual)
 
-    def impact_law(self, impacting: np.ndarray) -> ContactEquations:
-        """The same equations if some contacts follow Newton's law, and the others remain closed."""
+    def impact_law(self, keys: np.ndarray) -> ContactEquations:
+        """The same equations if the contacts with some keys follow Newton's law, and the others
+        remain closed."""
+        impacting = np.isin(self.keys, keys)
         zero, laws = np.zeros(self.slopes.gap.size), self.gaps.values.laws
         speed, factors = zero.copy(), self.factors.copy()
         speed[impacting] = laws[impacting, 0]
@@ -134,9 +154,9 @@ class ContactEquations:
         """(n k, n_v) derivatives by the speeds at the end."""
         return scipy.sparse.csr_array(_diagonal(self.coupled) @ self.gaps.directions)
 
-    def push(self, dq: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Changes of ``Wᵀ P`` and of the equations by those of ``q``."""
-        change, momentum = self.gaps.push(dq)
+    def push(self, dq: np.ndarray, path: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Changes of ``Wᵀ P`` and of the equations by those of ``q`` and of a path's speeds."""
+        change, momentum = self.gaps.push(dq, path)
         s, before = self.slopes, self.gaps.values.before
         offset = self.factors[..., None] * change.before
         offset[:, 1:] += self._restituted[..., None] * change.laws[:, 1, None]
@@ -148,6 +168,14 @@ class ContactEquations:
 
     def pull(self, momentum: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Weights of ``q`` from those of ``Wᵀ P`` and of the equations."""
+        return self.gaps.pull(self._weights(weights), momentum)
+
+    def pull_path(self, momentum: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """Weights of the speeds at the end of a path of means."""
+        return self.gaps.pull_path(self._weights(weights), momentum)
+
+    def _weights(self, weights: np.ndarray) -> GapChanges:
+        """Weights of the gaps from those of the equations."""
         s, values = self.slopes, self.gaps.values
         rows = weights.reshape(*self.coupled.shape[:2], -1)
         after = self.coupled.swapaxes(1, 2) @ rows
@@ -159,7 +187,7 @@ class ContactEquations:
         limits, row = self.limit[..., None] * rows, np.arange(normal.shape[0])
         for component, column in enumerate(self.column.T):
             own.laws[row, column] += limits[:, component]
-        return self.gaps.pull(own, momentum)
+        return own
 
     @property
     def _restituted(self) -> np.ndarray:

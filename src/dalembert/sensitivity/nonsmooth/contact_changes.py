@@ -25,6 +25,7 @@ class ContactChanges:
     grazing : a gap closes close to the threshold of an impact
     changing : a contact is about to slip or to stick
     redundant : contacts contradict each other after most changes
+    breaks : number of instants at which contacts with static friction break away
     """
 
     impacts: int = 0
@@ -33,6 +34,7 @@ class ContactChanges:
     grazing: bool = False
     changing: bool = False
     redundant: bool = False
+    breaks: int = 0
 
 
 def near_change(

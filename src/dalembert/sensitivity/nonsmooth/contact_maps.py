@@ -16,8 +16,9 @@ from dalembert.analysis.nonsmooth.contact_step import APART, ContactStep
 from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations
-from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
+from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps, Part
 from dalembert.sensitivity.nonsmooth.linear_map import Block, ForcedChange, MapAt, ProximalFactors
+from dalembert.sensitivity.nonsmooth.path_slopes import Path, path_gaps, path_points
 from dalembert.sensitivity.nonsmooth.source_slopes import StepState, source_slopes
 from dalembert.sensitivity.nonsmooth.step_equations import step_equations
 
@@ -40,14 +41,31 @@ class ContactMaps:
         self.size, self.speeds = self.e.y.numel(), self.e.v.numel()
         self.smooth = self.speeds + self.e.constraint_count
 
-    def gaps(self, state: StepState, keys: np.ndarray, impulses: np.ndarray) -> Gaps:
-        """Gaps with some keys, in their order, and their derivatives."""
-        numbers, parts = keys // APART, []
-        laws = FIRST + len(self.contact_step.groups)
+    def gaps(
+        self,
+        state: StepState,
+        keys: np.ndarray,
+        impulses: np.ndarray,
+        curved: np.ndarray | None = None,
+        path: Path | None = None,
+    ) -> Gaps:
+        """Gaps with some keys, in their order, and their derivatives.
+
+        Parameters
+        ----------
+        impulses : (n, k)
+        curved, path : (n,) mask of means over a path, none by default, and the path
+        """
+        numbers, laws = keys // APART, FIRST + len(self.contact_step.groups)
+        means = np.zeros(keys.size, dtype=bool) if curved is None else curved
+        parts: list[Part] = []
         for number, source in enumerate(self._sources):
-            rows = np.flatnonzero(numbers == number)
+            rows, own = (np.flatnonzero((numbers == number) & m) for m in (~means, means))
             if rows.size or len(self._sources) == 1:
                 parts.append(source.at(state, rows, keys[rows] % APART, impulses[rows], laws))
+            if own.size and path is not None:
+                arguments = own, keys[own] % APART, impulses[own], laws
+                parts.append(path_gaps(source, state, path, *arguments))
         return Gaps.of(parts)
 
     def gaps_at(self, x: np.ndarray, t: float, keys: np.ndarray) -> Gaps:
@@ -57,7 +75,13 @@ class ContactMaps:
         return self.gaps(StepState(t, y, self.p, v, v), keys, impulses)
 
     def step(
-        self, x: np.ndarray, after: np.ndarray, t: float, h: float, active: ActiveContacts
+        self,
+        x: np.ndarray,
+        after: np.ndarray,
+        t: float,
+        h: float,
+        active: ActiveContacts,
+        before: MapAt | None = None,
     ) -> MapAt:
         """Map from the start of a step to its end before corrections.
 
@@ -65,8 +89,12 @@ class ContactMaps:
         ----------
         after : initial guess of the speeds at the end
         active : the pressing contacts
+        before : map of the solution on whose path means of gaps are taken
         """
         (y, v), n = self._split(x), self.speeds
+        path = None
+        if before is not None:
+            path = Path(before.z[:n], h, path_points(self.contact_step.model))
         z = np.concatenate([after, np.zeros(self.smooth - n), active.impulses.ravel()])
         for _ in range(MAX_ITERATIONS):
             smooth, impulses = np.split(z, [self.smooth])
@@ -75,7 +103,8 @@ class ContactMaps:
             right, matrix, contacts = value, [(0, 0, by_z)], None
             if pressing.keys.size:
                 state = StepState(t, y, self.p, v, smooth[:n])
-                gaps = self.gaps(state, pressing.keys, pressing.impulses)
+                own = pressing.keys, pressing.impulses, pressing.curved
+                gaps = self.gaps(state, *own, path)
                 inertia = np.maximum(np.abs(by_z.diagonal()[:n]), np.finfo(float).tiny)
                 contacts = ContactEquations.of(gaps, self.contact_step, pressing, h, inertia)
                 right, below = self._joined(value, contacts, impulses)
@@ -89,7 +118,7 @@ class ContactMaps:
             offsets = active.offsets[contacts.slopes.forced > 0]
             forced = self._forced(y, v, t, h, offsets)
         next_by_z, next_by_q = slopes
-        return MapAt(z, following, factors, by_q, next_by_z, next_by_q, contacts, forced)
+        return MapAt(z, following, factors, by_q, next_by_z, next_by_q, contacts, forced, before)
 
     def _forced(
         self, y: np.ndarray, v: np.ndarray, t: float, h: float, offsets: np.ndarray
@@ -143,7 +172,7 @@ class ContactMaps:
             if keys.size:
                 moved = StepState(t, y, self.p, still, smooth[:n], 0.0)
                 gaps = self.gaps(moved, keys, impulses[:, None])
-                contacts = ContactEquations.of_openings(gaps, lifts, presses)
+                contacts = ContactEquations.of_openings(keys, gaps, lifts, presses)
                 right, below = self._joined(value, contacts, impulses)
                 matrix += below
             if not solved:

@@ -29,7 +29,6 @@ class ContactPass:
     def __init__(self, samples: Sequence[Sample]):
         self.samples = list(samples)
         self.steps = contact_steps(samples[0].motion)
-        self.steps.refuse_break_away()
         self.p, self.rows = self.steps.p, len(self.samples)
         self.weights: dict[int, StateWeights] = {}
         for row, sample in enumerate(self.samples):

@@ -2,33 +2,31 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.contact_step import ContactStep, delassus
-from dalembert.analysis.nonsmooth.correction import (
-    SETTINGS,
-    PositionCorrection,
-    PositionResidual,
-    normals_of,
-)
+from dalembert.analysis.nonsmooth.advance import advance
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.correction import SETTINGS
+from dalembert.analysis.nonsmooth.mobility import delassus
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
+from dalembert.analysis.nonsmooth.step_state import StepResult
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.integrators.contact.contact_laws import FIRST
+from dalembert.integrators.contact.approach import Approach
+from dalembert.integrators.contact.contact_laws import FIRST, IMPACT
 from dalembert.integrators.contact.contacts import FrictionProblem
-from dalembert.integrators.contact.schemes import Approach
+from dalembert.integrators.contact.impulses import Impulses
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.sensitivity.nonsmooth.active_contacts import STICK_MARGIN, ActiveContacts
 from dalembert.sensitivity.nonsmooth.contact_changes import ContactChanges
 from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
 from dalembert.sensitivity.nonsmooth.linear_map import MapAt
+from dalembert.sensitivity.nonsmooth.recorded_opening import SAME, RecordedOpening
 from dalembert.symbolic.equations import newton
-
-SAME = 1e-6
-"""Permitted difference of a repeated state from the recorded one, relative to its size [-]."""
 
 
 class ContactSteps:
@@ -46,7 +44,7 @@ class ContactSteps:
     Raises
     ------
     UnsupportedError
-        The law of impact is not Newton's.
+        The law of impact is not Newton's, or contacts have force laws.
     """
 
     def __init__(self, motion: NonsmoothMotion):
@@ -54,16 +52,19 @@ class ContactSteps:
         self.record, self.p = motion.record, motion.parameters
         run = NonsmoothRun(analysis, motion.model, motion.parameters)
         self.step: ContactStep = run.step
-        if self.step.law is not ImpactLaw.NEWTON:
+        if elements := self.step.force_laws.elements:
+            names = ", ".join(element.name for element in elements)
             raise UnsupportedError(
-                f"gradients of impacts by the {self.step.law.value} law are not available in "
-                "solve_nonsmooth; use Newton's law, or solve_dynamics"
+                f"{names}: gradients of contacts with a force law are not available in "
+                "solve_nonsmooth; use rigid contacts, or a Contact for each pair of shapes in "
+                "solve_dynamics"
             )
         self.maps = ContactMaps(self.step)
         self.x = np.vstack([self.record.ends.y, self.record.ends.v])
         self.size = self.record.ends.y.shape[0]
         self.changes: dict[int, ContactChanges] = {}
         self.growth = 0.0
+        self._refuse_laws()
         self._starts = np.searchsorted(self.record.step, np.arange(self.count + 1))
 
     @property
@@ -76,40 +77,55 @@ class ContactSteps:
         rows = np.arange(*self._starts[k : k + 2]) if k >= 0 else np.zeros(0, dtype=int)
         rows = rows[np.argsort(self.record.key[rows])]
         record = self.record
-        return ActiveContacts(record.key[rows], record.impulse[rows], record.offset[rows])
+        fields = record.key, record.impulse, record.offset, record.curved
+        return ActiveContacts(*(field[rows] for field in fields))
 
     def observe_growth(self, columns: np.ndarray) -> None:
         """Include changes of a state, or weights, in the largest growth."""
         self.growth = max(self.growth, float(np.abs(columns).max(initial=0.0)))
 
-    def refuse_break_away(self) -> None:
-        """Raise if a contact with higher static friction begins to slip.
-
-        Raises
-        ------
-        UnsupportedError
-            Names the instant.
-        """
-        record, linear = self.record, 1 + sum(self.step.groups[:1])
-        keys, number = np.unique(record.key, return_inverse=True)
-        if not keys.size or linear == 1:
-            return
-        laws = self.maps.gaps_at(self.x[:, 0], float(record.t[0]), keys).values.laws[number]
+    @cached_property
+    def breaks(self) -> dict[int, np.ndarray]:
+        """Step → keys of the contacts with higher static friction that slip in the next step, but
+        not in this one."""
+        record = self.record
+        if not record.key.size or not self.step.groups:
+            return {}
+        number = np.unique(record.key, return_inverse=True)[1]
+        laws, slips = self._laws(record.key), self._slips(record.key, record.impulse)
         static, moving = laws[:, FIRST - 1], laws[:, FIRST]
-        limit = moving * record.impulse[:, 0]
-        slip = np.linalg.norm(record.impulse[:, 1:linear], axis=1)
-        slips = np.abs(slip - limit) <= STICK_MARGIN * limit
         order = np.lexsort((record.step, number))
         ends, begins = order[1:], order[:-1]
         breaks = (number[ends] == number[begins]) & (record.step[ends] == record.step[begins] + 1)
         breaks &= slips[ends] & ~slips[begins] & (static > moving)[ends]
-        if breaks.any():
-            time = record.t[record.step[ends[breaks]].min()]
-            raise UnsupportedError(
-                f"a contact with static friction breaks away at t = {time:.9g} s, "
-                "and gradients do not include the change of this instant; give "
-                "static_friction equal to friction"
-            )
+        rows = begins[breaks]
+        return {int(k): record.key[rows[record.step[rows] == k]] for k in record.step[rows]}
+
+    def _laws(self, key: np.ndarray) -> np.ndarray:
+        """(n, c) coefficients of gaps at the start."""
+        keys, number = np.unique(key, return_inverse=True)
+        start = self.x[:, 0], float(self.record.t[0])
+        return np.asarray(self.maps.gaps_at(*start, keys).values.laws[number])
+
+    def _slips(self, key: np.ndarray, impulse: np.ndarray) -> np.ndarray:
+        """(n,) mask of the impulses (n, k) of sliding contacts."""
+        linear = 1 + sum(self.step.groups[:1])
+        if linear == 1 or not key.size:
+            return np.ones(key.size, dtype=bool)
+        limit = self._laws(key)[:, FIRST] * impulse[:, 0]
+        slip = np.linalg.norm(impulse[:, 1:linear], axis=1)
+        return np.asarray(np.abs(slip - limit) <= STICK_MARGIN * limit)
+
+    def _refuse_laws(self) -> None:
+        if not self.record.key.size:
+            return
+        numbers = self._laws(self.record.key)[:, IMPACT]
+        for law in ImpactLaw:
+            if law is not ImpactLaw.NEWTON and (numbers == law.number).any():
+                raise UnsupportedError(
+                    f"gradients of impacts by the {law.value} law are not available in "
+                    "solve_nonsmooth; use Newton's law, or solve_dynamics"
+                )
 
     def split(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """``y`` and ``v`` at the start of step ``k``."""
@@ -125,12 +141,9 @@ class ContactSteps:
 
         Raises
         ------
-        UnsupportedError
-            The gap of a contact is concave along the step.
         AnalysisError
             The maps do not reproduce the recorded step.
         """
-        self._refuse_curved(k)
         maps = self._maps(k)
         end, recorded = maps[-1].following, self.x[:, k + 1]
         scale = np.abs(self.x[:, k : k + 2]).max(initial=0.0) + self.step.model.scales.length
@@ -141,20 +154,13 @@ class ContactSteps:
             )
         return maps
 
-    def _refuse_curved(self, k: int) -> None:
-        record, rows = self.record, slice(*self._starts[k : k + 2])
-        owners = np.unique(record.owner[rows][record.curved[rows]])
-        if owners.size:
-            names = ", ".join(record.names[owner] for owner in owners)
-            raise UnsupportedError(
-                f"{names}: the gap of a contact is concave along the step at t = "
-                f"{record.t[k]:.9g} s, and gradients do not include its means over the path; use "
-                "integrator=da.MoreauJean()"
-            )
-
     def _maps(self, k: int) -> list[MapAt]:
         (t, h), active, x = self.span(k), self.active(k), self.x[:, k]
-        maps = [self.maps.step(x, self.x[self.size :, k + 1], t, h, active)]
+        after = self.x[self.size :, k + 1]
+        if active.curved.any():
+            maps = [self._on_path(k)]
+        else:
+            maps = [self.maps.step(x, after, t, h, active)]
         recorder = RecordedOpening(self.step, t + h, self.step.scheme.projection)
         newton.solve(recorder, maps[0].following[: self.size], SETTINGS)
         for keys, lifts in recorder.active:
@@ -164,11 +170,42 @@ class ContactSteps:
             maps.append(self.maps.consistent(maps[-1].following, t + h))
         return maps
 
+    def _on_path(self, k: int) -> MapAt:
+        """Map of a step with means of gaps over the path of a solution, which is repeated."""
+        (t, h), (y, v), x = self.span(k), self.split(k), self.x[:, k]
+        result: StepResult | None = advance(self.step, t, h, y, v, self._result(k - 1))
+        results = []
+        while result is not None:
+            results.append(result)
+            result = result.path
+        before: MapAt | None = None
+        for result in reversed(results):
+            before = self.maps.step(x, result.v, t, h, ActiveContacts.of(result), before)
+        assert before is not None
+        return before
+
+    def _result(self, k: int) -> StepResult | None:
+        """Result of step ``k`` with what the next step starts from; None before the first."""
+        if k < 0:
+            return None
+        (t, _), (y, v) = self.span(k), self.split(k + 1)
+        active, none = self.active(k), np.zeros(0)
+        contacts = self.step.selected(self.step.at(t, self.split(k)[0]), active.keys)
+        impulses = Impulses(active.impulses, 0.0, True)
+        stuck = active.keys[~self._slips(active.keys, active.impulses)]
+        rigid = np.zeros((2, contacts.count))
+        return StepResult(y, v, none, contacts, impulses, active.offsets, stuck, 0.0, *rigid)
+
     def acceleration(
-        self, x: np.ndarray, t: float, h: float, lasting: ActiveContacts | None
+        self,
+        x: np.ndarray,
+        t: float,
+        h: float,
+        lasting: ActiveContacts | None,
+        slipping: np.ndarray | None = None,
     ) -> np.ndarray:
         """Mean accelerations over a step in which ``lasting`` contacts neither impact nor part, or
-        without contacts."""
+        without contacts; those that stick have static friction, except keys ``slipping``."""
         y, v = x[: self.size], x[self.size :]
         step, scheme = self.step, self.step.scheme
         after, _, mobility = step.smooth.step(t, y, v, self.p, h, scheme.theta)
@@ -181,7 +218,12 @@ class ContactSteps:
             speeds = contacts.speeds(after) + offsets
             scale = float(np.abs(speeds).max(initial=0.0)) or 1.0
             matrix = delassus(contacts.directions, mobility)
-            friction = contacts.laws.friction
+            friction, laws = contacts.laws.friction.copy(), contacts.laws
+            if laws.higher_at_rest.any():
+                sticking = lasting.keys[~self._slips(lasting.keys, lasting.impulses)]
+                static = laws.higher_at_rest & np.isin(contacts.key, sticking)
+                static &= ~np.isin(contacts.key, [] if slipping is None else slipping)
+                friction[static, :1] = laws.static_friction[static, None]
             problem = FrictionProblem(matrix, speeds, friction, contacts.groups, scale)
             start = lasting.impulses[np.searchsorted(lasting.keys, contacts.key)]
             impulses = step.solver.solve(problem, start).impulses
@@ -197,28 +239,3 @@ def contact_steps(motion: NonsmoothMotion) -> ContactSteps:
     if motion not in _STEPS:
         _STEPS[motion] = ContactSteps(motion)
     return _STEPS[motion]
-
-
-class RecordedOpening(PositionCorrection):
-    """Position correction that records its active gaps.
-
-    Attributes
-    ----------
-    active : for each iteration, keys of the active gaps and their distances
-    """
-
-    def __init__(self, step: ContactStep, t: float, open_gaps: bool):
-        super().__init__(step, t, open_gaps)
-        self.active: list[tuple[np.ndarray, np.ndarray]] = []
-
-    def step(self, x: np.ndarray, residual: newton.Residual) -> np.ndarray:
-        assert isinstance(residual, PositionResidual)
-        shift, gaps = self.shift(x, residual)
-        keys, lifts = np.zeros(0, dtype=int), np.zeros(0)
-        if gaps is not None:
-            remainder = np.abs(gaps.distance + normals_of(gaps) @ shift)
-            active = np.flatnonzero(remainder <= SAME * -gaps.distance.min())
-            active = active[np.argsort(gaps.key[active])]
-            keys, lifts = gaps.key[active], gaps.distance[active]
-        self.active.append((keys, lifts))
-        return shift

@@ -9,7 +9,9 @@ Derivatives are applied to changes of ``q`` (``push``), or transposed to weights
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import scipy
@@ -43,6 +45,26 @@ class KindSlopes:
     wrenches: np.ndarray
 
 
+class Part(Protocol):
+    """Gaps of one source; ``rows`` are their numbers among all."""
+
+    @property
+    def rows(self) -> np.ndarray: ...
+
+    @property
+    def values(self) -> GapChanges: ...
+
+    def push(
+        self, dq: np.ndarray, path: np.ndarray | None = None
+    ) -> tuple[GapChanges, np.ndarray]: ...
+
+    def pull(self, weights: GapChanges, momentum: np.ndarray) -> np.ndarray: ...
+
+    def pull_path(self, weights: GapChanges, momentum: np.ndarray) -> np.ndarray: ...
+
+    def directions(self) -> Sparse: ...
+
+
 @dataclass(frozen=True, eq=False)
 class SourceGaps:
     """Gaps of one source at a state, with ``after`` and the impulses constant.
@@ -68,8 +90,8 @@ class SourceGaps:
     first: int
     shape: tuple[int, int]
 
-    def push(self, dq: np.ndarray) -> tuple[GapChanges, np.ndarray]:
-        """Changes of the gaps and of ``Wᵀ P`` by those of ``q`` (n_q, c)."""
+    def push(self, dq: np.ndarray, path: np.ndarray | None = None) -> tuple[GapChanges, np.ndarray]:
+        """Changes of the gaps and of ``Wᵀ P`` by those of ``q`` (n_q, c), on any path."""
         (count, n), c = self.moving.shape, dq.shape[1]
         geometry, (before, after) = self.geometry @ dq, (slope @ dq for slope in self.velocities)
         before = before + self.moving @ dq[self.first : self.first + n]
@@ -109,6 +131,18 @@ class SourceGaps:
         q_bar[self.first : self.first + self.moving.shape[1]] += self.moving.T @ speeds[0]
         return np.asarray(q_bar)
 
+    def pull_path(self, weights: GapChanges, momentum: np.ndarray) -> np.ndarray:
+        """Weights of the speeds of a path, on which these gaps do not depend."""
+        return np.zeros_like(momentum)
+
+    @property
+    def values(self) -> GapChanges:
+        """Values of the gaps, in the order of ``rows``."""
+        values = GapChanges.zero(self.rows.size, *self.shape)
+        for part in self.kinds:
+            values.add(part.kind.row, part.values)
+        return values
+
     def directions(self) -> Sparse:
         """``W`` (n k, n_v) of the gaps of the source."""
         parts, width = [], self.shape[0]
@@ -139,29 +173,34 @@ class Gaps:
     directions : (n k, n_v) ``W``
     """
 
-    parts: list[SourceGaps]
+    parts: list[Part]
     values: GapChanges
     directions: Sparse
 
     @classmethod
-    def of(cls, parts: list[SourceGaps]) -> Gaps:
-        """Gaps of several sources, in the order of their keys."""
+    def of(cls, parts: Sequence[Part]) -> Gaps:
+        """Gaps of several sources, in the order of their rows."""
         count = sum(part.rows.size for part in parts)
-        values = GapChanges.zero(count, *parts[0].shape)
-        for part in parts:
-            for kind in part.kinds:
-                values.add(part.rows[kind.kind.row], kind.values)
+        own = [part.values for part in parts]
+        values = GapChanges.zero(count, own[0].before.shape[1], own[0].laws.shape[1])
+        for part, gaps in zip(parts, own, strict=True):
+            values.add(part.rows, gaps)
         directions = [part.directions() for part in parts]
         joined = directions[0] if len(parts) == 1 else scipy.sparse.vstack(directions)
         across = scipy.sparse.csr_array(joined)
+        order = np.argsort(np.concatenate([part.rows for part in parts]))
+        if (np.diff(order) != 1).any():
+            width = values.before.shape[1]
+            across = across[(order[:, None] * width + np.arange(width)).ravel()]
         across.sort_indices()
-        return cls(parts, values, across)
+        return cls(list(parts), values, across)
 
-    def push(self, dq: np.ndarray) -> tuple[GapChanges, np.ndarray]:
-        """Changes of the gaps and of ``Wᵀ P`` by those of ``q`` (n_q, c)."""
+    def push(self, dq: np.ndarray, path: np.ndarray | None = None) -> tuple[GapChanges, np.ndarray]:
+        """Changes of the gaps and of ``Wᵀ P`` by those of ``q`` (n_q, c), and of the speeds
+        (n_v, c) at the end of the path of means, 0 by default."""
         changes, momentum = self.values.like(dq.shape[1]), np.zeros(0)
         for part in self.parts:
-            change, own = part.push(dq)
+            change, own = part.push(dq, path)
             changes.add(part.rows, change)
             momentum = own if not momentum.size else momentum + own
         return changes, momentum
@@ -169,6 +208,11 @@ class Gaps:
     def pull(self, weights: GapChanges, momentum: np.ndarray) -> np.ndarray:
         """Weights of ``q`` from those of the gaps and of ``Wᵀ P``."""
         pulled = [part.pull(weights.some(part.rows), momentum) for part in self.parts]
+        return np.asarray(sum(pulled[1:], pulled[0]))
+
+    def pull_path(self, weights: GapChanges, momentum: np.ndarray) -> np.ndarray:
+        """Weights of the speeds at the end of the path of means."""
+        pulled = [part.pull_path(weights.some(part.rows), momentum) for part in self.parts]
         return np.asarray(sum(pulled[1:], pulled[0]))
 
 

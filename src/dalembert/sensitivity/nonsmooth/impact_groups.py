@@ -10,6 +10,7 @@ import scipy
 from dalembert.errors import SingularityError
 from dalembert.sensitivity.nonsmooth.active_contacts import ContactEquations
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
+from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 
 RESTING = 1e-8
 """Threshold of the speed of a closed contact after an impact, relative to that before [-]."""
@@ -36,6 +37,20 @@ def simultaneous(steps: ContactSteps, k: int, keys: np.ndarray) -> bool:
     return bool(np.ptp(-values.distance / values.before[:, 0]) <= SIMULTANEOUS * h)
 
 
+def connected(steps: ContactSteps, k: int, contacts: ContactEquations) -> tuple[np.ndarray, Sparse]:
+    """(n,) numbers of the groups of contacts on connected bodies, and (n, n_v) masks of the speeds
+    that each contact changes, as ones and zeros."""
+    (t, _), (y, _), gaps = steps.span(k), steps.split(k), contacts.gaps
+    mobility = steps.step.smooth.at(t, y, steps.p)[0]
+    normals = gaps.directions[np.arange(contacts.keys.size) * gaps.values.before.shape[1]]
+    speeds = scipy.sparse.csr_array(abs(mobility.responses(normals)))
+    largest = np.repeat(speeds.max(axis=1).toarray().ravel(), np.diff(speeds.indptr))
+    speeds.data = (speeds.data > MOVED * largest).astype(float)
+    speeds.eliminate_zeros()
+    labels = scipy.sparse.csgraph.connected_components(speeds @ speeds.T, directed=False)[1]
+    return labels, speeds
+
+
 def moving_parts(
     steps: ContactSteps, k: int, contacts: ContactEquations, impacting: np.ndarray
 ) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -53,14 +68,7 @@ def moving_parts(
     (t, _), (y, _) = steps.span(k), steps.split(k)
     if impacting.size == 1:
         return [(impacting, np.ones(steps.x.shape[0]))]
-    keys, gaps = steps.active(k).keys, contacts.gaps
-    mobility = steps.step.smooth.at(t, y, steps.p)[0]
-    normals = gaps.directions[np.arange(keys.size) * gaps.values.before.shape[1]]
-    speeds = scipy.sparse.csr_array(abs(mobility.responses(normals)))
-    largest = np.repeat(speeds.max(axis=1).toarray().ravel(), np.diff(speeds.indptr))
-    speeds.data = (speeds.data > MOVED * largest).astype(float)
-    speeds.eliminate_zeros()
-    labels = scipy.sparse.csgraph.connected_components(speeds @ speeds.T, directed=False)[1]
+    keys, (labels, speeds) = steps.active(k).keys, connected(steps, k, contacts)
     matrix: Any = abs(steps.maps.equations.rates(y, np.zeros(steps.maps.speeds))[1][0])
     closed, parts = remain_closed(steps, k, contacts), []
     for label in np.unique(labels[impacting]):

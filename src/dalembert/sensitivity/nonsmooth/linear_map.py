@@ -12,7 +12,7 @@ change, speeds satisfy them on average.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -99,6 +99,7 @@ class MapAt:
     next_by_z, next_by_q : ``F_z`` without the columns of impulses, ``F_q``
     contacts : equations of the contacts
     forced : largest change of a normal speed by forces, where offsets depend on it
+    path : map of the speeds at the end of the path over which means of gaps are taken
     """
 
     z: np.ndarray
@@ -109,12 +110,15 @@ class MapAt:
     next_by_q: Sparse
     contacts: ContactEquations | None = None
     forced: ForcedChange | None = None
+    path: MapAt | None = None
 
     def change(self, dq: np.ndarray) -> np.ndarray:
         """Change ``dz`` (n, c) of the unknowns."""
         right = self.by_q @ dq
         if self.contacts is not None:
-            momentum, rows = self.contacts.push(dq)
+            speeds = self.contacts.gaps.directions.shape[1]
+            path = None if self.path is None else self.path.change(dq)[:speeds]
+            momentum, rows = self.contacts.push(dq, path)
             right[: momentum.shape[0]] -= momentum
             if self.forced is not None:
                 rows += self.contacts.by_forced[:, None] * self.forced.push(dq)
@@ -131,7 +135,17 @@ class MapAt:
             q_bar += self.contacts.pull(-inner[:speeds], inner[size:])
             if self.forced is not None:
                 q_bar += self.forced.pull(self.contacts.by_forced @ inner[size:])
+            if self.path is not None:
+                path_bar = np.zeros((self.path.z.size, z_bar.shape[1]))
+                path_bar[:speeds] = self.contacts.pull_path(-inner[:speeds], inner[size:])
+                q_bar += self.path.weights(path_bar)
         return np.asarray(q_bar)
+
+    def impact_law(self, keys: np.ndarray) -> MapAt:
+        """The same map if the contacts with some keys follow Newton's law, on the path, too."""
+        path = None if self.path is None else self.path.impact_law(keys)
+        contacts = None if self.contacts is None else self.contacts.impact_law(keys)
+        return replace(self, contacts=contacts, path=path)
 
     def push(self, dx: np.ndarray, dt: float, dp: np.ndarray) -> np.ndarray:
         """Change (n, c) of ``x⁺``."""

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations
+from dalembert.sensitivity.nonsmooth.break_away import BreakAways, break_aways
 from dalembert.sensitivity.nonsmooth.contact_changes import MARGIN, ContactChanges, near_change
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
 from dalembert.sensitivity.nonsmooth.impact_groups import moving_parts, remain_closed
@@ -91,30 +92,31 @@ class StepTangent:
     Attributes
     ----------
     maps : sequence of maps of the step
-    impacts : moving impacts, or None
+    shifts : contributions of moving impacts, and of contacts that break away
     """
 
     maps: list[MapAt]
-    impacts: MovingImpacts | None
+    shifts: list[MovingImpacts | BreakAways]
 
     def push(self, dx: np.ndarray, dp: np.ndarray) -> np.ndarray:
         """Change of the state at the end."""
         change = push_maps(self.maps, dx, 0.0, dp)
-        if self.impacts is None:
-            return change
-        return change + self.impacts.push(np.vstack([dx, np.zeros((1, dx.shape[1])), dp]))
+        dq = np.vstack([dx, np.zeros((1, dx.shape[1])), dp])
+        for shift in self.shifts:
+            change = change + shift.push(dq)
+        return change
 
     def pull(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Weights of the state at the start, and of the parameters."""
-        shifted = None if self.impacts is None else self.impacts.pull(weights)
+        shifted = [shift.pull(weights) for shift in self.shifts]
         total: Any = 0.0
         for one_map in reversed(self.maps):
             weights, p_bar = one_map.pull(weights)
             total = total + p_bar
-        if shifted is None:
-            return weights, total
         n = weights.shape[0]
-        return weights + shifted[:n], total + shifted[n + 1 :]
+        for q_bar in shifted:
+            weights, total = weights + q_bar[:n], total + q_bar[n + 1 :]
+        return weights, total
 
 
 def push_maps(maps: list[MapAt], dx: np.ndarray, dt: float, dp: np.ndarray) -> np.ndarray:
@@ -131,12 +133,17 @@ def step_tangent(steps: ContactSteps, k: int) -> StepTangent:
     ------
     SingularityError
         Impacts on the same bodies come one after the other within the step.
+    UnsupportedError
+        The load of a contact with static friction does not grow evenly until it breaks away.
     """
     maps = steps.at(k)
     closing, before = _closing(steps, k, maps[0].contacts)
     impacts = _impacts(steps, k, maps, closing, before) if closing.impacting.size else None
-    steps.changes[k] = contact_changes(steps, k, maps[0], closing, impacts)
-    return StepTangent(maps, impacts if impacts and impacts.groups else None)
+    breaks = break_aways(steps, k, maps[0])
+    changes = contact_changes(steps, k, maps[0], closing, impacts)
+    steps.changes[k] = replace(changes, breaks=len(breaks.groups) if breaks else 0)
+    moved = impacts if impacts and impacts.groups else None
+    return StepTangent(maps, [shift for shift in (moved, breaks) if shift is not None])
 
 
 def contact_changes(
@@ -203,7 +210,7 @@ def _impacts(
     rates = steps.maps.equations.rates
     rate_after = np.concatenate([rates(end[:size], end[size:])[0], after])
     rate_before = np.concatenate([rates(begin[:size], begin[size:])[0], before])
-    impact = [replace(maps[0], contacts=contacts.impact_law(closing.impacting)), *maps[1:]]
+    impact = [maps[0].impact_law(contacts.keys[closing.impacting]), *maps[1:]]
     jump = push_maps(impact, rate_before[:, None], 1.0, np.zeros((steps.p.size, 1))).ravel()
     masks = np.array([part for _, part in parts]).T
     return MovingImpacts(

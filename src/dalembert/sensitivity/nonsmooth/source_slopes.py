@@ -7,7 +7,7 @@ on the pattern of contacts.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import lru_cache
 
 import casadi as ca
 import numpy as np
@@ -24,6 +24,8 @@ from dalembert.symbolic.once import once
 
 SMALLEST = 16
 """Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
+CACHED = 64
+"""Upper limit of the number of functions whose derivatives are cached."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +139,7 @@ def source_slopes(model: Model) -> list[SourceSlopes]:
     return [SourceSlopes(source, model.equations) for source in gap_sources(model)]
 
 
-@cache
+@lru_cache(CACHED)
 def _gap_slopes(function: ca.Function, width: int) -> ca.Function:
     """``(arguments, τ⁻, τ⁺, P) → g, (u⁻, u⁺), f, B``, and derivatives of ``g``, ``u⁻``, ``u⁺`` and
     ``f`` by the arguments."""

@@ -12,6 +12,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.nonsmooth.gyroscopic import smooth_forces
 from dalembert.analysis.nonsmooth.smooth_motion import constrained_fraction
 from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.model import Model
@@ -68,11 +69,13 @@ class StepEquations:
     def step(self) -> SmoothMap:
         """From the start of a step to its end, before corrections."""
         e, h, theta, after = self.e, self.h, self.theta, self.speeds
-        driving = ca.densify(e.force - e.bias)
-        outputs = [e.mass, driving, ca.jacobian(driving, e.v), e.by_displacement(driving)]
-        smooth = ca.Function("smooth", [e.t, e.y, e.v, e.p], outputs)
+        lead = ca.SX.sym("lead")
+        driving, damping = smooth_forces(e, lead)
+        stiffness = e.by_displacement(ca.densify(e.force - e.bias))
+        outputs = [e.mass, driving, damping, stiffness]
+        smooth = ca.Function("smooth", [e.t, e.y, e.v, e.p, lead], outputs)
         middle = e.manifold.going(e.y, theta * h * e.v)
-        mass, force, damping, stiffness = smooth(e.t + theta * h, middle, e.v, e.p)
+        mass, force, damping, stiffness = smooth(e.t + theta * h, middle, e.v, e.p, theta * h)
         part = constrained_fraction(theta)
         between = e.manifold.going(e.y, part * h * e.v)
         jacobian, by_time, _ = self._joints(e.t + part * h, between, e.p)

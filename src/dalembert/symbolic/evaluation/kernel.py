@@ -84,15 +84,17 @@ class Kernel:
         self.function, self._name = function, function.name()
         self._sizes = [function.numel_in(i) for i in range(function.n_in())]
         self._shapes = [function.size_out(i) for i in range(function.n_out())]
+        self._idle: list[Any] = []  # buffers that no call uses, neither in another thread
 
     def __call__(self, *arguments) -> list[np.ndarray]:
         buffer: Any
-        buffer, trigger = self.function.buffer()
-        references = []
-        for i, (argument, size) in enumerate(zip(arguments, self._sizes, strict=True)):
-            flat = flattened(self._name, i, argument, size)
-            references.append(flat)
-            buffer.set_arg(i, memoryview(flat.data))
+        buffer, trigger = self._idle.pop() if self._idle else self.function.buffer()
+        references = [
+            flattened(self._name, i, argument, size)
+            for i, (argument, size) in enumerate(zip(arguments, self._sizes, strict=True))
+        ]
+        for i, flat in enumerate(references):
+            buffer.set_arg(i, flat.data)
         results = [np.zeros(rows * columns) for rows, columns in self._shapes]
         for i, result in enumerate(results):
             buffer.set_res(i, memoryview(result.data))
@@ -103,6 +105,7 @@ class Kernel:
             raise SolverFailure(str(error).strip().rpartition(": ")[2].rstrip(".")) from None
         if buffer.ret():  # a failure without an exception; the results are zeros
             raise SolverFailure(NO_SOLUTION)
+        self._idle.append((buffer, trigger))
         return [r.reshape(shape, order="F") for r, shape in zip(results, self._shapes, strict=True)]
 
 

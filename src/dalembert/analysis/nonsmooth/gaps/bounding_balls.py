@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from itertools import chain
+
 import numpy as np
+
+RATIO = 2.0
+"""Upper limit of the ratio of the radii of balls that are searched together."""
 
 
 def near_balls(centers: np.ndarray, radii: np.ndarray, reach: float) -> np.ndarray:
     """(2, n) sorted pairs of balls whose distance is within reach.
+
+    Balls of similar sizes have a tree of their own, so that few large balls among many small ones
+    do not widen the search for pairs of these.
 
     Parameters
     ----------
@@ -17,11 +25,31 @@ def near_balls(centers: np.ndarray, radii: np.ndarray, reach: float) -> np.ndarr
         return np.zeros((2, 0), dtype=int)
     from scipy.spatial import cKDTree
 
-    first, second = cKDTree(centers).query_pairs(2 * radii.max() + reach, output_type="ndarray").T
+    parts, sizes = [], [(own, cKDTree(centers[own])) for own in _similar(radii)]
+    for k, (own, tree) in enumerate(sizes):
+        largest = radii[own].max()
+        parts.append(own[tree.query_pairs(2 * largest + reach, output_type="ndarray").T])
+        for smaller, balls in sizes[k + 1 :]:
+            distance = largest + radii[smaller].max() + reach
+            lists = balls.query_ball_point(centers[own], distance)
+            counts = [len(near) for near in lists]
+            others = np.fromiter(chain.from_iterable(lists), int, sum(counts))
+            parts.append(np.stack([np.repeat(own, counts), smaller[others]]))
+    first, second = np.sort(np.hstack(parts), axis=0)
     distance = np.linalg.norm(centers[first] - centers[second], axis=1)
     near = distance <= radii[first] + radii[second] + reach
     pairs = np.stack([first[near], second[near]])
     return pairs[:, np.lexsort(pairs[::-1])]
+
+
+def _similar(radii: np.ndarray) -> list[np.ndarray]:
+    """Numbers of balls of similar radii, the largest first."""
+    order, groups = np.argsort(-radii, kind="stable"), []
+    while order.size:
+        count = int(np.searchsorted(-radii[order], -radii[order[0]] / RATIO, side="right"))
+        groups.append(order[:count])
+        order = order[count:]
+    return groups
 
 
 def bounding_balls(corners: np.ndarray, starts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -52,7 +52,6 @@ class CollisionGaps(GapSource):
     def __init__(self, model: Model, element: Collisions):
         self.elements, self.groups = [element], element.friction_groups
         self.dimension: int = element.dimension
-        self.law = element.law
         e, balls, walls = model.all_equations, element.balls, element.walls
         self.speeds = e.speed_count
         points = [shape.point for shape in (*balls, *walls)]
@@ -99,12 +98,12 @@ class CollisionGaps(GapSource):
     def _contacts(self, pairs: NearPairs, rows: np.ndarray) -> Contacts:
         """Gaps of some rows of the pairs."""
         first, second = pairs.first[rows], pairs.second[rows]
-        laws = pairs.shapes.coefficients[:, self._law(first, second)]
+        number = self._law(first, second)
         return Contacts(
             pairs.distance[rows],
             pairs.derivatives.rows(rows),
             np.zeros((rows.size, 1 + sum(self.groups))),
-            ContactLaws.of(laws, self.groups),
+            ContactLaws.of(pairs.shapes.coefficients[:, number], self.groups, number),
             self.groups,
             first * pairs.shapes.positions.shape[0] + second,
             np.zeros(rows.size, dtype=int),

@@ -11,6 +11,7 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.elements.base import Element, Rate
+from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.elements.coordinates import rate_of
@@ -63,14 +64,12 @@ class GapSource(ABC):
     Attributes
     ----------
     elements : owners of the gaps
-    law : of restitution
     groups : widths of the groups of tangential components of the relative velocity at a gap
     speeds : number of speeds of the model
     formulas : GapFormulas of all shapes, from which derivatives follow
     """
 
     elements: list[Element]
-    law: ImpactLaw
     groups: tuple[int, ...]
     speeds: int
     formulas: GapFormulas
@@ -79,6 +78,15 @@ class GapSource(ABC):
     def linear(self) -> int:
         """Number of components of the relative velocity that are not rotations."""
         return 1 + sum(self.groups[:1])
+
+    def impact_laws(self) -> list[tuple[Element, ImpactLaw]]:
+        """Elements with their laws of impact."""
+        return [
+            (element, law)
+            for element in self.elements
+            if isinstance(element, Collisions)
+            for law in element.impact_laws
+        ]
 
     @abstractmethod
     def near(self, configuration: Configuration, travels: np.ndarray) -> Contacts:
@@ -147,10 +155,13 @@ class FormulaGaps(GapSource):
         drift = ca.substitute(speeds, e.v, ca.SX.zeros(e.speed_count))
         distances = model.at_ground(ca.vertcat(*(gap.distance for _, gap in gaps)))
         laws = [law for element in elements if (law := element.impact())]
-        self.law = laws[0].law  # equal, as checked by the model
+        self._impact_laws = [law.law for law in laws]
         coefficients = ca.horzcat(
             *(
-                ca.vertcat(law.restitution, law.tangential, law.friction, law.friction)
+                ca.vertcat(
+                    *(law.restitution, law.tangential, law.law.number),
+                    *(law.friction, law.friction),
+                )
                 for law in laws
             )
         )
@@ -161,6 +172,9 @@ class FormulaGaps(GapSource):
         outputs = [distances, directions, drift]
         self._gaps = Patterned("gaps", inputs, outputs)
         self._laws = Kernel(ca.Function("laws", inputs, [coefficients]))
+
+    def impact_laws(self) -> list[tuple[Element, ImpactLaw]]:
+        return list(zip(self.elements, self._impact_laws, strict=True))
 
     def near(self, configuration: Configuration, travels: np.ndarray) -> Contacts:
         gaps = self._all(configuration)

@@ -58,7 +58,6 @@ class JoinedGaps(GapSource):
     def __init__(self, sources: list[GapSource]):
         self.sources, self.elements = sources, sources[0].elements
         self.groups, self.speeds = sources[0].groups, sources[0].speeds
-        self.law = sources[0].law
         formulas = [source.formulas for source in sources]
         geometry, velocities = ([getattr(f, name) for f in formulas] for name in PARTS)
         self.formulas = GapFormulas(ca.vertcat(*geometry), ca.vertcat(*velocities))

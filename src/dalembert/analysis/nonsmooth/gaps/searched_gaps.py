@@ -21,6 +21,9 @@ from dalembert.symbolic.evaluation.kernel import Kernel
 
 SMALLEST = 16
 """Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
+AHEAD = 1.25
+"""Reach of a search at a new position, by the largest request at the position before: one search
+suffices for the end of a step and the start of the next one."""
 
 
 @dataclass(eq=False)
@@ -58,7 +61,6 @@ class SearchedGaps(GapSource):
     def __init__(self, model: Model, element: Collisions):
         self.elements, self.groups = [element], element.friction_groups
         self.dimension: int = element.dimension
-        self.law = element.law
         self.geometry = HullGeometry(model, element)
         self.speeds = model.all_equations.speed_count
         self._last: LastPosition | None = None
@@ -76,11 +78,20 @@ class SearchedGaps(GapSource):
         last = self._last = self.position(configuration)
         moved = self.geometry.velocities.displacements(last.velocities, travels)
         reach = self.geometry.reach(self.arms(last.at), moved)
+        contacts = self._searched(last, reach)
+        return contacts.some(contacts.distance <= reach)
+
+    def deepest(self, configuration: Configuration) -> float:
+        last = self._last = self.position(configuration)
+        return float(self._searched(last, 0.0).distance.min(initial=0.0))
+
+    def _searched(self, last: LastPosition, reach: float) -> Contacts:
+        """Gaps at a position, which include all within reach."""
         if last.contacts is None or reach > last.reach:
             last.reach = max(last.reach, reach)
             last.contacts = Contacts.joined(self.within(last) or [self.none()])
         last.requested = max(last.requested, reach)
-        return last.contacts.some(last.contacts.distance <= reach)
+        return last.contacts
 
     def position(self, configuration: Configuration) -> LastPosition:
         """The last position if it is this one, else a new one."""
@@ -89,7 +100,9 @@ class SearchedGaps(GapSource):
             return last
         at = self.geometry.positions(configuration)
         velocities = self.geometry.velocities(*configuration)
-        ahead = 0.0 if last is None else last.requested
+        ahead = 0.0
+        if last is not None:
+            ahead = AHEAD * last.requested or last.reach
         return LastPosition(configuration.copy(), at, velocities, ahead)
 
     def evaluate(self, feature: Feature, columns: list[np.ndarray]) -> list[np.ndarray]:
@@ -112,12 +125,12 @@ class SearchedGaps(GapSource):
         last: LastPosition,
         first: np.ndarray,
         second: np.ndarray,
-        gaps: list[np.ndarray],
+        distance: np.ndarray,
+        blocks: np.ndarray,
         key: np.ndarray,
     ) -> Contacts:
         """Contacts of pairs of shapes with evaluated gaps."""
-        distance, blocks, *_ = gaps
-        laws = last.at.coefficients[:, self.geometry.law(first, second)]
+        number = self.geometry.law(first, second)
         derivatives = self.geometry.velocities.gap_derivatives(
             blocks, first, second, last.velocities
         )
@@ -126,7 +139,7 @@ class SearchedGaps(GapSource):
             distance,
             derivatives.rows(np.arange(count)),
             np.zeros((count, 1 + sum(self.groups))),
-            ContactLaws.of(laws, self.groups),
+            ContactLaws.of(last.at.coefficients[:, number], self.groups, number),
             self.groups,
             key,
             np.zeros(count, dtype=int),

@@ -154,8 +154,10 @@ def better_iterative(
     size: int, blocks: Sequence[ElementBlock], memory: float | None = None
 ) -> bool:
     """Whether factors are estimated to need more memory than is free."""
+    if size < PARDISO_ROWS or not multigrid.available():  # a search in all folders of packages
+        return False
     memory = free_memory() if memory is None else memory
-    if not multigrid.available() or memory is None or size < PARDISO_ROWS:
+    if memory is None:
         return False
     solid = any(block.kind.cls.contractible and block.kind.dimension == 3 for block in blocks)
     bytes_, growth = FACTORS["PARDISO" if pardiso.available() else "SuperLU"][solid]

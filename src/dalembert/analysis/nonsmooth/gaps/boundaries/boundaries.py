@@ -154,7 +154,7 @@ class PlacedBoundaries:
         number = np.minimum(np.arange(counts.max(initial=1)), counts[:, None] - 1)
         local = self._local.vertices[boundaries.starts[b][:, None] + number]
         corners = self.origins[b][:, None] + local @ np.swapaxes(self.axes[b], 1, 2)
-        return Polygons(corners, counts)
+        return Polygons.of(corners, counts)
 
     def by_curve(self, b: np.ndarray) -> list[tuple[SampledCurve, np.ndarray]]:
         """Curves, and the rows of the boundaries that have them."""

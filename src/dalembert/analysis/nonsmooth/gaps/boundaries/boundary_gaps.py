@@ -63,9 +63,9 @@ class BoundaryGaps(SearchedGaps):
             if feet.first.size:
                 gaps = self.evaluate(Feature.WALL, self._columns(feet, last.at))
                 near = gaps[0] <= last.reach
-                feet, gaps = feet.some(near), [part[near] for part in gaps]
-                key = self._keys(feet)
-                parts.append(self.contacts(last, feet.first, feet.second, gaps, key))
+                feet, distance, blocks = feet.some(near), gaps[0][near], gaps[1][near]
+                columns = feet.first, feet.second, distance, blocks, self._keys(feet)
+                parts.append(self.contacts(last, *columns))
         return parts
 
     def arms(self, at: Positions) -> np.ndarray:
@@ -88,8 +88,8 @@ class BoundaryGaps(SearchedGaps):
             own = results[1].full().T.reshape(kind.row.size, 2 * TWIST, -1).swapaxes(1, 2)
             blocks.append(own)
         order = np.argsort(np.concatenate([kind.row for kind in kinds]))
-        gaps = [distance, np.concatenate(blocks)[order]]
-        return self.contacts(self.position(configuration), first, second, gaps, keys)
+        gaps = first, second, distance, np.concatenate(blocks)[order], keys
+        return self.contacts(self.position(configuration), *gaps)
 
     def kinds(self, keys: np.ndarray) -> list[GapKind]:
         touch, *columns = self._parts(keys)

@@ -55,7 +55,7 @@ def face_rows(
     if flush.any():
         opposite = others.normals[rows, g]
         under = own_real & flush[:, None] & (_depth(other, real, opposite, face) > ON_EDGE)
-    crossing, crossed, apart = _crossings(polyhedra, others, f, g, normal)
+    (a, b), reverse, crossed, apart = _crossings(polyhedra, others, f, g, normal)
     start = (face[:, 0] * normal).sum(axis=1)
     nearest = np.where(over, heights[rows[:, None], loop], np.inf).min(axis=1) - start
     if flush.any():
@@ -67,11 +67,12 @@ def face_rows(
     alone = nearest > heights[rows, lowest] - start + FLAT * size  # a corner beside the face
     alone &= farthest
     sides = np.full(int(alone.sum()), swapped)
-    first = np.full(crossed.size, swapped)
+    ends, reversed_edges = ((b, a), own.edges) if swapped else ((a, b), form.edges)
+    edges = ends[0], ends[1] + reverse * len(reversed_edges)
     return [
         _rows(pair, swapped, f, loop, over),
         _rows(pair, not swapped, g, own_loop, under),
-        (Feature.EDGES, pair[crossed], first, *crossing),
+        (Feature.EDGES, pair[crossed], np.zeros(crossed.size, dtype=bool), *edges),
         (Feature.FACE, pair[alone], sides, f[alone], lowest[alone]),
     ]
 
@@ -114,15 +115,15 @@ def _following(loop: np.ndarray, real: np.ndarray) -> np.ndarray:
 
 def _crossings(
     polyhedra: Polyhedra, others: Polyhedra, f: np.ndarray, g: np.ndarray, normal: np.ndarray
-) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray, np.ndarray]:
+) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray, np.ndarray, np.ndarray]:
     """Sides of the faces whose shortest connection is nearly along the normal.
 
-    Returns their numbers, reversed ones in the second half, the pair of faces, and the distance.
+    Returns their numbers, whether one is reversed, the pair of faces, and the distance.
     """
     own, form, rows = polyhedra.form, others.form, np.arange(f.size)[:, None]
     none = np.zeros(0, dtype=int)
     if not form.edges.size:
-        return (none, none), none, np.zeros(0)
+        return (none, none), none, none, np.zeros(0)
     sides = own.sides[f], form.sides[g]
     counts = own.counts[f], form.counts[g] if form.has_faces else np.ones_like(g)
     real = [np.arange(s.shape[1]) < c[:, None] for s, c in zip(sides, counts, strict=True)]
@@ -141,6 +142,5 @@ def _crossings(
         crosses &= (fraction > ON_EDGE) & (fraction < 1 - ON_EDGE)
     apart = np.sign(area) * (between * across).sum(axis=3) / np.sqrt(divisor)
     row, a, b = np.nonzero(crosses)
-    reverse = area[row, a, b] < 0
-    numbers = sides[0][row, a], sides[1][row, b] + reverse * len(form.edges)
-    return numbers, row, apart[row, a, b]
+    numbers = sides[0][row, a], sides[1][row, b]
+    return numbers, area[row, a, b] < 0, row, apart[row, a, b]

@@ -37,8 +37,11 @@ class HullGaps(SearchedGaps):
 
     def within(self, last: LastPosition) -> list[Contacts]:
         near = self._search(last.at, last.reach, partial(self._normals, last.at))
-        pairs = [self._with_ends(part) for part in near]
-        return [self._contacts(part, last, last.reach) for part in pairs if part.first.size]
+        pairs = [part for part in map(self._with_ends, near) if part.first.size]
+        if not pairs:
+            return []
+        gaps = self._gaps(pairs, last.at)
+        return [self.contacts(last, *(column[gaps[2] <= last.reach] for column in gaps))]
 
     def _with_ends(self, pairs: Pairs) -> Pairs:
         """The pairs without corners of endless shapes."""
@@ -53,9 +56,11 @@ class HullGaps(SearchedGaps):
     def selected(self, configuration: Configuration, keys: np.ndarray) -> Contacts:
         position, kinds = self.position(configuration), keys // self._first[-1] ** 2
         rows = [np.flatnonzero(kinds == kind) for kind in np.unique(kinds)]
-        parts = [self._contacts(self._pairs_of(keys[own]), position, np.inf) for own in rows]
-        order = np.argsort(np.concatenate([np.zeros(0, dtype=int), *rows]))
-        return Contacts.joined(parts or [self.none()]).some(order)
+        if not keys.size:
+            return self.none()
+        order = np.argsort(np.concatenate(rows))
+        gaps = self._gaps([self._pairs_of(keys[own]) for own in rows], position.at)
+        return self.contacts(position, *(column[order] for column in gaps))
 
     def separating(
         self, start: Configuration, end: Configuration, keys: np.ndarray, rounding: float
@@ -97,12 +102,13 @@ class HullGaps(SearchedGaps):
         return places, directions
 
     # gaps of pairs -------------------------------------------------------------------------------
-    def _contacts(self, pairs: Pairs, last: LastPosition, reach: float) -> Contacts:
-        """Gaps of pairs within reach."""
-        gaps = self._evaluate(pairs, last.at)
-        near = gaps[0] <= reach
-        pairs, gaps = some_pairs(pairs, near), [part[near] for part in gaps]
-        return self.contacts(last, pairs.first, pairs.second, gaps, self._keys(pairs))
+    def _gaps(self, parts: list[Pairs], at: Positions) -> list[np.ndarray]:
+        """Shapes of pairs, their distances, the derivatives of their velocities, and keys."""
+        gaps = [
+            (pairs.first, pairs.second, *self._evaluate(pairs, at)[:2], self._keys(pairs))
+            for pairs in parts
+        ]
+        return [np.concatenate(column) for column in zip(*gaps, strict=True)]
 
     def _evaluate(self, pairs: Pairs, at: Positions) -> list[np.ndarray]:
         return self.evaluate(pairs.feature, self.geometry.columns(pairs, at))

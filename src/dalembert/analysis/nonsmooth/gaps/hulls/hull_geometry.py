@@ -32,6 +32,9 @@ from dalembert.elements.contact.shapes import Shape
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
 
+Solids = Polyhedra | Cylinders
+"""Spatial hulls of equal form."""
+
 
 @dataclass(frozen=True, eq=False)
 class Positions:
@@ -201,18 +204,14 @@ class HullGeometry:
 
     def batches(
         self, first: np.ndarray, second: np.ndarray, at: Positions
-    ) -> Iterator[tuple[np.ndarray, Any, Any]]:
-        """Numbers of pairs, with their polygons, or their polyhedra or cylinders of equal form."""
-        if self.dimension == 2:
-            pairs = np.arange(first.size)
-            yield pairs, self.polygons(first, at), self.polygons(second, at)
-            return
+    ) -> Iterator[tuple[np.ndarray, Solids, Solids]]:
+        """Numbers of pairs, with their polyhedra or cylinders of equal form."""
         kinds = self._form[first] * len(self.hulls) + self._form[second]
         for kind in np.unique(kinds):
             pairs = np.flatnonzero(kinds == kind)
             yield pairs, self.solids(first[pairs], at), self.solids(second[pairs], at)
 
-    def solids(self, hulls: np.ndarray, at: Positions) -> Polyhedra | Cylinders:
+    def solids(self, hulls: np.ndarray, at: Positions) -> Solids:
         """Corners of some hulls of equal form."""
         count = self.starts[hulls[0] + 1] - self.starts[hulls[0]]
         corners = at.corners[self.starts[hulls][:, None] + np.arange(count)]
@@ -241,7 +240,7 @@ class HullGeometry:
         counts = self.starts[hulls + 1] - self.starts[hulls]
         number = np.minimum(np.arange(counts.max()), counts[:, None] - 1)
         corners = at.corners[self.starts[hulls][:, None] + number]
-        return Polygons(corners[..., :2], counts)
+        return Polygons.of(corners[..., :2], counts)
 
     def columns(self, pairs: Pairs, at: Positions) -> list[np.ndarray]:
         """Arguments of the gap function of some pairs: a matrix for the features of each body."""

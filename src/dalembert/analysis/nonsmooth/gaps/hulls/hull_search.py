@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from dalembert.analysis.nonsmooth.gaps.bounding_balls import bounding_balls, near_balls
@@ -15,7 +13,7 @@ from dalembert.analysis.nonsmooth.gaps.cylinders.cylinder_pairs import (
 from dalembert.analysis.nonsmooth.gaps.cylinders.cylinders import Cylinders
 from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
 from dalembert.analysis.nonsmooth.gaps.hulls.feature_pairs import EvaluatePairs, Pairs, some_pairs
-from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry, Positions
+from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry, Positions, Solids
 from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import Rows, planar_features
 from dalembert.analysis.nonsmooth.gaps.hulls.spatial_features import spatial_features
 from dalembert.analysis.nonsmooth.gaps.terrain.terrain_search import TerrainSearch
@@ -94,34 +92,44 @@ class HullSearch:
         first, second = first[touching], second[touching]
         if not first.size:
             return []
+        if self.geometry.dimension == 2:
+            polygons = self.geometry.polygons(np.concatenate([first, second]), at)
+            rounded = self.geometry.rounded[first] | self.geometry.rounded[second]
+            rows = planar_features(polygons, rounded)
+            return [_pairs_of(part, first, second) for part in rows if part[1].size]
         tables: dict[Feature, list[np.ndarray]] = {}
         for pairs, one, another in self.geometry.batches(first, second, at):
             i, j = first[pairs], second[pairs]
-            for feature, row, swapped, own, other in self._features(i, j, one, another, evaluate):
-                a, b = np.where(swapped, j[row], i[row]), np.where(swapped, i[row], j[row])
-                tables.setdefault(feature, []).append(np.stack([a, b, own, other]))
+            for listed in self._features(i, j, one, another, evaluate):
+                part = _pairs_of(listed, i, j)
+                table = np.stack([part.first, part.second, part.own, part.other])
+                tables.setdefault(part.feature, []).append(table)
         joined = ((feature, np.hstack(parts)) for feature, parts in tables.items())
         return [Pairs(feature, *table) for feature, table in joined if table.size]
 
     def _features(
-        self, i: np.ndarray, j: np.ndarray, one: Any, another: Any, evaluate: EvaluatePairs
+        self, i: np.ndarray, j: np.ndarray, one: Solids, another: Solids, evaluate: EvaluatePairs
     ) -> list[Rows]:
-        """Features that touch of hulls ``i`` and ``j`` of equal forms."""
+        """Features that touch of spatial hulls ``i`` and ``j`` of equal forms."""
         rounded = self.geometry.rounded
-        if isinstance(another, Cylinders) and not isinstance(one, Cylinders):
+
+        def evaluated(rows: Rows) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+            return evaluate(_pairs_of(rows, i, j))
+
+        if isinstance(one, Cylinders):
+            if isinstance(another, Cylinders):
+                return features_of_cylinders(one, another, evaluated)
+            return cylinder_features(one, another, rounded[j], evaluated)
+        if isinstance(another, Cylinders):
             rows = self._features(j, i, another, one, evaluate)
             return [
                 (feature, row, ~swapped, own, other) for feature, row, swapped, own, other in rows
             ]
-        if not isinstance(one, Cylinders):
-            search = planar_features if self.geometry.dimension == 2 else spatial_features
-            return search(one, another, rounded[i] | rounded[j])
+        return spatial_features(one, another, rounded[i] | rounded[j])
 
-        def evaluated(rows: Rows) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-            feature, row, swapped, own, other = rows
-            a, b = np.where(swapped, j[row], i[row]), np.where(swapped, i[row], j[row])
-            return evaluate(Pairs(feature, a, b, own, other))
 
-        if isinstance(another, Cylinders):
-            return features_of_cylinders(one, another, evaluated)
-        return cylinder_features(one, another, rounded[j], evaluated)
+def _pairs_of(rows: Rows, first: np.ndarray, second: np.ndarray) -> Pairs:
+    """Features of pairs of hulls."""
+    feature, row, swapped, own, other = rows
+    i, j = first[row], second[row]
+    return Pairs(feature, np.where(swapped, j, i), np.where(swapped, i, j), own, other)

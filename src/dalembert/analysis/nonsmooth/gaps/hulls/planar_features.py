@@ -33,21 +33,23 @@ class Polygons:
     ----------
     corners : (m, c, 2) anticlockwise, the last one repeated where there are fewer than c
     counts : (m,) numbers of corners; edge k begins at corner k, and a single corner has none
+    normals : (m, c, 2) outward normals of the edges; zero for the repeated corners
     """
 
     corners: np.ndarray
     counts: np.ndarray
+    normals: np.ndarray
 
-    @cached_property
-    def normals(self) -> np.ndarray:
-        """(m, c, 2) outward normals of the edges; zero for the repeated corners."""
-        following = np.roll(self.corners, -1, axis=1)
-        m, last = np.arange(self.counts.size), self.counts - 1
-        following[m, last] = self.corners[:, 0]
-        edge = following - self.corners
-        length = np.linalg.norm(edge, axis=2, keepdims=True)
+    @classmethod
+    def of(cls, corners: np.ndarray, counts: np.ndarray) -> Polygons:
+        """Polygons with these corners."""
+        following = np.roll(corners, -1, axis=1)
+        m, last = np.arange(counts.size), counts - 1
+        following[m, last] = corners[:, 0]
+        edge = following - corners
+        length = np.hypot(edge[..., 0], edge[..., 1])[..., None]
         edge /= np.where(length > 0, length, 1.0)
-        return np.stack([edge[..., 1], -edge[..., 0]], axis=2)
+        return cls(corners, counts, edge[..., ::-1] * (1.0, -1.0))
 
     @cached_property
     def has_edge(self) -> np.ndarray:
@@ -57,103 +59,92 @@ class Polygons:
 
     def some(self, selected: np.ndarray) -> Polygons:
         """The selected polygons."""
-        return Polygons(self.corners[selected], self.counts[selected])
+        return Polygons(self.corners[selected], self.counts[selected], self.normals[selected])
 
 
-def planar_features(first: Polygons, second: Polygons, rounded: np.ndarray) -> list[Rows]:
+def planar_features(polygons: Polygons, rounded: np.ndarray) -> list[Rows]:
     """Features of m pairs of polygons that touch first.
 
     Parameters
     ----------
-    first, second : m polygons
-    rounded : (m,) whether one of them has a radius
+    polygons : 2 m polygons, the first ones of all pairs before the second ones
+    rounded : (m,) whether one polygon of a pair has a radius
     """
-    i, j, between = _corner_separation(first, second, rounded)
-    axes = _edge_separation(first, second), _edge_separation(second, first)
-    best = np.hstack([*axes, between[:, None]]).argmax(axis=1)
-    sizes = axes[0].shape[1], axes[1].shape[1]
-    pair = np.arange(best.size)
-    corners = pair[best == sum(sizes)]
+    m, count = rounded.size, polygons.corners.shape[1]
+    other = np.roll(np.arange(2 * m), m)
+    i, j, between = _corner_separation(polygons, rounded)
+    edges = _edge_separation(polygons, polygons.some(other))
+    best = np.hstack([edges[:m], edges[m:], between[:, None]]).argmax(axis=1)
+    corners, pair = np.flatnonzero(best == 2 * count), np.flatnonzero(best < 2 * count)
+    swapped, k = np.divmod(best[pair], count)
+    own = pair + m * swapped
     none = np.zeros(corners.size, dtype=bool)
-    rows: list[Rows] = [(Feature.CORNERS, corners, none, i[corners], j[corners])]
-    own, other = pair[best < sizes[0]], pair[(best >= sizes[0]) & (best < sum(sizes))]
-    rows += _edge_rows(own, False, first.some(own), second.some(own), best[own])
-    rows += _edge_rows(other, True, second.some(other), first.some(other), best[other] - sizes[0])
-    return rows
+    return [
+        (Feature.CORNERS, corners, none, i[corners], j[corners]),
+        _edge_rows(pair, swapped == 1, polygons.some(own), polygons.some(other[own]), k),
+    ]
 
 
 def _edge_separation(polygons: Polygons, others: Polygons) -> np.ndarray:
     """(m, c) smallest height of the other polygon over each edge."""
     heights = polygons.normals @ np.swapaxes(others.corners, 1, 2)
-    lowest = heights.min(axis=2) - (polygons.normals * polygons.corners).sum(axis=2)
+    lowest = heights.min(axis=2) - np.einsum("mck,mck->mc", polygons.normals, polygons.corners)
     return np.where(polygons.has_edge, lowest, -np.inf)
 
 
 def _corner_separation(
-    first: Polygons, second: Polygons, rounded: np.ndarray
+    polygons: Polygons, rounded: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Nearest corners, and the distance of the polygons along the line between these."""
-    between = second.corners[:, None] - first.corners[:, :, None]
-    distance = np.linalg.norm(between, axis=3)
-    m, count = distance.shape[0], distance.shape[2]
-    i, j = np.divmod(distance.reshape(m, -1).argmin(axis=1), count)
-    rows = np.arange(m)
-    length = distance[rows, i, j]
-    apart = rounded & (length > 0)
-    direction = between[rows, i, j] / np.where(apart, length, 1.0)[:, None]
-    ends = [(p.corners @ direction[:, :, None])[..., 0] for p in (first, second)]
-    return i, j, np.where(apart, ends[1].min(axis=1) - ends[0].max(axis=1), -np.inf)
+    """Nearest corners of rounded pairs, and the distance of the polygons along the line between
+    these; −∞ for others."""
+    m, (i, j) = rounded.size, np.zeros((2, rounded.size), dtype=int)
+    separation, rows = np.full(m, -np.inf), np.flatnonzero(rounded)
+    if not rows.size:
+        return i, j, separation
+    first, second = polygons.corners[rows], polygons.corners[m + rows]
+    between = second[:, None] - first[:, :, None]
+    distance, count = np.linalg.norm(between, axis=3), first.shape[1]
+    i[rows], j[rows] = np.divmod(distance.reshape(rows.size, -1).argmin(axis=1), count)
+    own = np.arange(rows.size), i[rows], j[rows]
+    apart = distance[own] > 0
+    direction = between[own] / np.where(apart, distance[own], 1.0)[:, None]
+    ends = [(corners @ direction[:, :, None])[..., 0] for corners in (first, second)]
+    separation[rows] = np.where(apart, ends[1].min(axis=1) - ends[0].max(axis=1), -np.inf)
+    return i, j, separation
 
 
 def _edge_rows(
-    pair: np.ndarray, swapped: bool, polygons: Polygons, others: Polygons, k: np.ndarray
-) -> list[Rows]:
+    pair: np.ndarray, swapped: np.ndarray, polygons: Polygons, others: Polygons, k: np.ndarray
+) -> Rows:
     """Corners of the others over edge ``k`` of each polygon, and of the polygon under theirs."""
     rows, counts = np.arange(pair.size), others.counts
     start, normal = polygons.corners[rows, k], polygons.normals[rows, k]
-    heights = ((others.corners - start[:, None]) @ normal[:, :, None])[..., 0]
-    lowest = heights.argmin(axis=1)
+    tangent = normal[:, ::-1] * (-1.0, 1.0)
+    relative = others.corners - start[:, None]
+    heights = (relative @ normal[:, :, None])[..., 0]
+    along = (relative @ tangent[:, :, None])[..., 0]
     facing = (others.normals @ normal[:, :, None])[..., 0]
+    lowest = heights.argmin(axis=1)
     previous = (lowest - 1) % counts
     e = np.where(facing[rows, previous] < facing[rows, lowest], previous, lowest)
     after, following = (e + 1) % counts, (k + 1) % polygons.counts
-    tangent = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
-    length = ((polygons.corners[rows, following] - start) * tangent).sum(axis=1)
-    upper, lower = (((others.corners[rows, c] - start) * tangent).sum(axis=1) for c in (e, after))
+    ends = np.stack([start, polygons.corners[rows, following]], axis=1)
+    length = np.einsum("mk,mk->m", ends[:, 1] - start, tangent)
+    upper, lower = along[rows, e], along[rows, after]
     flush = (facing[rows, e] < -PARALLEL) & (upper >= 0) & (lower <= length)
-    begins, ends = flush & (lower >= 0), flush & (upper <= length)
-    places = [polygons.corners[rows, c] for c in (k, following)]
-    under, over = (_beside(others, e, after, place) & flush for place in places)
-    under, over = under & ~begins, over & ~ends
-    opposite, first = others.normals[rows, e], others.corners[rows, e]
-    touching = [(begins, heights[rows, after]), (ends, heights[rows, e])]
-    for selected, place in zip((under, over), places, strict=True):
-        touching.append((selected, ((place - first) * opposite).sum(axis=1)))
-    nearest = np.min([np.where(*pairs, np.inf) for pairs in touching], axis=0)
+    first = others.corners[rows, e]
+    edge, from_first = others.corners[rows, after] - first, ends - first[:, None]
+    part = (from_first @ edge[:, :, None])[..., 0]
+    beside = (part >= 0) & (part <= np.einsum("mk,mk->m", edge, edge)[:, None])
+    depth = (from_first @ others.normals[rows, e][:, :, None])[..., 0]
+    begins, finishes = flush & (lower >= 0), flush & (upper <= length)
+    under, over = flush & beside[:, 0] & ~begins, flush & beside[:, 1] & ~finishes
+    touching = np.stack([begins, finishes, under, over])
+    gaps = np.stack([heights[rows, after], heights[rows, e], depth[:, 0], depth[:, 1]])
+    nearest = np.where(touching, gaps, np.inf).min(axis=0)
     size = np.ptp(others.corners, axis=1).max(axis=1, initial=0.0)
     alone = nearest > heights[rows, lowest] + FLAT * size  # a corner beside the edge
-    return [
-        _face(pair, swapped, k, lowest, alone),
-        _face(pair, swapped, k, after, begins),
-        _face(pair, swapped, k, e, ends),
-        _face(pair, not swapped, e, k, under),
-        _face(pair, not swapped, e, following, over),
-    ]
-
-
-def _beside(
-    polygons: Polygons, start: np.ndarray, end: np.ndarray, places: np.ndarray
-) -> np.ndarray:
-    """Mask of places whose nearest point of the line through an edge is on the edge."""
-    rows = np.arange(start.size)
-    first, edge = polygons.corners[rows, start], polygons.corners[rows, end]
-    along = ((places - first) * (edge - first)).sum(axis=1)
-    return (along >= 0) & (along <= ((edge - first) ** 2).sum(axis=1))
-
-
-def _face(
-    pair: np.ndarray, swapped: bool, edge: np.ndarray, corner: np.ndarray, selected: np.ndarray
-) -> Rows:
-    """Rows of selected edges and corners."""
-    first = np.full(int(selected.sum()), swapped)
-    return Feature.FACE, pair[selected], first, edge[selected], corner[selected]
+    kind, row = np.nonzero(np.concatenate([alone[None], touching]))
+    edges, corners = np.stack([k, k, k, e, e]), np.stack([lowest, after, e, k, following])
+    first_shape = swapped[row] ^ (kind > 2)
+    return Feature.FACE, pair[row], first_shape, edges[kind, row], corners[kind, row]

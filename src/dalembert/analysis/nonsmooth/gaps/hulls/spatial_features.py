@@ -34,9 +34,12 @@ def spatial_features(first: Polyhedra, second: Polyhedra, rounded: np.ndarray) -
     """
     faces = face_separation(first, second), face_separation(second, first)
     edges, normals = edge_separation(first, second)
-    i, j, corner = corner_separation(first, second)
-    corner = np.where(rounded, corner, -np.inf)
-    beside = np.where(rounded, _beside_edges(first, second), -np.inf)
+    i, j = np.zeros((2, rounded.size), dtype=int)
+    corner, beside = np.full((2, rounded.size), -np.inf)
+    if rounded.any():
+        own, other = first.some(rounded), second.some(rounded)
+        i[rounded], j[rounded], corner[rounded] = corner_separation(own, other)
+        beside[rounded] = _beside_edges(own, other)
     face, edge = (s.max(axis=1, initial=-np.inf) for s in (np.hstack(faces), edges))
     everything = np.concatenate([first.corners, second.corners], axis=1)
     size = np.ptp(everything, axis=1).max(axis=1)
@@ -44,9 +47,8 @@ def spatial_features(first: Polyhedra, second: Polyhedra, rounded: np.ndarray) -
     best = np.stack([edge, corner, beside]).argmax(axis=0)
     pair = np.arange(size.size)
     rows = _faces(pair[flat], first, second, faces, edge <= face)
-    rows += _edges(
-        pair[(~flat & (best == 0)) | (flat & (edge > face))], first, second, edges, normals
-    )
+    crossing = pair[(~flat & (best == 0)) | (flat & (edge > face))]
+    rows = _distinct_edges(rows + _edges(crossing, first, second, edges, normals))
     ends = pair[~flat & (best == 1)]
     rows.append((Feature.CORNERS, ends, np.zeros(ends.size, dtype=bool), i[ends], j[ends]))
     lines = pair[~flat & rounded & (best != 1)]
@@ -90,6 +92,20 @@ def _edges(
         other = other + reverse * len(second.form.edges)
         rows.append((Feature.EDGES, own, np.zeros(own.size, dtype=bool), one, other))
     return rows
+
+
+def _distinct_edges(rows: list[Rows]) -> list[Rows]:
+    """The rows with each pair of edges once: edges may cross over a face and have the farthest
+    common normal, too."""
+    crossing = [row for row in rows if row[0] is Feature.EDGES and row[1].size]
+    if len(crossing) < 2:
+        return rows
+    columns = [
+        np.concatenate(column) for column in zip(*(row[1:] for row in crossing), strict=True)
+    ]
+    pair, swapped, own, other = np.unique(np.stack(columns), axis=1)
+    others = [row for row in rows if row[0] is not Feature.EDGES]
+    return [*others, (Feature.EDGES, pair, swapped.astype(bool), own, other)]
 
 
 def _outermost(

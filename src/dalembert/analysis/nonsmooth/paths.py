@@ -1,0 +1,46 @@
+"""Gaps along the path of a step."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.mean_gaps import mean_gaps
+from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart
+from dalembert.integrators.contact.contacts import Contacts
+
+LINEAR = 1e-8
+"""Deviation of a gap from its linear part, relative to its penetration, that counts as zero [-]."""
+
+
+def path_means(step: ContactStep, start: StepStart, keys: np.ndarray, last: StepResult) -> Contacts:
+    """Gaps with some keys whose velocities are means over the path of a solution."""
+    return mean_gaps(
+        lambda t, y: step.selected(step.at(t, y), keys),
+        step.model.equations.manifold,
+        (start.t, start.h),
+        start.y,
+        displacement(step, start, last),
+    )
+
+
+def displacement(step: ContactStep, start: StepStart, result: StepResult) -> np.ndarray:
+    """(n_v,) displacement of a step."""
+    theta = step.scheme.theta
+    return np.asarray(start.h * (theta * result.v + (1 - theta) * start.v))
+
+
+def bent_gaps(step: ContactStep, start: StepStart, result: StepResult) -> np.ndarray:
+    """Sorted keys of the pressing compliant contacts whose gaps at the end differ from their linear
+    parts."""
+    contacts = result.contacts
+    acting = step.force_laws.compliant(contacts) & (result.impulses.impulses[:, 0] > 0)
+    pressing = contacts.some(acting)
+    path = displacement(step, start, result)
+    change = start.h * pressing.speeds(path / start.h)[:, 0]
+    end = step.at(start.t + start.h, result.y)
+    ends = step.selected(end, pressing.key).distance
+    deviation = np.abs(ends - pressing.distance - change)
+    depth = -np.minimum(pressing.distance, ends)
+    bent = deviation > np.maximum(LINEAR * depth, step.rounding)
+    return np.asarray(np.sort(pressing.key[bent]))

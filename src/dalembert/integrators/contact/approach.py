@@ -1,0 +1,97 @@
+"""Contacts and their velocities before a step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from dalembert.integrators.contact.contacts import Contacts
+
+Offsets = np.ndarray
+"""(n, k) offsets of the velocities after a step: ``u⁺ + offset`` satisfies the conditions."""
+SLOW = 2.0
+"""Threshold of the approach speed of a resting contact, relative to the change of speed by forces
+in a step [-]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Approach:
+    """Contacts and their velocities before a step.
+
+    Attributes
+    ----------
+    contacts : Contacts
+    before, free : (n, k) relative velocities at the start, and at the end without impulses
+    h : step [s]
+    begins : True in the first step, which no earlier step could prepare for an impact
+    rounding : gap that counts as closed [m]
+    struck : (n, k) relative velocities after impacts at the start; None without any
+    hit : (n,) mask of the contacts of these impacts
+    """
+
+    contacts: Contacts
+    before: np.ndarray
+    free: np.ndarray
+    h: float
+    begins: bool = False
+    rounding: float = 0.0
+    struck: np.ndarray | None = None
+    hit: np.ndarray | bool = False
+
+    @property
+    def fastest(self) -> float:
+        """The largest component of a velocity [m/s]."""
+        linear = self.contacts.linear
+        return float(np.abs([self.before[:, :linear], self.free[:, :linear]]).max(initial=0.0))
+
+    def newton(self) -> Offsets:
+        """Restitution, ``u_N⁺ ≥ −e u_N⁻`` and ``u_T⁺ + e_T u_T⁻`` (Newton; Moreau 1988)."""
+        laws, linear = self.contacts.laws, self.contacts.linear
+        offsets = np.zeros_like(self.before)
+        offsets[:, 0] = laws.restitution * self.before[:, 0]
+        offsets[:, 1:linear] = laws.tangential[:, None] * self.before[:, 1:linear]
+        return offsets
+
+    @property
+    def forced(self) -> float:
+        """The largest change of a normal velocity by forces in the step [m/s]."""
+        start = self.before if self.struck is None else self.struck
+        return float(np.abs(self.free[:, 0] - start[:, 0]).max(initial=0.0))
+
+    @property
+    def impacting(self) -> np.ndarray:
+        """(n,) mask of the gaps that close faster than forces change speeds."""
+        mask: np.ndarray = self.before[:, 0] < -SLOW * self.forced
+        return mask
+
+    @property
+    def is_impact(self) -> bool:
+        """Whether a gap closes faster than forces change speeds."""
+        return bool(self.impacting.any())
+
+    @property
+    def slow(self) -> np.ndarray:
+        """(n,) mask of the gaps that do not open faster than forces change speeds."""
+        return np.asarray(self.before[:, 0] <= SLOW * self.forced)
+
+    @property
+    def resting(self) -> np.ndarray:
+        """(n,) mask of the gaps that forces can close in a step, and that move no faster."""
+        near = self.contacts.distance <= self.h * self.forced / 2
+        return np.asarray(near & (np.abs(self.before[:, 0]) <= SLOW * self.forced))
+
+    @property
+    def rebound(self) -> np.ndarray:
+        """(n,) normal speeds after an impact, by Newton's law or those of impacts at the start.
+
+        Forces in the step do not reduce the latter, up to the speeds before: contacts do no work.
+        """
+        before = self.before[:, 0]
+        newton = -self.contacts.laws.restitution * before
+        if self.struck is None:
+            return newton
+        limited = np.clip(self.struck[:, 0], 0.0, np.maximum(-before, 0.0))
+        return np.where(self.hit, limited, newton)

@@ -1,0 +1,209 @@
+"""Means of gaps over the path of a step, and their derivatives.
+
+    u = W̄ v + w̄,      W̄ = Σ β W(y ⊕ s δ) R,      ḡ = g(y ⊕ δ) − h (W̄ (v + v_δ)/2 + w̄)_N
+
+as functions of ``q = (y, v, t, p)`` and of the speeds ``v_δ`` at the end of the path ``δ = h (v +
+v_δ)/2``; ``R`` are the shares of the displacement per ``s`` in ``δ``, ``β`` the weights of means.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy
+
+from dalembert.analysis.nonsmooth.mean_gaps import LOBATTO
+from dalembert.model.graph.model import Model
+from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
+from dalembert.sensitivity.nonsmooth.gap_matrices import gap_matrices
+from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction, Sparse
+from dalembert.sensitivity.nonsmooth.source_slopes import SourceSlopes, StepState
+from dalembert.symbolic.once import once
+
+NAMES = "distance", "before", "after", "laws"
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """Path of a step.
+
+    Attributes
+    ----------
+    speeds : (n_v,) ``v_δ``
+    h : step [s]
+    points : PathPoints of the model
+    """
+
+    speeds: np.ndarray
+    h: float
+    points: PathPoints
+
+
+class PathPoints:
+    """Points ``y ⊕ s δ`` and shares ``R`` of a model, with derivatives by ``y`` and ``δ``."""
+
+    def __init__(self, model: Model):
+        e = model.equations
+        share, moved, shares = e.manifold.path
+        inputs, by = [e.manifold.y, e.manifold.delta, share], [e.manifold.y, e.manifold.delta]
+        self.position = SlopeFunction("path", inputs, moved, by)
+        self.shares = SlopeFunction("shares", inputs, shares, by)
+
+
+@once
+def path_points(model: Model) -> PathPoints:
+    """Points of paths of a model."""
+    return PathPoints(model)
+
+
+@dataclass(frozen=True, eq=False)
+class PathGaps:
+    """Means of gaps of one source, and their derivatives.
+
+    Attributes
+    ----------
+    rows : (n,) numbers of the gaps among all
+    values : of the means
+    across : ``W̄``
+    slopes : matrices of each of ``NAMES`` by ``q`` and the speeds of the path
+    momentum : derivatives of ``W̄ᵀ P`` by the same
+    count : size of ``q``
+    """
+
+    rows: np.ndarray
+    values: GapChanges
+    across: Sparse
+    slopes: dict[str, Sparse]
+    momentum: Sparse
+    count: int
+
+    def push(self, dq: np.ndarray, path: np.ndarray | None = None) -> tuple[GapChanges, np.ndarray]:
+        """Changes of the means and of ``W̄ᵀ P`` by those of ``q`` (n_q, c) and of the speeds of the
+        path, 0 by default."""
+        rest = np.zeros((self.momentum.shape[1] - self.count, dq.shape[1]))
+        change = np.vstack([dq, rest if path is None else path])
+        changes = self.values.like(dq.shape[1])
+        for name, slope in self.slopes.items():
+            total = getattr(changes, name)
+            total[:] = (slope @ change).reshape(total.shape)
+        return changes, np.asarray(self.momentum @ change)
+
+    def pull(self, weights: GapChanges, momentum: np.ndarray) -> np.ndarray:
+        """Weights of ``q`` from those of the means and of ``W̄ᵀ P``."""
+        return self._weights(weights, momentum)[: self.count]
+
+    def pull_path(self, weights: GapChanges, momentum: np.ndarray) -> np.ndarray:
+        """Weights of the speeds of the path from those of the means and of ``W̄ᵀ P``."""
+        return self._weights(weights, momentum)[self.count :]
+
+    def directions(self) -> Sparse:
+        """``W̄`` (n k, n_v)."""
+        return self.across
+
+    def _weights(self, weights: GapChanges, momentum: np.ndarray) -> np.ndarray:
+        total, columns = self.momentum.T @ momentum, momentum.shape[1]
+        for name, slope in self.slopes.items():
+            total = total + slope.T @ getattr(weights, name).reshape(-1, columns)
+        return np.asarray(total)
+
+
+def path_gaps(
+    source: SourceSlopes,
+    state: StepState,
+    path: Path,
+    rows: np.ndarray,
+    keys: np.ndarray,
+    impulses: np.ndarray,
+    laws: int,
+) -> PathGaps:
+    """Means of the gaps with some keys; arguments as in ``SourceSlopes.at``."""
+    points = [_point(source, state, path, s, (rows, keys, impulses, laws)) for s in LOBATTO]
+    weights, half = list(LOBATTO.values()), path.h / 2
+
+    def mean(values: list[Any]) -> Any:
+        return sum(weight * value for weight, value in zip(weights, values, strict=True))
+
+    slopes = {name: mean([p.slopes[name] for p in points]) for name in points[0].slopes}
+    before, after, ending = (
+        mean([getattr(p, name) for p in points]) for name in ("before", "after", "ending")
+    )
+    first, last = points[0], points[-1]
+    distance = last.distance - half * (before + ending)[:, 0]
+    normal = (slopes["before"] + slopes["ending"])[:: impulses.shape[1]]
+    slopes["distance"] = last.slopes["distance"] - half * normal
+    slopes["laws"] = first.slopes["laws"]
+    matrices = {name: scipy.sparse.csr_array(slopes[name]) for name in NAMES}
+    momentum, across = (scipy.sparse.csr_array(slopes[name]) for name in ("momentum", "across"))
+    values = GapChanges(distance, before, after, first.laws)
+    count = momentum.shape[1] - path.speeds.size
+    return PathGaps(rows, values, across, matrices, momentum, count)
+
+
+@dataclass(frozen=True, eq=False)
+class _Point:
+    """Gaps at one point of a path, with speeds multiplied by the shares there.
+
+    Attributes
+    ----------
+    distance, laws : of the gaps
+    before, after, ending : velocities for the speeds at the start, at the end, and of the path
+    slopes : derivatives by ``q`` and the speeds of the path, and the directions ``across``
+    """
+
+    distance: np.ndarray
+    laws: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+    ending: np.ndarray
+    slopes: dict[str, Sparse]
+
+
+def _point(source: SourceSlopes, state: StepState, path: Path, s: float, own: Any) -> _Point:
+    """Gaps at ``y ⊕ s δ``; ``own`` are the last arguments of ``SourceSlopes.at``."""
+    h, v = path.h, state.before
+    delta = h * (v + path.speeds) / 2
+    y, (y_by_y, y_by_delta) = path.points.position(state.y, delta, s)
+    shares, (by_y, by_delta) = path.points.shares(state.y, delta, s)
+    (n_y, n), rest = (y.size, v.size), 1 + state.p.size
+    turns = _columns(by_y, h / 2 * by_delta, rest)
+    width = turns.shape[1]
+    scaling = scipy.sparse.diags_array(shares)
+    start, ending = (_placed(scaling, place, width) for place in (n_y, width - n))
+    moved = [scipy.sparse.diags_array(u) @ turns for u in (v, state.after, path.speeds)]
+    others = _placed(scipy.sparse.eye_array(rest), n_y + n, width)
+    inner = [_columns(y_by_y, h / 2 * y_by_delta, rest), moved[0] + start, others]
+    chain = scipy.sparse.csr_array(scipy.sparse.vstack(inner))
+    gaps, at_end = (
+        source.at(StepState(state.t + s * h, y, state.p, shares * v, shares * u), *own)
+        for u in (state.after, path.speeds)
+    )
+    across, slopes = gaps.directions(), gap_matrices(gaps)
+    push = scipy.sparse.diags_array(across.T @ own[2].ravel())
+    chained = {
+        "distance": slopes["distance"] @ chain,
+        "before": slopes["before"] @ chain,
+        "after": slopes["after"] @ chain + across @ moved[1],
+        "ending": gap_matrices(at_end)["after"] @ chain + across @ (moved[2] + ending),
+        "laws": slopes["laws"] @ chain,
+        "momentum": scaling @ (slopes["momentum"] @ chain) + push @ turns,
+        "across": across @ scaling,
+    }
+    values = gaps.values
+    speeds = values.before, values.after, at_end.values.after
+    return _Point(values.distance, values.laws, *speeds, chained)
+
+
+def _columns(by_y: Sparse, by_delta: Sparse, rest: int) -> Sparse:
+    """Derivatives by ``q`` and the speeds of the path from those by ``y`` and by both speeds."""
+    none = scipy.sparse.csr_array((by_y.shape[0], rest))
+    return scipy.sparse.csr_array(scipy.sparse.hstack([by_y, by_delta, none, by_delta]))
+
+
+def _placed(block: Sparse, first: int, width: int) -> Sparse:
+    """A block in the columns from ``first`` on."""
+    before, after = (
+        scipy.sparse.csr_array((block.shape[0], n)) for n in (first, width - first - block.shape[1])
+    )
+    return scipy.sparse.csr_array(scipy.sparse.hstack([before, block, after]))
