@@ -173,14 +173,18 @@ def _(q):
     "hydraulic cylinder",
     planar.HydraulicCylinder,
     conservative=False,
-    loads=_pull(
-        lambda c, s, rate: c.p.rod * c.states[1] - c.p.area * c.states[0] + c.p.rub * rate
-    ),
+    loads=_pull(lambda c, s, rate: c.p.rod * c.states[1] - c.p.area * c.states[0] + c.p.rub * rate),
 )
 def _(q):
     area, rod, rub, a, b = q.numbers(area=0.02, rod=0.01, rub=0.5, pa=150.0, pb=80.0)
     numbers = {"area": area, "rod_side_area": rod, "damping": rub, "start_a": a, "start_b": b}
-    oil = {"supply": 300.0, "bulk_modulus": 1e3, "dead_volume": 1.0, "rated_flow": 1e-2, "rated_pressure": 100.0}
+    oil = {
+        "supply": 300.0,
+        "bulk_modulus": 1e3,
+        "dead_volume": 1.0,
+        "rated_flow": 1e-2,
+        "rated_pressure": 100.0,
+    }
     q.add(planar.HydraulicCylinder("F", *q.points(), 0.5 * cos(3 * t), **numbers, **oil))
 
 

@@ -107,7 +107,13 @@ def _(q):
     values = {"area": 0.02, "rod": 0.01, "rub": 0.5, "pa": 150.0, "pb": 80.0}
     area, rod, rub, a, b = (q.number(n, x) for n, x in values.items())
     numbers = {"area": area, "rod_side_area": rod, "damping": rub, "start_a": a, "start_b": b}
-    oil = {"supply": 300.0, "bulk_modulus": 1e3, "dead_volume": 1.0, "rated_flow": 1e-2, "rated_pressure": 100.0}
+    oil = {
+        "supply": 300.0,
+        "bulk_modulus": 1e3,
+        "dead_volume": 1.0,
+        "rated_flow": 1e-2,
+        "rated_pressure": 100.0,
+    }
     q.add(spatial.HydraulicCylinder("F", *q.points(), 0.5 * cos(3 * t), **numbers, **oil))
 
 

@@ -29,7 +29,7 @@ def exact(system, times: np.ndarray) -> np.ndarray:
         return a @ x + b[:, 0] * (np.sin(OMEGA * t) + t)
 
     start = np.zeros(len(a))
-    options = dict(method="DOP853", rtol=1e-12, atol=1e-14, t_eval=times)
+    options = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-14, "t_eval": times}
     states = solve_ivp(rate, (0, END), start, **options).y if start.size else np.zeros((0, 201))
     u = np.sin(OMEGA * times) + times
     return (c @ states + d * u)[0]
@@ -99,7 +99,7 @@ def test_pid_with_limits(limits):
     system = da.System("lift", gravity=(0, -10))
     cabin = system.add(planar.Particle("cabin", mass=2.0))
     system.add(planar.PinInSlot("rail", system.ground.center, cabin.center, axis=(0, 1)))
-    gains = dict(proportional=80.0, integral=60.0, derivative=40.0, filter_time=0.01)
+    gains = {"proportional": 80.0, "integral": 60.0, "derivative": 40.0, "filter_time": 0.01}
     options = gains | limits | {"tracking_time": 0.5, "setpoint_weight": 0.8}
     control = system.add(da.blocks.PID("control", 1.0, cabin.y, **options))
     system.add(planar.Force("drive", cabin.center, (0, control.output)))
@@ -124,7 +124,7 @@ def test_pid_with_limits(limits):
     state, start = np.zeros(4), 0.0
     while start < 3.0:  # integrate from switch to switch
         lower.terminal = upper.terminal = bool(limits)
-        options = dict(method="DOP853", rtol=1e-12, atol=1e-13, events=(lower, upper))
+        options = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-13, "events": (lower, upper)}
         part = solve_ivp(rate, (start, 3.0), state, **options)
         step = 1e-9
         state, start = part.y[:, -1], float(part.t[-1])
@@ -135,7 +135,7 @@ def test_pid_with_limits(limits):
     assert motion["control.integral"][-1].item() == pytest.approx(state[2], abs=2e-7)
 
 
-MOTOR = dict(constant=0.05, resistance=0.8, inductance=2e-3, ratio=20.0, inertia=3e-5)
+MOTOR = {"constant": 0.05, "resistance": 0.8, "inductance": 2e-3, "ratio": 20.0, "inertia": 3e-5}
 
 
 def test_dc_motor_by_its_matrix():
@@ -172,7 +172,7 @@ def test_current_control_of_a_motor():
     arm = system.add(planar.Body("arm", mass=1.0, inertia=0.02))
     hinge = system.add(planar.Revolute("hinge", system.ground.center, arm.center))
     motor = system.add(planar.DCMotor("motor", hinge, **MOTOR))
-    gains = dict(proportional=2.0, integral=800.0)
+    gains = {"proportional": 2.0, "integral": 800.0}
     control = system.add(da.blocks.PID("control", 1.5, motor.current, **gains))
     motor.voltage = control.output
     motion = da.solve_dynamics(system.build(), 0.2)
@@ -182,7 +182,7 @@ def test_current_control_of_a_motor():
     assert torque == pytest.approx(20.0 * 0.05 * motion["motor.current"][-1].item(), rel=1e-12)
 
 
-CYLINDER = dict(area=2e-3, rod_side_area=1e-3, stroke=0.5, retracted_length=1.0)
+CYLINDER = {"area": 2e-3, "rod_side_area": 1e-3, "stroke": 0.5, "retracted_length": 1.0}
 
 
 def test_hydraulic_cylinder():
@@ -190,7 +190,14 @@ def test_hydraulic_cylinder():
     system = da.System("press")
     ram = system.add(planar.Particle("ram", mass=50.0, position=(1.2, 0)))
     system.add(planar.PinInSlot("rail", system.ground.center, ram.center))
-    numbers = dict(rated_flow=2e-4, rated_pressure=4e6, leakage=1e-13, damping=200.0, start_a=2e6, start_b=4e6)
+    numbers = {
+        "rated_flow": 2e-4,
+        "rated_pressure": 4e6,
+        "leakage": 1e-13,
+        "damping": 200.0,
+        "start_a": 2e6,
+        "start_b": 4e6,
+    }
     ends = system.ground.center, ram.center
     opening = 0.5 * da.sin(20 * da.t)
     system.add(planar.HydraulicCylinder("c", *ends, opening=opening, **numbers, **CYLINDER))
@@ -215,7 +222,7 @@ def test_hydraulic_cylinder():
     state, start = np.array([0.2, 0.0, 2e6, 4e6]), 0.0
     scale = np.array([1e-13, 1e-13, 1e-6, 1e-6])
     for end in (np.pi / 20, 0.3):  # the valve passes its centre
-        options = dict(method="DOP853", rtol=1e-12, atol=scale)
+        options = {"method": "DOP853", "rtol": 1e-12, "atol": scale}
         state, start = solve_ivp(rate, (start, end), state, **options).y[:, -1], end
     assert motion["ram.x"][-1].item() - 1 == pytest.approx(state[0], abs=1e-9)
     assert motion["c.pressure_a"][-1].item() == pytest.approx(state[2], rel=1e-6)
@@ -232,7 +239,7 @@ def test_bristle_friction_is_that_of_contacts():
         if kind == "joint":
             body = system.add(planar.Body("body", mass=1.0, inertia=1.0, **start))
             rail = system.add(planar.Prismatic("rail", system.ground.center, body.center))
-            numbers = dict(coulomb=mu * normal, stiffness=sigma * normal, damping=20 * normal)
+            numbers = {"coulomb": mu * normal, "stiffness": sigma * normal, "damping": 20 * normal}
             system.add(planar.BristleFriction("rub", rail, **numbers))
         else:
             body = system.add(planar.Particle("body", mass=1.0, position=(0, -1e-5), **start))

@@ -73,6 +73,9 @@ def mechanism_equilibrium(
     iterations = analysis.max_iterations or MAX_ITERATIONS
     settings = NewtonSettings(tolerance=analysis.tolerance, max_iterations=iterations, slack=1.0)
     solution = solve(balance, y, settings)
+    if kernel.states and not solution.accepted:
+        balance = StaticBalance(kernel, time, p, damped=False)
+        solution = solve(balance, y, settings)
     forces, n = balance.residual(solution.x), model.equations.speed_count
     residual = float(np.abs(forces.value).max(initial=0.0)) / model.scales.length
     if kernel.states:

@@ -175,20 +175,25 @@ class Forces(FreeDirections, Residual):
 class StaticBalance(Equations[np.ndarray]):
     """Equilibrium of a model at an instant.
 
-    With states of first order it is no minimum of a potential, so that Newton's steps are taken as
-    they are and reduce the residual.
+    With states of first order it is no minimum of a potential: the steps follow a damped motion
+    whose damping vanishes with the residual (pseudo-transient continuation: Kelley & Keyes, SIAM J.
+    Numer. Anal. 35, 1998).
 
     Parameters
     ----------
     kernel : StaticsKernel
     time : [s]
     p : (np,) parameters
+    damped : with states, whether steps are damped; else they are those of Newton's method, which
+        also leads to unstable equilibria
     """
 
-    def __init__(self, kernel: StaticsKernel, time: float, p: np.ndarray):
+    def __init__(self, kernel: StaticsKernel, time: float, p: np.ndarray, damped: bool = True):
+        self._damped = damped
         self.kernel, self.time, self.p = kernel, time, p
         self.e = e = kernel.equations
         self.idle, self.sizes = np.zeros(e.constraint_count), e.scales
+        self._first: tuple[float, float] | None = None
         self.longest = LONGEST * self.sizes.displacements
         self.longest[e.speed_count - len(kernel.states) :] = np.inf
 
@@ -226,9 +231,23 @@ class StaticBalance(Equations[np.ndarray]):
     def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
         """Newton step, or a descent step if a direction has no positive stiffness."""
         assert isinstance(residual, Forces)
-        if residual.stable or self.kernel.states:
+        if self.kernel.states:
+            return self._relaxed(residual)
+        if residual.stable:
             return residual.free @ residual.deflection(residual.value)
         return residual.free @ (residual.value / residual.stiff)
+
+    def _relaxed(self, residual: Forces) -> np.ndarray:
+        """Implicit step of the motion ``μ ẋ = r`` whose damping falls with the residual."""
+        size = float(np.linalg.norm(residual.value))
+        if not self._damped:
+            return np.asarray(residual.free @ residual.deflection(residual.value))
+        if self._first is None:
+            self._first = size, float(np.abs(residual.stiffness).max(initial=0.0))
+        first, stiffest = self._first
+        damping = stiffest * size / first if first else 0.0
+        matrix = residual.stiffness + damping * np.eye(residual.value.size)
+        return np.asarray(residual.free @ np.linalg.solve(matrix, residual.value))
 
     def steps(self, x: np.ndarray, residual: Residual) -> Iterator[np.ndarray]:
         """Steps with a correction along stiff directions, which steps along soft ones rotate."""
@@ -255,12 +274,12 @@ class StaticBalance(Equations[np.ndarray]):
         Residuals are unsuitable, because steps along soft directions bend stiff ones slightly.
         """
         assert isinstance(here, Forces) and isinstance(there, Forces)
-        if self.kernel.states:
-            return super().nearer(here, there, zero)
         displacement = self.e.manifold.lead(here.y, there.y)
-        if (here.force + there.force) @ displacement > 0:
+        if self.kernel.states and self._damped:
+            return bool(np.all(np.isfinite(there.value)))
+        if not self.kernel.states and (here.force + there.force) @ displacement > 0:
             return True
-        if not (here.stable and np.all(np.isfinite(there.value))):
+        if not ((here.stable or self.kernel.states) and np.all(np.isfinite(there.value))):
             return False
         deflection = np.linalg.norm(here.deflection(self.projected(here, there)))
         return bool(deflection < np.linalg.norm(here.deflection(here.value)))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
 
 import casadi as ca
 import numpy as np
@@ -29,7 +28,7 @@ class Block(Stateful):
     A new block states ``state_names``, ``rates`` and ``outputs``.
     """
 
-    not_drawn: ClassVar[str] = "a signal has no place"
+    not_drawn = "a signal has no place"
 
     def outputs(self) -> Signals:
         """Outputs: name → (expression, unit); states alone need no input."""

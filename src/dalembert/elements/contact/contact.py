@@ -111,7 +111,8 @@ class ShapeContact(Compliant):
             return None
 
         def rates() -> ca.SX:
-            return friction.state_rate(gap.slip, group.pose)
+            rate = friction.state_rate(gap.slip, group.pose)
+            return ca.SX(0, 1) if rate is None else rate
 
         names = ("z",) if count == 1 else [f"z{i + 1}" for i in range(count)]
         group = States(f"{self.name}.bristles{k + 1}", names, [""] * count, rates)

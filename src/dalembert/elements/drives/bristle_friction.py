@@ -54,7 +54,7 @@ class BristleFriction(Stateful, AlongJoint):
 
     fixed_states = ("deflection",)
 
-    joint: Constraint
+    joint: Constraint  # type: ignore[misc]  # after a keyword of the base class
     coulomb: Scalar = quantity("N | N m", "sliding friction", default=1.0, above=0.0)
     static: Scalar = quantity("N | N m", "friction at rest", default=None, above=0.0)
     stiffness: Scalar = quantity("N/m | N m/rad", "of the bristles", default=1e5, above=0.0)

@@ -56,7 +56,7 @@ class DCMotor(Stateful, AlongJoint):
 
     fixed_states = ("current",)
 
-    joint: Constraint
+    joint: Constraint  # type: ignore[misc]  # after a keyword of the base class
     voltage: Scalar = signal("V", "voltage, a formula of t, parameters and measures")
     constant: Scalar = quantity("N m/A", "constant of torque and voltage", default=0.0)
     resistance: Scalar = quantity("Ω", "resistance", default=1.0, above=0.0)

@@ -75,7 +75,9 @@ class HydraulicCylinder(Stateful, PointPair):
     tank: Scalar = quantity("Pa", "pressure of the tank", default=0.0, minimum=0.0)
     bulk_modulus: Scalar = quantity("Pa", "bulk modulus of the oil", default=1.4e9, above=0.0)
     dead_volume: Scalar = quantity("m^3", "volume of each line", default=1e-4, above=0.0)
-    leakage: Scalar = quantity("m^4 s/kg", "leakage of the piston, m³/(s Pa)", default=0.0, minimum=0.0)
+    leakage: Scalar = quantity(
+        "m^4 s/kg", "leakage of the piston, m³/(s Pa)", default=0.0, minimum=0.0
+    )
     damping: Scalar = quantity("N s/m", "viscous friction", default=0.0, minimum=0.0)
     start_a: Scalar = quantity("Pa", "pressure at the start", default=None)
     start_b: Scalar = quantity("Pa", "pressure at the start, rod side", default=None)

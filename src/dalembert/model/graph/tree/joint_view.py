@@ -159,9 +159,7 @@ class JointView(CoordinateView):
     def _reach(self, sizes: np.ndarray) -> np.ndarray:
         """Natural sizes of the joint coordinates, from those of their displacements."""
         reach: list[float] = []
-        of_bodies = dict(
-            zip(self.model.guesses.names, self.bodies.scales.coordinates, strict=True)
-        )
+        of_bodies = dict(zip(self.model.guesses.names, self.bodies.scales.coordinates, strict=True))
         for link, columns in zip(self.links, self.motion.columns, strict=True):
             space, own = link.space, sizes[columns]
             if not own.size:  # states of first order
