@@ -238,7 +238,7 @@ def test_missing_inputs_are_named(make, message):
         (lambda: da.blocks.LowPass("f", 1.0, order=0), "order is 0"),
         (lambda: da.blocks.TransferFunction("f", 1.0, (1, 2, 3), (1, 2)), "above that of the"),
         (lambda: da.blocks.TransferFunction("f", 1.0, (1,), (0, 2)), "first coefficient is 0"),
-        (lambda: da.blocks.StateSpace("f", (), [[1, 2]], [[1]], [[1]]), "fit the others"),
+        (lambda: da.blocks.StateSpace("f", (), [[1, 2]], [[1]], [[1]]), "fits the others"),
         (lambda: da.blocks.StateSpace("f", (), [[1], [1, 2]], [[1]], [[1]]), "different lengths"),
     ],
 )

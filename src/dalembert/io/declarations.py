@@ -37,8 +37,13 @@ def dependency_order(section: str, formulas: Mapping[str, Iterable[str]]) -> lis
     )
 
 
-def ordered(section: str, needs: Mapping[str, set[str]]) -> list[str]:
+def ordered(section: str | Mapping[str, str], needs: Mapping[str, set[str]]) -> list[str]:
     """Names of a section, each after those that it needs.
+
+    Parameters
+    ----------
+    section : one for all, or that of each name
+    needs : name, or name and part of an element such as ``"control inputs"`` → those it needs
 
     Raises
     ------
@@ -48,12 +53,13 @@ def ordered(section: str, needs: Mapping[str, set[str]]) -> list[str]:
     try:
         return list(TopologicalSorter(needs).static_order())
     except CycleError as error:
-        chain = error.args[1][::-1]
+        chain = [name.partition(" ")[0] for name in error.args[1][::-1]]
+        place = section if isinstance(section, str) else section[chain[0]]
         more = " → …" if len(chain) > 12 else ""
         raise ExpressionError(
             f"depends on itself in the cycle {' → '.join(chain[:12])}{more}; "
             "define one of them without the others",
-            key_path(section, chain[0]),
+            key_path(place, chain[0]),
         ) from None
 
 

@@ -157,7 +157,7 @@ class MechanismElements:
             needs[name] = needed(_formula_texts(cls, table, inputs[name], False))
             if inputs[name]:
                 needs[name + INPUTS] = {name} | needed(_formula_texts(cls, table, inputs[name]))
-        order = ordered("forces", needs)
+        order = ordered({name: section for name, (section, _) in tables.items()}, needs)
         return [(n.removesuffix(INPUTS), INPUTS if n.endswith(INPUTS) else "") for n in order]
 
     def _class(self, section: str, table: Any) -> Any:

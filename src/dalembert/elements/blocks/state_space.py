@@ -59,7 +59,7 @@ class StateSpace(Block):
         for name, shape in shapes.items():
             own = getattr(self, f"_{name.lower()}").shape
             if own != shape:
-                text = f"has {own[0]} rows of {own[1]}; {shape[0]} of {shape[1]} fit the others"
+                text = f"is {own[0]} by {own[1]}; {shape[0]} by {shape[1]} fits the others"
                 raise ModelError(text, f"{self.name}.{name}")
         if len(self.start) not in (0, n):
             text = f"has {len(self.start)} numbers for {n} states"
