@@ -46,14 +46,23 @@ def test_default_runs_keep_ten_times_the_stated_tolerance(name):
     assert estimate is None or error < 1e-10 or error / 3 < estimate.share < 3 * error
 
 
-@pytest.mark.parametrize("name", SAMPLE[::2])
-def test_estimated_errors_of_fixed_steps_are_right_within_a_factor_of_three(name):
+HARDEST = {
+    "bristles in revolute",
+    "point on plane",
+    "spatial cylindrical",
+    "spatial prismatic from the start",
+}
+"""Of all cases those whose estimates are farthest from the errors: factors of .32 to 4.6."""
+
+
+@pytest.mark.parametrize("name", sorted({*SAMPLE[::2], *HARDEST}))
+def test_estimated_errors_of_fixed_steps_are_right_within_a_factor_of_five(name):
     model = model_of(name)
     motion = da.solve_dynamics(model, 1.0, step=0.05)
     reference = da.solve_dynamics(model, 1.0, outputs=motion.time, integrator=TIGHT)
     error, estimate = share(motion, reference), motion.error_estimate
     assert type(motion.analysis.integrator) is da.RK4
-    assert estimate is None or error < 1e-10 or error / 3 < estimate.share < 3 * error
+    assert estimate is None or error < 1e-10 or error / 5 < estimate.share < 5 * error
 
 
 def hung_plate():

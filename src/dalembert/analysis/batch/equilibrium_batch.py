@@ -16,7 +16,7 @@ from dalembert.analysis.batch.starts import Starts, backend_of
 from dalembert.analysis.batch.states import States
 from dalembert.analysis.equilibrium.mechanism_equilibrium import equilibrium_settings
 from dalembert.analysis.equilibrium.stability import equilibrium_text
-from dalembert.analysis.equilibrium.static_balance import statics_kernel
+from dalembert.analysis.equilibrium.statics_kernel import statics_kernel
 from dalembert.analysis.residual_check import EXACT, MOTION
 from dalembert.formulations.base import Level
 from dalembert.model.graph.model import Model

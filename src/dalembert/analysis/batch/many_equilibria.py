@@ -19,8 +19,8 @@ from dalembert.analysis.equilibrium.static_balance import (
     LONGEST,
     STIFF,
     FreeDirections,
-    StaticsKernel,
 )
+from dalembert.analysis.equilibrium.statics_kernel import StaticsKernel
 from dalembert.symbolic.equations.many_newton import ManyEquations, Points, solve_many
 from dalembert.symbolic.equations.newton import ROUNDING, TINY, NewtonSettings
 from dalembert.symbolic.once import once

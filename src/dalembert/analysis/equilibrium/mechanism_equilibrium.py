@@ -19,9 +19,8 @@ from dalembert.analysis.equilibrium.stability import equilibrium_text, instabili
 from dalembert.analysis.equilibrium.static_balance import (
     Forces,
     StaticBalance,
-    StaticsKernel,
-    statics_kernel,
 )
+from dalembert.analysis.equilibrium.statics_kernel import StaticsKernel, statics_kernel
 from dalembert.analysis.modes.linearization_kernel import linearization_kernel
 from dalembert.analysis.modes.linearized import Linearized
 from dalembert.analysis.residual_check import MOTION, ResidualCheck

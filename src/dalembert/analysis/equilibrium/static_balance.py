@@ -7,17 +7,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
-from dalembert.model.graph.assembly.position import position_stages
-from dalembert.model.graph.displaced_states import changing_at_rest, with_displaced_states
-from dalembert.model.graph.model import Model
-from dalembert.results.recording import Trajectory
-from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.analysis.equilibrium.statics_kernel import StaticsKernel
 from dalembert.symbolic.equations.newton import ROUNDING, Equations, NewtonSettings, Residual, solve
-from dalembert.symbolic.formulas.expression import Expression
-from dalembert.symbolic.once import CacheOwner, once
 
 LONGEST = 0.5
 """Upper limit of a step, in characteristic lengths and radians."""
@@ -33,72 +26,6 @@ STIFF = 1e4
 """Threshold for stiff directions: resistance relative to the smallest one."""
 CLOSED = NewtonSettings(tolerance=1e-13, max_iterations=20)
 """Settings for the closure of the constraints."""
-
-
-class StaticsKernel(CacheOwner):
-    """Compiled static equations of a model.
-
-    Attributes
-    ----------
-    model : Model
-    states : coordinates of first order that the equilibrium determines
-    equations : of the model at rest, in which these have displacements
-    """
-
-    def __init__(self, model: Model):
-        model.closure.refuse_singular_start()
-        self.model = model
-        self.states = changing_at_rest(model.equations, model.start.y, model.nominal)
-        self.equations = e = with_displaced_states(model.equations, self.states)
-        at_rest = ca.substitute(e.force - e.bias, e.v, ca.SX.zeros(e.speed_count))
-        forces = at_rest - ca.mtimes(e.jacobian.T, e.multiplier)
-        self.balance = forces
-        self.static = ca.Function(
-            "static",
-            [e.t, e.y, e.multiplier, e.p],
-            [
-                at_rest,
-                e.jacobian,
-                -e.by_displacement(forces),
-                e.constraints,
-            ],
-            {"cse": True},
-        )
-
-    @property
-    def configuration(self) -> ImplicitFunction:
-        """``(t, [y; λ] nearby, p) → y, λ`` with exact derivatives."""
-        e = self.equations
-        near = ca.SX.sym("near", e.coordinate_count + e.constraint_count)
-        unknown = ca.vertcat(e.y, e.multiplier)
-        displacement = e.manifold.displacement(near[: e.coordinate_count], e.y)
-        constraints = e.constraints
-        if e.slips:
-            constraints = constraints + ca.mtimes(e.slip_jacobian, displacement)
-        residual = ca.vertcat(self.balance, constraints)
-        sizes = e.scales
-        rows = np.concatenate([sizes.efforts, sizes.rows])
-        stages = position_stages(
-            e, near, residual, rows, beside=e.multiplier, beside_sizes=sizes.multipliers
-        )
-        return ImplicitFunction("equilibrium", [e.t, near, e.p], stages, [unknown])
-
-    @once
-    def measured(self, measure: Expression) -> ImplicitFunction:
-        """A measure of the equilibrium; speeds and accelerations are zero."""
-        e = self.equations
-        rates = ca.vertcat(e.v, e.a)
-        at_rest = ca.substitute(e.without_dropped(measure.sx), rates, ca.SX.zeros(rates.numel()))
-        configuration = self.configuration
-        return ImplicitFunction("measured", configuration.inputs, configuration.stages, [at_rest])
-
-    def near(self, s: Trajectory) -> np.ndarray:
-        """Positions and multipliers at which the configuration is differentiated."""
-        return np.vstack([s.y, s.multiplier[self.model.closure.rows]])
-
-
-statics_kernel = once(StaticsKernel)
-"""Kernel of a model, compiled once."""
 
 
 class FreeDirections:

@@ -8,7 +8,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.equilibrium.static_balance import CURVED, SKEW, StaticsKernel
+from dalembert.analysis.equilibrium.static_balance import CURVED, SKEW
+from dalembert.analysis.equilibrium.statics_kernel import StaticsKernel
 from dalembert.analysis.live.checks import all_multipliers, check_data, residuals
 from dalembert.analysis.live.obstacles import common_obstacle
 from dalembert.analysis.live.rows import smooth_rows

@@ -8,7 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.equilibrium.static_balance import statics_kernel
+from dalembert.analysis.equilibrium.statics_kernel import statics_kernel
 from dalembert.analysis.live.equilibrium_module import NO_EQUILIBRIUM, UNSTABLE, following
 from dalembert.analysis.live.obstacles import common_obstacle
 from dalembert.analysis.live.start import closing, violation

@@ -7,7 +7,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.equilibrium.static_balance import statics_kernel
+from dalembert.analysis.equilibrium.statics_kernel import statics_kernel
 from dalembert.formulations.base import state_rate
 from dalembert.formulations.kkt import KKT
 from dalembert.model.graph.coordinates import Coordinates

@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 
 from dalembert.analysis.equilibrium.equilibrium import Equilibrium
-from dalembert.analysis.equilibrium.static_balance import statics_kernel
+from dalembert.analysis.equilibrium.statics_kernel import statics_kernel
 from dalembert.design.ecosystem.states import (
     Change,
     Measures,
