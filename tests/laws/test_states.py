@@ -72,8 +72,8 @@ def test_integrators_agree(name):
 @pytest.mark.parametrize("name", ["automatic", "DormandPrince", "BDF"])
 def test_units_of_states_do_not_matter(name, size):
     options, tolerance = INTEGRATORS[name]
-    found = ends(da.solve_dynamics(oscillator(size), END, **options)) / [1, 1, size, size]
-    assert np.allclose(found, reference(4.0, 2.0), rtol=0, atol=3 * tolerance)
+    computed = ends(da.solve_dynamics(oscillator(size), END, **options)) / [1, 1, size, size]
+    assert np.allclose(computed, reference(4.0, 2.0), rtol=0, atol=3 * tolerance)
 
 
 def arm() -> da.Model:

@@ -135,6 +135,26 @@ def test_pid_with_limits(limits):
     assert motion["control.integral"][-1].item() == pytest.approx(state[2], abs=2e-7)
 
 
+def test_proportional_control_with_limits_has_no_memory():
+    """Without an integral the output depends on the present signal alone, however long limited."""
+    system = da.System("weight")
+    system.add(planar.Particle("body", mass=1.0))
+    wave = 3 * da.sin(OMEGA * da.t)
+    system.add(da.blocks.PID("c", wave, 0.0, proportional=2.0, lower=-1.0, upper=1.0, start=0.5))
+    motion = da.solve_dynamics(system.build(), END, outputs=101)
+    expected = np.clip(6 * np.sin(OMEGA * motion.time) + 0.5, -1, 1)
+    assert np.abs(motion["c.output"].values - expected).max() < 1e-12
+
+
+def test_derivative_starts_without_a_kick():
+    """A resting body away from zero: the derivative part is zero at the start."""
+    system = da.System("rest")
+    body = system.add(planar.Particle("body", mass=1.0, position=(0.4, 0)))
+    system.add(da.blocks.PID("c", 0.4, body.x, derivative=5.0, filter_time=0.01))
+    motion = da.solve_dynamics(system.build(), 1.0, outputs=11)
+    assert np.abs(motion["c.output"].values).max() < 1e-12
+
+
 MOTOR = {"constant": 0.05, "resistance": 0.8, "inductance": 2e-3, "ratio": 20.0, "inertia": 3e-5}
 
 

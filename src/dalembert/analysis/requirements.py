@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import casadi as ca
@@ -50,8 +51,9 @@ def refuse_states(model: Model, analysis: str) -> None:
     """
     e = model.equations
     if e.states and ca.depends_on(ca.densify(e.force), e.y[list(e.states)]):
+        names = listed_states(model, e.states)
         raise UnsupportedError(
-            f"forces depend on the states {_states(model)}, which {analysis} does not integrate; "
+            f"forces depend on the states {names}, which {analysis} does not integrate; "
             "use solve_dynamics"
         )
 
@@ -61,14 +63,14 @@ def constant_states(model: Model) -> list[str]:
     if not model.equations.states:
         return []
     return [
-        f"{_states(model)} keep their values at the start, as only solve_dynamics integrates "
-        "states of first order"
+        f"{listed_states(model, model.equations.states)} keep their values at the start, as only "
+        "solve_dynamics integrates states of first order"
     ]
 
 
-def _states(model: Model) -> str:
-    """Names of the states of first order."""
-    names = [model.guesses.names[k] for k in model.equations.states]
+def listed_states(model: Model, states: Sequence[int]) -> str:
+    """Names of states of first order, shortened."""
+    names = [model.guesses.names[k] for k in states]
     more = [f"{len(names) - LISTED} more"] if len(names) > LISTED else []
     return ", ".join([*names[:LISTED], *more])
 

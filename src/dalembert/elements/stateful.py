@@ -73,8 +73,8 @@ class Stateful(Element):
         """Units of the states; none by default."""
         return ("",) * len(self.state_names())
 
-    def initial_states(self) -> list[ca.SX]:
-        """Values of the states at the start; zero by default."""
+    def initial_states(self) -> Sequence[ca.SX | None]:
+        """Values of the states at the start, None where they begin at rest; zero by default."""
         return [ca.SX(0)] * len(self.state_names())
 
     def rates(self) -> ca.SX:

@@ -144,12 +144,12 @@ class MechanismElements:
         inputs = {name: self._inputs(*entry) for name, entry in tables.items()}
 
         def needed(texts: list[str]) -> set[str]:
-            found = {match.groups() for text in texts for match in used.finditer(text)}
+            uses = {match.groups() for text in texts for match in used.finditer(text)}
             return {
                 other + INPUTS
                 if inputs[other] and quantity not in self._states(other, *tables[other])
                 else other
-                for other, quantity in found
+                for other, quantity in uses
             }
 
         for name, (section, table) in tables.items():

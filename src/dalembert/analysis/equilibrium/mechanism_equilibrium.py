@@ -23,6 +23,7 @@ from dalembert.analysis.equilibrium.static_balance import (
 from dalembert.analysis.equilibrium.statics_kernel import StaticsKernel, statics_kernel
 from dalembert.analysis.modes.linearization_kernel import linearization_kernel
 from dalembert.analysis.modes.linearized import Linearized
+from dalembert.analysis.requirements import listed_states
 from dalembert.analysis.residual_check import MOTION, ResidualCheck
 from dalembert.formulations.base import Level
 from dalembert.model.graph.coordinates import AbsoluteCoordinates
@@ -37,8 +38,6 @@ MAX_ITERATIONS = 200
 """Default upper limit of Newton iterations."""
 GROWING = 1e-9
 """Threshold of growth: real part relative to the largest eigenvalue [-]."""
-LISTED = 6
-"""Upper limit of the states that are named."""
 LEAVES = "the mechanism leaves it; other guesses of the positions lead to a stable one"
 
 
@@ -127,12 +126,11 @@ def growth_rates(model: Model, time: float, y: np.ndarray, p: np.ndarray) -> np.
 
 def indifferent_states(model: Model, kernel: StaticsKernel) -> list[str]:
     """Warning about states of first order that any position at rest leaves as they are."""
-    names = [model.guesses.names[k] for k in model.equations.states if k not in kernel.states]
-    if not names:
+    states = [k for k in model.equations.states if k not in kernel.states]
+    if not states:
         return []
-    more = [f"{len(names) - LISTED} more"] if len(names) > LISTED else []
     return [
-        f"{', '.join([*names[:LISTED], *more])} keep their values at the start: every value is "
+        f"{listed_states(model, states)} keep their values at the start: every value is "
         "steady at rest, such as that of bristles"
     ]
 

@@ -158,17 +158,15 @@ class StaticBalance(Equations[np.ndarray]):
     def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
         """Newton step, or a descent step if a direction has no positive stiffness."""
         assert isinstance(residual, Forces)
-        if self.kernel.states:
+        if self.kernel.states and self._damped:
             return self._relaxed(residual)
-        if residual.stable:
+        if residual.stable or self.kernel.states:
             return residual.free @ residual.deflection(residual.value)
         return residual.free @ (residual.value / residual.stiff)
 
     def _relaxed(self, residual: Forces) -> np.ndarray:
         """Implicit step of the motion ``μ ẋ = r`` whose damping falls with the residual."""
         size = float(np.linalg.norm(residual.value))
-        if not self._damped:
-            return np.asarray(residual.free @ residual.deflection(residual.value))
         if self._first is None:
             self._first = size, float(np.abs(residual.stiffness).max(initial=0.0))
         first, stiffest = self._first

@@ -10,6 +10,7 @@ import casadi as ca
 from dalembert.elements.base import Condition, Scalar, quantity
 from dalembert.elements.blocks.block import Block, Signals
 from dalembert.elements.stateful import signal
+from dalembert.symbolic.formulas.expression import stack
 
 
 @dataclass(eq=False)
@@ -20,7 +21,9 @@ class PID(Block):
         ż = I (r − y) + (w − v)/T_t
 
     With limits the integral follows the limited output within the tracking time ``T_t``, so that
-    it does not wind up (Åström & Hägglund, Advanced PID Control, 2006, 3.4 and 3.5).
+    it does not wind up (Åström & Hägglund, Advanced PID Control, 2006, 3.4 and 3.5). Without the
+    gain ``I`` there is no integral, and ``z`` is the constant ``start``. The filter of the
+    derivative starts at rest, at ``γ r − y``.
 
     Parameters
     ----------
@@ -30,7 +33,7 @@ class PID(Block):
     setpoint_weight, derivative_weight : ``β``, ``γ``
     lower, upper : limits of the output; none by default
     tracking_time : ``T_t`` [s]
-    start : integral at the start
+    start : ``z`` at the start
 
     Examples
     --------
@@ -62,27 +65,37 @@ class PID(Block):
     start: Scalar = quantity(None, "integral at the start", default=0.0)
 
     def state_names(self) -> Sequence[str]:
-        return ("integral", "filtered") if self._differentiates else ("integral",)
+        names = (("integral", self._integrates), ("filtered", self._differentiates))
+        return tuple(name for name, present in names if present)
+
+    @property
+    def _integrates(self) -> bool:
+        return not self.integral.sx.is_zero()
 
     @property
     def _differentiates(self) -> bool:
         return not self.derivative.sx.is_zero()
 
-    def initial_states(self) -> list[ca.SX]:
-        return [self.start.sx, ca.SX(0)][: len(self.state_names())]
+    def initial_states(self) -> Sequence[ca.SX | None]:
+        starts = {"integral": self.start.sx, "filtered": None}
+        return [starts[name] for name in self.state_names()]
 
     def conditions(self) -> list[Condition]:
         if self.lower is None or self.upper is None:
             return []
-        return [(self.upper.sx - self.lower.sx, "its upper limit is below the lower one")]
+        limits = ca.vertcat(self.upper.sx, self.lower.sx)
+        text = "upper is {:.6g}, below lower, which is {:.6g}; exchange them"
+        return [(self.upper.sx - self.lower.sx, text, limits)]
 
     def rates(self) -> ca.SX:
         r, y = self.input_of("setpoint"), self.input_of("measured")
         wish, output = self._outputs()
-        rates = [self.integral.sx * (r - y) + (output - wish) / self.tracking_time.sx]
+        rates = []
+        if self._integrates:
+            rates.append(self.integral.sx * (r - y) + (output - wish) / self.tracking_time.sx)
         if self._differentiates:
-            rates.append((self._differentiated - self.states.pose[1]) / self.filter_time.sx)
-        return ca.vertcat(*rates)
+            rates.append((self._differentiated - self.states.pose[-1]) / self.filter_time.sx)
+        return stack(rates)
 
     @property
     def _differentiated(self) -> ca.SX:
@@ -92,9 +105,10 @@ class PID(Block):
     def _outputs(self) -> tuple[ca.SX, ca.SX]:
         """``v`` and ``w``."""
         r, y = self.input_of("setpoint"), self.input_of("measured")
-        wish = self.proportional.sx * (self.setpoint_weight.sx * r - y) + self.states.pose[0]
+        wish = self.proportional.sx * (self.setpoint_weight.sx * r - y)
+        wish += self.states.pose[0] if self._integrates else self.start.sx
         if self._differentiates:
-            change = self._differentiated - self.states.pose[1]
+            change = self._differentiated - self.states.pose[-1]
             wish += self.derivative.sx * change / self.filter_time.sx
         output = wish
         if self.lower is not None:

@@ -92,7 +92,7 @@ class StateSpace(Block):
     def state_names(self) -> Sequence[str]:
         return tuple(f"state{k + 1}" for k in range(self._a.shape[0]))
 
-    def initial_states(self) -> list[ca.SX]:
+    def initial_states(self) -> Sequence[ca.SX | None]:
         return [value.sx for value in self.start] or super().initial_states()
 
     def rates(self) -> ca.SX:

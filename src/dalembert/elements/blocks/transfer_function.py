@@ -72,7 +72,7 @@ class TransferFunction(Block):
     def state_names(self) -> Sequence[str]:
         return tuple(f"state{k + 1}" for k in range(self.degree))
 
-    def initial_states(self) -> list[ca.SX]:
+    def initial_states(self) -> Sequence[ca.SX | None]:
         if float_of(self.start) == 0 or not self.degree:
             return super().initial_states()
         first = self.denominator[0].sx * self.start.sx / self.denominator[-1].sx

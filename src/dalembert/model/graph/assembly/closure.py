@@ -303,7 +303,7 @@ class Closure(CacheOwner):
 
     def _follow(self, p0: np.ndarray, y0: np.ndarray, p1: np.ndarray, time: float) -> np.ndarray:
         """The assembled position on the branch of a known one."""
-        y0 = self.recipe.states.given_at(y0, p1)
+        y0 = self.recipe.states.prescribed_at(y0, p1)
         y, reached = continued(self.pinned, y0, p0, p1, time)
         if reached < 1.0:
             end = BranchEnd(reached * time, p0 + reached * (p1 - p0), y)

@@ -1,4 +1,4 @@
-"""Initial values of the states of first order: given, or steady."""
+"""Initial values of the states of first order: prescribed, or steady."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class InitialStates:
         self.e, self.guesses = equations, guesses
         states = equations.states
         self.steady = [k for k in states if guesses.pose[k] is None]
-        self.given = [k for k in states if guesses.pose[k] is not None]
+        self.prescribed = [k for k in states if guesses.pose[k] is not None]
         self.root = ca.SX.sym("steady", len(self.steady))
         self.y = ca.SX(equations.y)
         if self.steady:
@@ -52,11 +52,11 @@ class InitialStates:
 
     @property
     def at_start(self) -> Equations:
-        """The equations with the given states as formulas of parameters."""
-        if not self.given:
+        """The equations with the prescribed states as formulas of parameters."""
+        if not self.prescribed:
             return self.e
         moved = ca.SX(self.e.manifold.moved)
-        moved[self.given] = self.guesses.place[self.given]
+        moved[self.prescribed] = self.guesses.place[self.prescribed]
         return replace(self.e, manifold=replace(self.e.manifold, moved=moved))
 
     @cached_property
@@ -84,12 +84,12 @@ class InitialStates:
         value = start[self.steady]
         return [Stage(self.root, self._rates, value, factor.solve, factor.solve_transposed)]
 
-    def given_at(self, y: np.ndarray, p: np.ndarray) -> np.ndarray:
-        """Coordinates with the given states for parameter values."""
-        if not self.given:
+    def prescribed_at(self, y: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """Coordinates with the prescribed states for parameter values."""
+        if not self.prescribed:
             return y
         y = y.copy()
-        y[self.given] = self.guesses.values(p)[0][self.given]
+        y[self.prescribed] = self.guesses.values(p)[0][self.prescribed]
         return y
 
     def steady_at(self, t: float, y: np.ndarray, v: np.ndarray, p: np.ndarray) -> np.ndarray:

@@ -74,11 +74,11 @@ class ManyStarts:
         return y, reached, ~lost
 
     def _with_states(self, y: np.ndarray, p: np.ndarray) -> np.ndarray:
-        """Positions with the given states of first order."""
+        """Positions with the prescribed states of first order."""
         states = self.closure.recipe.states
-        if not states.given:
+        if not states.prescribed:
             return y
-        return np.array([states.given_at(*row) for row in zip(y, p, strict=True)])
+        return np.array([states.prescribed_at(*row) for row in zip(y, p, strict=True)])
 
     def gaps(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Index of the most violated equation, by natural sizes, and its violation.
