@@ -1,0 +1,143 @@
+"""Equations of motion of an imported model in joint coordinates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+import dalembert as da
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A state of a peer in the coordinates of dalembert.
+
+    Attributes
+    ----------
+    q, v : coordinates and speeds of the peer's state
+    map : ``T`` with ``v = T v_peer``
+    drift : ``Ṫ v_peer``
+    """
+
+    q: np.ndarray
+    v: np.ndarray
+    map: np.ndarray
+    drift: np.ndarray
+
+
+def accelerations(
+    mass: np.ndarray, bias: np.ndarray, jacobian: np.ndarray, xi: np.ndarray
+) -> np.ndarray:
+    """``v̇`` of ``M v̇ + h = −Cᵀ λ``, ``C v̇ = ξ``; the system is scaled, C may be redundant."""
+    n, m = len(bias), len(xi)
+    scale = np.ones(n)
+    diagonal = np.diag(mass)
+    scale[diagonal > 0] = 1 / np.sqrt(diagonal[diagonal > 0])
+    c = jacobian * scale
+    system = np.block([[mass * np.outer(scale, scale), c.T], [c, np.zeros((m, m))]])
+    right = np.concatenate([-bias * scale, xi])
+    solution: np.ndarray = np.linalg.lstsq(system, right, rcond=1e-13)[0][:n]
+    return solution * scale
+
+
+class Ours:
+    """The model of an imported file, without dry friction, which the peers do not have.
+
+    Parameters
+    ----------
+    imported : Imported
+    actuators : whether its actuators act
+    """
+
+    def __init__(self, imported: da.Imported, actuators: bool = True):
+        forces = imported.document.get("forces", {})
+        inputs = imported.document.get("inputs", {})
+        self.controls = [table["value"] for table in inputs.values()]
+        if not actuators:
+            for name in [n for n in forces if n.partition("_force")[0] in inputs]:
+                del forces[name]
+        for name, table in list(forces.items()):
+            table.pop("coulomb", None)
+            if table["type"] == "JointFriction" and "viscous" not in table:
+                del forces[name]
+        self.imported = imported
+        self.model: Any = imported.build()
+        view: Any = da.JointCoordinates().view(self.model, every_equation=True)
+        e = view.equations
+        self.names = list(view.names)
+        self.speeds = [name for link in view.links for name in link.space.speed_names]
+        self.joints = list(imported.document.get("joints", {}))
+        carried = {
+            imported.document["joints"][name]["connect"][1].partition(".")[0]
+            for name in imported.names.values()
+        }
+        self.free = [body for body in imported.document["bodies"] if body not in carried]
+        terms = [e.inertia.matrix, e.bias - e.force, e.jacobian, e.constraint_acceleration]
+        self._function = ca.Function("terms", [e.t, e.y, e.v, e.p], terms)
+
+    def terms(self, state: State) -> list[np.ndarray]:
+        """``M``, ``h``, ``C`` and ``ξ``."""
+        values = self._function(0.0, state.q, state.v, self.model.nominal)
+        mass, bias, jacobian, xi = (value.full() for value in values)
+        return [mass, bias.ravel(), jacobian, xi.ravel()]
+
+    def coordinate(self, joint: str) -> str:
+        """Name of the coordinate of a joint."""
+        names = (f"{joint}.angle", f"{joint}.displacement")
+        return next(name for name in names if name in self.names)
+
+    def offset(self, body: str) -> np.ndarray:
+        """Mass centre in the body frame."""
+        owner = next(b for b in self.model.bodies if b.name == body)
+        offset: np.ndarray = ca.DM(owner.offset).full().ravel()
+        return offset
+
+    @property
+    def loops(self) -> int:
+        """Number of closed loops and couplings."""
+        return len(self.joints) - (len(self.model.bodies) - len(self.free))
+
+    def difference(self, state: State, peer: list[Any]) -> np.ndarray:
+        """Largest relative differences of mass matrix, bias and accelerations.
+
+        NaN for accelerations that are not compared, or not determined because M is singular.
+        """
+        mass, bias, jacobian, xi = self.terms(state)
+        t = state.map
+        inertial = [(t.T @ mass @ t, peer[0]), (t.T @ (bias + mass @ state.drift), peer[1])]
+        if peer[2] is None or np.linalg.matrix_rank(peer[0], hermitian=True) < len(peer[0]):
+            return np.array([*map(_relative, inertial), np.nan])
+        expected = t @ accelerations(*peer) + state.drift
+        computed = accelerations(mass, bias, jacobian, xi)
+        rows = np.abs(t).max(axis=1, initial=0.0) > 0
+        return np.array([*map(_relative, inertial), _relative((computed[rows], expected[rows]))])
+
+
+def _relative(pair: tuple[np.ndarray, np.ndarray]) -> float:
+    """Largest difference over the largest value."""
+    ours, peer = pair
+    return float(np.abs(ours - peer).max() / max(np.abs(peer).max(), 1e-6))
+
+
+def free_body(q: np.ndarray, t: np.ndarray, drift: np.ndarray, body: Any) -> None:
+    """Enter a free body, whose peer's speeds are those of its origin.
+
+    Parameters
+    ----------
+    body : index in q, in v and in the peer's speeds; position, axes, quaternion (scalar first),
+        mass centre; velocity of the origin, angular velocity in body axes; whether the peer's
+        velocity is in body axes
+    """
+    at, row, column, place, axes, quaternion, center, velocity, spin, is_local = body
+    q[at : at + 3], q[at + 3 : at + 7] = place + axes @ center, quaternion
+    x, y, z = center
+    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    t[row : row + 3, column : column + 3] = axes if is_local else np.eye(3)
+    t[row : row + 3, column + 3 : column + 6] = -axes @ skew
+    t[row + 3 : row + 6, column + 3 : column + 6] = np.eye(3)
+    drift[row : row + 3] = axes @ np.cross(spin, np.cross(spin, center))
+    if is_local:
+        drift[row : row + 3] += axes @ np.cross(spin, velocity)

@@ -1,0 +1,1 @@
+"""Import of models from files of other programs."""

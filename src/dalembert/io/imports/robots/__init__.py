@@ -1,0 +1,1 @@
+"""Robots and other mechanisms of links and joints: URDF, MJCF and SDF."""

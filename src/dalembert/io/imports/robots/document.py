@@ -1,0 +1,198 @@
+"""Sections of a model file from the links and joints of a robot.
+
+A link without a joint is part of the body that carries it. Joints have a frame in both bodies, with
+the name of the joint, whose z axis is that of the joint and whose x axis counts its angle.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dalembert.io.imports.robots.body_tables import BodyTables
+from dalembert.io.imports.robots.joint_forces import actuator_formula, joint_forces, scaled
+from dalembert.io.imports.robots.kinematics import Carrier
+from dalembert.io.imports.robots.parts import (
+    BALL,
+    FREE,
+    PLANAR,
+    SLIDING,
+    TURNING,
+    Actuator,
+    Closure,
+    Dependence,
+    Joint,
+    Link,
+    Robot,
+)
+from dalembert.io.imports.robots.pose import (
+    Pose,
+    axes_about,
+    tidy,
+)
+from dalembert.io.imports.toml_text import number_text
+from dalembert.io.omission import Omission
+from dalembert.text.wording import visible
+
+TYPES = {TURNING: "Revolute", SLIDING: "Prismatic", BALL: "Spherical", PLANAR: "Planar"}
+COORDINATES = {TURNING: "angle", SLIDING: "displacement"}
+"""Kind of a joint → measure of its coordinate."""
+UNITS = {TURNING: "rad", SLIDING: "m"}
+
+
+class RobotDocument(BodyTables):
+    """Writer of the sections of a model file.
+
+    Parameters
+    ----------
+    robot : Robot
+    stops : stiffness of elastic stops at the limits of joints [N m/rad] or [N/m]; None for no stops
+    repair_inertia : whether inertias that no body has are raised, instead of refused
+
+    Attributes
+    ----------
+    document : sections as plain data
+    joints : joint → name in the model file
+    """
+
+    def __init__(self, robot: Robot, stops: float | None, repair_inertia: bool):
+        super().__init__(robot, repair_inertia)
+        self.stops = stops
+        self.joints = {
+            joint: self.names.add(joint.name, "joint")
+            for link in self.bodies
+            for joint in link.joints
+            if joint.kind != FREE
+        }
+        self.document = self._document()
+
+    def _document(self) -> dict[str, Any]:
+        for link in self.bodies:
+            self.add_body(link)
+        for link in self.bodies:
+            self._add_joints(link)
+        for link in self.robot.links:
+            self.add_fixed(link)
+        for closure in self.robot.closures:
+            self._add_closure(closure)
+        for dependence in self.robot.dependences:
+            self._add_dependence(dependence)
+        for joint, name in self.joints.items():
+            forces = joint_forces(joint, name, self.sections["joints"][name]["connect"])
+            forces |= self._limits(joint, name)
+            for ending, force in forces.items():
+                self.sections["forces"][self.names.add(f"{name}_{ending}")] = force
+        for actuator in self.robot.actuators:
+            self._add_actuator(actuator)
+        document: dict[str, Any] = {"format": 1, "name": visible(self.robot.name), "dimension": 3}
+        if self.robot.gravity is not None:
+            document["gravity"] = tidy(self.robot.gravity)
+        if self.ground:
+            document["ground"] = self.ground
+        sections = {name: section for name, section in self.sections.items() if section}
+        return document | sections | {"analysis": {"type": "Dynamics", "duration": 1.0}}
+
+    def _limits(self, joint: Joint, name: str) -> dict[str, dict[str, Any]]:
+        """Stops at the limits of a joint, or an omission."""
+        if joint.range is None:
+            return {}
+        if self.stops is None:
+            reason = "the model has no stops; import with --stops STIFFNESS for elastic ones"
+            self.omissions.append(Omission(joint.element.place, "limits of joints", reason))
+            return {}
+        lower, upper = joint.range
+        if lower > upper:
+            raise joint.element.error(f"the limits are {lower:g} and {upper:g}; exchange them")
+        limits = {"lower": lower, "upper": upper, "stiffness": self.stops}
+        return {"stop": {"type": "Stop", "coordinate": self.coordinate(joint), **limits}}
+
+    # joints -----------------------------------------------------------------------------------
+    def _add_joints(self, link: Link) -> None:
+        base = self.kinematics.carrier(link.parent)
+        base = Carrier(base.link, base.pose @ link.pose)
+        body = "ground" if base.link is None else self.bodies[base.link]
+        pose = base.pose
+        for k, joint in enumerate(link.joints, 1):
+            last = k == len(link.joints)
+            child = self.bodies[link] if last else self.between(link, k)
+            if joint.kind != FREE:
+                name = self.joints[joint]
+                at = Pose(joint.anchor, axes_about(joint.axis))
+                if joint.kind == BALL:
+                    at = Pose(joint.anchor)
+                ends = [self.add_frame(body, name, pose @ at), self.add_frame(child, name, at)]
+                self.sections["joints"][name] = {"type": TYPES[joint.kind], "connect": ends}
+                if comment := _comment(joint):
+                    self.comments[f"joints.{name}"] = comment
+            body, pose = child, Pose()
+
+    def _add_closure(self, closure: Closure) -> None:
+        name = self.names.add(closure.name, "joint")
+        carriers = [
+            Carrier(base.link, base.pose @ pose)
+            for link, pose in zip(closure.links, closure.poses, strict=True)
+            for base in [self.kinematics.carrier(link)]
+        ]
+        if carriers[0].link is carriers[1].link:
+            raise closure.element.error(
+                "connects two links that are rigidly connected anyway; remove it"
+            )
+        ends = [self.frame(carrier, name) for carrier in carriers]
+        self.sections["joints"][name] = {"type": closure.type, "connect": ends, **closure.keys}
+        if closure.motion is not None:
+            self.joints[closure.motion] = name
+            if comment := _comment(closure.motion):
+                self.comments[f"joints.{name}"] = comment
+
+    def _add_dependence(self, dependence: Dependence) -> None:
+        """A coupling of a fixed ratio, or a formula."""
+        first, second = dependence.first, dependence.second
+        name = self.names.add(dependence.name, "coupling")
+        coefficients = dependence.coefficients
+        if first is not None and not any(coefficients[2:]):
+            joints = {"joint_i": self.joints[first], "joint_j": self.joints[second]}
+            ratio = coefficients[1] if len(coefficients) > 1 else 0.0
+            self.sections["joints"][name] = {"type": "Coupling", **joints, "ratio": ratio}
+            return
+        terms = [number_text(coefficients[0])]
+        if first is not None:
+            x = self.coordinate(first)
+            powers = [x, *(f"{x}**{k}" for k in range(2, len(coefficients)))]
+            pairs = zip(coefficients[1:], powers, strict=True)
+            terms += [f"{number_text(c)}*{power}" for c, power in pairs if c]
+        formula = f"{self.coordinate(second)} - ({' + '.join(terms)})"
+        self.sections["joints"][name] = {
+            "type": "UserConstraint",
+            "formula": formula,
+            "unit": UNITS[second.kind],
+        }
+
+    def _add_actuator(self, actuator: Actuator) -> None:
+        """An input, and a force along each joint of the actuator."""
+        control = self.names.add(actuator.name, "input")
+        low, high = actuator.bounds or (0.0, 0.0)
+        table: dict[str, Any] = {"value": min(max(low, 0.0), high)}
+        if actuator.bounds is not None:
+            table["bounds"] = [low, high]
+        self.sections["inputs"][control] = table
+        coordinates = [self.coordinate(joint) for joint, _ in actuator.joints]
+        formula = actuator_formula(actuator, control, coordinates)
+        for joint, coefficient in actuator.joints:
+            name = self.names.add(f"{control}_force")
+            value = scaled(coefficient, formula)
+            self.sections["forces"][name] = {
+                "type": "JointActuator",
+                "joint": self.joints[joint],
+                "value": value,
+            }
+
+    def coordinate(self, joint: Joint) -> str:
+        """Measure of the coordinate of a joint."""
+        return f"{self.joints[joint]}.{COORDINATES[joint.kind]}"
+
+
+def _comment(joint: Joint) -> str:
+    texts = [joint.comment] if joint.comment else []
+    if joint.range is not None and joint.kind in UNITS:
+        lower, upper = (f"{limit:.6g}" for limit in joint.range)
+        texts.append(f"range {lower} to {upper} {UNITS[joint.kind]}")
+    return "; ".join(texts)

@@ -1,0 +1,1 @@
+"""Import of MJCF, the format of MuJoCo."""

@@ -1,0 +1,1 @@
+"""Import of SDF, the format of Gazebo."""

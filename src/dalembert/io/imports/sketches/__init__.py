@@ -1,0 +1,1 @@
+"""Import of planar mechanisms from drawings: lines are bars, circles are pins."""

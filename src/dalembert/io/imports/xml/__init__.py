@@ -1,0 +1,1 @@
+"""XML files: elements with line numbers, read without external entities."""
