@@ -1,0 +1,1 @@
+"""LaTeX equations of small models."""

@@ -1,0 +1,1 @@
+"""Shapes of bodies as surfaces and lines, from the scenes of pictures."""

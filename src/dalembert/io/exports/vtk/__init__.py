@@ -1,0 +1,1 @@
+"""Series of VTK files for ParaView."""
