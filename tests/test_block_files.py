@@ -119,3 +119,44 @@ integral = 800
 def test_faults_are_named(tmp_path, text, message):
     with pytest.raises(da.DalembertError, match=message):
         loaded(tmp_path, HEAD + text).build()
+
+
+SAMPLED = """
+[blocks.sensor]
+type = "Quantizer"
+input = "cabin.y"
+resolution = 1e-4
+sample_time = "10 ms"
+[blocks.late]
+type = "Delay"
+input = "sensor.output"
+samples = 2
+sample_time = "10 ms"
+[blocks.control]
+type = "SampledPID"
+setpoint = 1
+measured = "late.output"
+proportional = "kp"
+integral = 60
+derivative = 40
+filter_time = 0.05
+sample_time = 0.01
+[blocks.count]
+type = "SampledState"
+next = "count.value + 1"
+sample_time = 0.1
+"""
+
+
+def test_sampled_blocks_in_files(tmp_path):
+    model = loaded(tmp_path, HEAD + SAMPLED + DRIVE).build()
+    motion = da.solve_dynamics(model, 2.0, step=0.005)
+    assert motion["count.value"][-1].item() == 20.0
+    assert motion["cabin.y"][-1].item() == pytest.approx(1.0, abs=0.3)
+    assert np.all(np.abs(motion["sensor.output"] / 1e-4 % 1 - 0.5) > 0.49)
+
+
+def test_sampled_blocks_need_a_sample_time(tmp_path):
+    text = HEAD + '[blocks.hold]\ntype = "ZeroOrderHold"\ninput = "cabin.y"\n'
+    with pytest.raises(da.ModelError, match=r"hold: has no sample_time"):
+        loaded(tmp_path, text)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from pathlib import Path
 
 from dalembert.analysis.events import Event, Events
-from dalembert.analysis.transient.equation import Rayleigh
+from dalembert.analysis.rayleigh import Rayleigh
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.elements.base import Constraint, Rows
 from dalembert.elements.body import BodyElement
@@ -34,6 +35,10 @@ from dalembert.results.structural.result import StructuralResult
 from reference.markdown import field_texts, summary, table
 
 HOLDS: dict[object, str] = {
+    Sequence[float]: "list of numbers",
+    dict[str, object]: "table of numbers and formulas",
+    dict[str, complex]: "table of numbers, or pairs of real and imaginary part",
+    fields.Geometries: "list of [geometries](#geometry)",
     fields.Coefficients: "list of formulas",
     fields.Quantity: "formula",
     ForceLaw: "formula",

@@ -33,6 +33,10 @@ CATEGORIES: dict[str, tuple[str, str]] = {
         "discs_in_a_box dominoes friction_gripper geneva_drive hopper slider_crank_with_play "
         "tippe_top vibratory_feeder woodpecker",
     ),
+    "Control": (
+        "",
+        "active_suspension cart_pole_lqr computed_torque den_hartog_absorber fmu_control",
+    ),
     "Structures": ("", "plate truss ten_bar_truss truss_shape marimba_bar mbb_beam tuned_mass"),
     "Design": (
         "path_optimization",
@@ -50,6 +54,7 @@ CATEGORIES: dict[str, tuple[str, str]] = {
 }
 """Topic → animated picture, and names of examples."""
 TITLES = {
+    "cart_pole_lqr": "Cart-pole with LQR",
     "mbb_beam": "MBB beam",
     "n_four_bar": "N four-bars",
     "rssr_four_bar": "RSSR four-bar",

@@ -61,11 +61,30 @@ FIXED = {
             "description": ABOUT,
         },
     ),
+    "input": (
+        schema.InputTable,
+        {
+            "value": "number in `unit`, text with its unit, or formula of `t`, parameters and "
+            "tables in SI units",
+            "unit": "unit of value and bounds; an SI unit for a formula",
+            "bounds": "`[lower, upper]` in `unit`; of the deviation, for a formula",
+            "description": ABOUT,
+        },
+    ),
+    "output": (
+        schema.OutputTable,
+        {
+            "formula": "measure, or formula of measures, parameters and `t`",
+            "unit": UNIT,
+            "description": ABOUT,
+        },
+    ),
     "inline": (
         tables.InlinePoint,
         {"body": "name of a body", "at": "coordinates in the body frame [m]"},
     ),
     "frame": (orientations.InlineFrame, {}),
+    "geometry": (orientations.GeometryTable, {"type": "kind of the solid"}),
     "event": (
         tables.EventTable,
         {

@@ -24,6 +24,9 @@ from dalembert.analysis.equilibrium.statics import (
     solve_statics as solve_statics,
 )
 from dalembert.analysis.events import Event as Event
+from dalembert.analysis.frequency.frequency_response import FrequencyResponse as FrequencyResponse
+from dalembert.analysis.frequency.random_response import RandomResponse as RandomResponse
+from dalembert.analysis.frequency.solve import frequency_response as frequency_response
 from dalembert.analysis.kinematics.inverse_dynamics import (
     InverseDynamics as InverseDynamics,
     solve_inverse_dynamics as solve_inverse_dynamics,
@@ -42,9 +45,14 @@ from dalembert.analysis.nonsmooth.nonsmooth import (
     Nonsmooth as Nonsmooth,
     solve_nonsmooth as solve_nonsmooth,
 )
-from dalembert.analysis.transient.equation import Rayleigh as Rayleigh
+from dalembert.analysis.rayleigh import Rayleigh as Rayleigh
+from dalembert.analysis.stepping.stepper import Stepper as Stepper
+from dalembert.analysis.stepping.stepper_state import StepperState as StepperState
 from dalembert.design.case import Case as Case
 from dalembert.design.ecosystem.functions import DesignFunctions as DesignFunctions
+from dalembert.design.ecosystem.gymnasium_environment import (
+    gymnasium_environment as gymnasium_environment,
+)
 from dalembert.design.ecosystem.openmdao_component import openmdao_component as openmdao_component
 from dalembert.design.ecosystem.openmdao_implicit import (
     openmdao_implicit_component as openmdao_implicit_component,
@@ -181,6 +189,7 @@ from dalembert.errors import (
     UnknownNameError as UnknownNameError,
     UnsupportedError as UnsupportedError,
 )
+from dalembert.fmu.export import FMU as FMU, export_fmu as export_fmu
 from dalembert.formulations.augmented_lagrangian import AugmentedLagrangian as AugmentedLagrangian
 from dalembert.formulations.automatic_formulation import (
     AutomaticFormulation as AutomaticFormulation,
@@ -225,7 +234,11 @@ from dalembert.integrators.runge_kutta.implicit import (
     Trapezoidal as Trapezoidal,
 )
 from dalembert.integrators.sundials import CVODES as CVODES, IDA as IDA
+from dalembert.io.exports.export import export as export
+from dalembert.io.imports.imported import Imported as Imported
+from dalembert.io.imports.registry import import_model as import_model
 from dalembert.io.model_file import load_model as load_model
+from dalembert.io.omission import Omission as Omission
 from dalembert.model.assembled.model import StructuralModel as StructuralModel
 from dalembert.model.graph.coordinates import AbsoluteCoordinates as AbsoluteCoordinates
 from dalembert.model.graph.model import Model as Model
@@ -256,14 +269,19 @@ from dalembert.responses.integrals import (
     rms as rms,
     total as total,
 )
+from dalembert.responses.peaks import Peak as Peak, peak as peak
+from dalembert.responses.random_rms import RandomRMS as RandomRMS, random_rms as random_rms
 from dalembert.responses.values import At as At, Final as Final, at as at, final as final
 from dalembert.results.batch.batch import Batch as Batch
 from dalembert.results.comparison.result import Comparison as Comparison
 from dalembert.results.files.assembly_report import assembly_report as assembly_report
 from dalembert.results.files.store import load_results as load_results
+from dalembert.results.harmonic import HarmonicResponse as HarmonicResponse
 from dalembert.results.module import Module as Module
 from dalembert.results.motion import Motion as Motion
 from dalembert.results.pictures.tornado import tornado as tornado
+from dalembert.results.random_vibration import RandomVibration as RandomVibration
+from dalembert.results.state_space import StateSpace as StateSpace
 from dalembert.results.status import Outcome as Outcome, Status as Status
 from dalembert.sensitivity.checks.certificate import Certificate as Certificate
 from dalembert.sensitivity.checks.finite_difference import FiniteDifference as FiniteDifference
@@ -296,6 +314,7 @@ from dalembert.symbolic.formulas.functions import (
     tanh as tanh,
     where as where,
 )
+from dalembert.symbolic.formulas.inputs import Input as Input
 from dalembert.symbolic.formulas.interpolation import Interpolation as Interpolation
 from dalembert.symbolic.formulas.parameter import Parameter as Parameter
 from dalembert.symbolic.native.code_cache import clear_cache as clear_cache

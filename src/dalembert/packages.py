@@ -8,15 +8,18 @@ from typing import Any
 from dalembert.errors import UnsupportedError
 
 INSTALL = {
+    "OCP": "dalembert[cad]",
     "SALib": "dalembert[study]",
     "cma": "dalembert[design]",
     "coacd": "dalembert[mesh]",
     "distributed": "dalembert[cluster]",
     "ezc3d": "dalembert[c3d]",
+    "ezdxf": "dalembert[sketch]",
     "jax": "jax",
     "meshio": "dalembert[mesh]",
     "nlopt": "dalembert[nlopt]",
     "openmdao": "dalembert[mdo]",
+    "gymnasium": "dalembert[control]",
     "openturns": "dalembert[reliability]",
     "pyamg": "dalembert[sparse]",
     "pyarrow": "dalembert[study]",
@@ -24,6 +27,7 @@ INSTALL = {
     "sklearn": "dalembert[study]",
     "torch": "torch",
     "trimesh": "dalembert[mesh]",
+    "ziglang": "dalembert[fmu]",
 }
 """Package → what to install for it."""
 

@@ -110,6 +110,16 @@ RESULTS = {
     "modes": (lambda: da.linearize(propped_bar()), (da.final("frequency", name="f"),)),
     "vibration": (lambda: da.solve_modes(cable(), 2), (da.at(1, "frequency"),)),
     "buckling": (lambda: da.solve_buckling(cable(), 1), (da.at(1, "load_factor"),)),
+    "frequency response": (
+        lambda: da.frequency_response(
+            propped_bar(), [0.5, 1.3], inputs=["stiffness"], outputs=["bar.end.x"]
+        ),
+        (da.at(1.3, "bar.end.x.stiffness.amplitude"),),
+    ),
+    "structural frequency response": (
+        lambda: da.frequency_response(cable(), [20.0, 45.0], outputs=["b.uy"]),
+        (da.at(45.0, "b.uy.amplitude"),),
+    ),
     "load path": (lambda: da.solve_load_path(cable()), (da.final("b.uy"), da.final("ab.force"))),
     "transient": (
         lambda: da.solve_transient(cable(), 0.01, step=5e-4),

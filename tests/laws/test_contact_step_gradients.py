@@ -65,7 +65,7 @@ class Repeated:
             ends.append(self.end(k, state, p + s * change))
         first = (ends[0] - ends[2]) / (2 * EPSILON)
         second = (ends[0] - 2 * ends[1] + ends[2]) / EPSILON
-        rate = self.steps.maps.equations.rates(x[: self.size], way)[0]
+        rate = self.steps.maps.equations.rates(0.0, x[: self.size], way, p)[0].ravel()
         dx = np.concatenate([rate, speeds])[:, None]
         exact = push_maps(self.steps.at(k), dx, 0.0, change[:, None]).ravel()
         scale = 1 + np.abs(first).max()

@@ -12,7 +12,7 @@ import pytest
 import dalembert as da
 from dalembert import spatial
 from dalembert.elements.spatial.inertia_tensor import tensor
-from dalembert.elements.spatial.mesh import SurfaceMesh
+from dalembert.elements.spatial.surface import SurfaceMesh
 
 DENSITY = 2.7
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)

@@ -45,7 +45,8 @@ class GapDerivatives:
         go, impulses = model.equations.manifold.go, rng.normal(size=gaps.drift.shape)
         here = self.at(y, gaps, impulses)
         dq = np.zeros((y.size + v.size + 1 + model.nominal.size, 1))
-        dq[: y.size, 0] = step_equations(model, 0.5).rates(y, self.way)[0]
+        rates = step_equations(model, 0.5).rates(0.0, y, self.way, model.nominal)[0]
+        dq[: y.size, 0] = rates.ravel()
         change, momentum = here.push(dq)
         ends = [self.at(go(y, step * self.way), gaps, impulses) for step in (1e-6, -1e-6)]
         distances, speeds, momenta = (

@@ -6,12 +6,12 @@ They are the fields of the analyses, which document them.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, TypedDict
+from typing import TYPE_CHECKING, Any, TypedDict
 
 if TYPE_CHECKING:
     from dalembert.analysis.events import Events
+    from dalembert.analysis.rayleigh import Rayleigh
     from dalembert.analysis.times import Time, Times
-    from dalembert.analysis.transient.equation import Rayleigh
     from dalembert.formulations.base import Formulation
     from dalembert.formulations.stabilization import Stabilization
     from dalembert.integrators.base import Integrator
@@ -99,3 +99,21 @@ class ArcLengthKeywords(TypedDict, total=False):
     max_points: int
     tolerance: float
     max_iterations: int
+
+
+class FrequencyResponseKeywords(TypedDict, total=False):
+    """Keywords of ``FrequencyResponse``."""
+
+    inputs: Any
+    outputs: Any
+    excitation: Any
+    span: tuple[float, float] | None
+    method: str
+    count: int | None
+    about: Any
+    time: Time
+    equilibrium: bool
+    damping: Rayleigh
+    loss_factor: float
+    damping_ratio: float
+    lumped: bool

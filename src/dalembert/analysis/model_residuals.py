@@ -124,7 +124,7 @@ class ModelResiduals:
     @property
     def of_motion(self) -> Violation:
         """The largest violation of an equation of motion."""
-        if not (self.s.y.size and self.s.t.size):
+        if not (self.s.v.size and self.s.t.size):
             return Violation(0.0)
         residuals, terms = self._motion
         size = terms + self.model.scales.efforts[:, None]

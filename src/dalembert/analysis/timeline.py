@@ -231,8 +231,8 @@ class OverTime(Analysis[Any, R]):
         control also instants inside steps, so that straight lines between outputs follow the motion
     """
 
-    executions: ClassVar[dict[str, type[Execution]]]
-    """Kind of model → class whose objects execute one run."""
+    executions: ClassVar[dict[str, Callable[..., Execution]]]
+    """Kind of model → executor of one run, from analysis, model and parameters."""
 
     duration: float | None = None
     step: float | None = None

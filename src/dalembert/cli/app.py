@@ -19,6 +19,7 @@ from dalembert.interrupts import ctrl_c
 COMMANDS = {
     "examples": "List the example models, or copy one here.",
     "check": "Explain a model: degrees of freedom, parts, parameters and warnings.",
+    "import": "Write the model in a file of another program as a model file: URDF, MJCF, SDF.",
     "run": "Run the analysis of a model file; writes results and an interactive report.",
     "sensitivity": "Derivatives of the responses of a model file by its parameters.",
     "compare": "Compare formulations and integrators on a model: cost, violations, errors.",
@@ -32,14 +33,18 @@ COMMANDS = {
     "invert": "Find the forces and drives that explain measured motion.",
     "sweep": "Run the analysis of a model file at many designs; resumes an interrupted study.",
     "report": "Write the interactive report of a result file, or of two for comparison.",
-    "export": "Write the analysis of a model file as a module for JavaScript.",
+    "export": "Write a model file or its results for other programs: JavaScript, FMU, glTF …",
     "film": "Write the motion of a result file as an animation, GIF or MP4.",
     "cache": "Show the compiled functions cached on disk, or delete them.",
     "completion": "Print the completion script of a shell: bash, zsh or fish.",
     "schema": "Print the JSON Schema of model files, for editors.",
 }
 
+FUNCTIONS = {"import": "import_file"}
+"""Command → function and module, if Python reserves its name."""
+
 EXAMPLES = {
+    "import": "robot.urdf --output robot.toml",
     "optimize": "smooth_torque.toml --minimize torque_rms --vary k --output results",
     "pareto": "smooth_torque.toml --points 9 --output results",
     "reliability": "smooth_torque.toml --samples 1000 --output results",
@@ -71,7 +76,8 @@ def make_app() -> App:
     for name, summary in COMMANDS.items():
         example = EXAMPLES.get(name)
         text = f"{summary}\n\nExample: dalembert {name} {example}" if example else summary
-        app.command(f"dalembert.cli.{name}:{name}", name=name, help=text)
+        function = FUNCTIONS.get(name, name)
+        app.command(f"dalembert.cli.{function}:{function}", name=name, help=text)
     return app
 
 

@@ -1,4 +1,4 @@
-"""``dalembert export``: the analysis of a model file as a module for another language."""
+"""``dalembert export``: a model file, or its analysis, for other programs."""
 
 from __future__ import annotations
 
@@ -15,11 +15,15 @@ from dalembert.cli.console import (
     print_files,
     print_heading,
     print_json,
+    print_line,
     wrong_input,
 )
-from dalembert.cli.loading import load_model, output_folder
+from dalembert.cli.export_unit import FMU, UnitOptions, export_unit
+from dalembert.cli.loading import load_model, output_folder, refuse_replacing
 from dalembert.errors import ExpressionError, UnsupportedError
-from dalembert.report.exports import FORMATS
+from dalembert.io.exports.export import write_files
+from dalembert.io.exports.registry import FORMATS
+from dalembert.report.exports import FORMATS as MODULES
 from dalembert.text.wording import unknown
 
 if TYPE_CHECKING:
@@ -27,7 +31,7 @@ if TYPE_CHECKING:
     from dalembert.responses.base import Response
 
 Names = Annotated[list[str], Parameter(negative=())]
-Format = Annotated[str, Parameter(help=f"Format of the module: {', '.join(FORMATS)}.")]
+Format = Annotated[str, Parameter(help=f"Format: {', '.join((*MODULES, *FORMATS))}.")]
 
 
 def export(
@@ -40,12 +44,15 @@ def export(
     response: Names | None = None,
     analysis: str | None = None,
     settings: Settings | None = None,
+    unit: UnitOptions | None = None,
     as_json: AsJson = False,
 ) -> int:
-    """Write the analysis of a model file as a module that runs without Python.
+    """Write a model file, or its analysis, for another program.
 
-    The module simulates the model for any parameter values and differentiates its responses. For
-    JavaScript it is a file to import, with its types and an example page with sliders.
+    The format js is a module that runs without Python: it simulates the model for any parameter
+    values and differentiates its responses. The format fmu is a functional mock-up unit, which runs
+    in other simulation programs. Other formats are files of the model (mjcf, urdf, dxf,
+    latex) or of the results of its analysis; parts that a format cannot express are listed.
 
     Parameters
     ----------
@@ -54,26 +61,76 @@ def export(
     output
         Folder for the files; the current folder by default.
     measure
-        Output over time, name or formula; by default the plots and traced points of the file, else
-        the coordinates of all bodies; of modes the frequencies and damping ratios. Repeatable.
+        Output of a module over time, name or formula; by default the plots and traced points of
+        the file, else the coordinates of all bodies; of modes the frequencies and damping ratios.
+        Repeatable.
     response
-        Name of a response of the file; all by default. Repeatable.
+        Name of a response of a module; all by default. Repeatable.
     analysis
         Type of analysis instead of the file's, e.g. Kinematics.
     """
+    names = [*MODULES, *FORMATS]
+    with wrong_input():
+        if to not in names:
+            raise UnsupportedError(unknown("format", to, names))
+    file, built = load_model(model, settings)
+    folder = output_folder(output)
+    if to in MODULES:
+        return _export_module(file, built, to, folder, measure, response, analysis, as_json)
+    if to == FMU:
+        return export_unit(file, built, folder, measure, analysis, unit or UnitOptions(), as_json)
+    return _export_file(file, built, to, folder, analysis, as_json)
+
+
+def _export_file(
+    file: ModelFile, model: Any, to: str, folder: Path, analysis: str | None, as_json: bool
+) -> int:
+    """Write a file of the model, or of the result of its analysis."""
+    from dalembert.io.analyses import make_analysis
+
+    chosen, source = FORMATS[to], model
+    target = folder / f"{file.path.stem}{chosen.suffix}"
+    if not chosen.of_model:
+        with wrong_input():
+            task = make_analysis(file, model, analysis)
+        with file.located("analysis"):
+            source = task.run(model, progress=not as_json and sys.stderr.isatty())
+    with wrong_input():
+        contents = chosen.create(source, target.stem, {})
+        refuse_replacing(file.path, [folder / name for name in contents.files])
+        files = write_files(contents, target)
+    omissions = [str(omission) for omission in contents.omissions]
+    if as_json:
+        summary = {"ok": True, "name": file.name, "to": to, "omissions": omissions}
+        print_json(summary | {"files": [str(path) for path in files]})
+    else:
+        print_heading(file.name, chosen.contents)
+        for omission in omissions:
+            print_line(f"Not exported: {omission}")
+        print_files(files)
+    return DONE
+
+
+def _export_module(
+    file: ModelFile,
+    built: Any,
+    to: str,
+    folder: Path,
+    measure: list[str] | None,
+    response: list[str] | None,
+    analysis: str | None,
+    as_json: bool,
+) -> int:
+    """Write the analysis as a module for another language."""
     from dalembert.io.analyses import make_analysis
     from dalembert.io.decisions.responses import make_responses
     from dalembert.report.exports import write_export
     from dalembert.results.module import build_module
 
-    file, built = load_model(model, settings)
     with wrong_input():
-        if to not in FORMATS:
-            raise UnsupportedError(unknown("format", to, FORMATS))
         task = make_analysis(file, built, analysis)
         responses = make_responses(file, built)
         chosen = list(responses.values()) if response is None else _named(responses, response)
-    folder = output_folder(output)
     with file.located("analysis"):
         result = task.run(built, progress=not as_json and sys.stderr.isatty())
     with wrong_input():

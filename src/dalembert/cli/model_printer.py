@@ -65,6 +65,8 @@ class MechanismPrinter(ModelPrinter[Model]):
         return {
             "diagnosis": self.model.diagnosis.to_dict(),
             "parameters": _parameters(self.model),
+            "inputs": list(self.model.inputs),
+            "outputs": _outputs(self.model),
             "derived": self.derived_values,
         }
 
@@ -133,6 +135,8 @@ class StructurePrinter(ModelPrinter[StructuralModel]):
             "prescribed": len(self.model.supports),
             "load_cases": list(self.model.loads),
             "parameters": _parameters(self.model),
+            "inputs": list(self.model.inputs),
+            "outputs": _outputs(self.model),
         }
 
     @property
@@ -190,6 +194,14 @@ def _parameters(model: Any) -> dict[str, dict[str, Any]]:
     }
 
 
+def _outputs(model: Any) -> dict[str, dict[str, str]]:
+    """Name → unit and description of the outputs."""
+    return {
+        name: {"unit": model.outputs[name].unit, "description": output.description}
+        for name, output in model.declared_outputs.items()
+    }
+
+
 def _print_parameters(model: Any) -> None:
     """Print a line for each parameter, in the unit of its declaration."""
     for name, p in model.parameters.items():
@@ -197,6 +209,7 @@ def _print_parameters(model: Any) -> None:
         unit = p.declared_unit or p.unit
         bounds = "" if low == -high == float("-inf") else f"  in [{low:g}, {high:g}]"
         about = f"  {p.description}" if p.description else ""
-        print_line(
-            f"  parameter       {name} = {p.in_declared_unit(p.value):g} {unit}{bounds}{about}"
-        )
+        print_line(f"  {p.role:<15} {name} = {p.in_declared_unit(p.value):g} {unit}{bounds}{about}")
+    for name, output in model.declared_outputs.items():
+        about = f"  {output.description}" if output.description else ""
+        print_line(f"  output          {name} {model.outputs[name].unit}{about}")

@@ -59,9 +59,20 @@ class AlongJoint(ForceElement):
         """Force or moment along the motion as a function of its speed."""
         raise NotImplementedError
 
+    @property
+    def rotor(self) -> ca.SX:
+        """Inertia that moves with the free motion only [kg m²] or [kg]."""
+        return ca.SX(0)
+
     def powers(self, rate: Rate) -> Powers:
         speed = rate(self.free_coordinate)
         return [(speed, self.effort(speed))]
+
+    def inertial_powers(self, rate: Rate) -> Powers:
+        if self.rotor.is_zero():
+            return []
+        speed = rate(self.free_coordinate)
+        return [(speed, self.rotor * rate(speed))]
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
         speed, rotates = rate(self.free_coordinate), self.free_unit == "rad"
@@ -119,7 +130,11 @@ class JointFriction(AlongJoint):
 
 @dataclass(eq=False)
 class JointActuator(AlongJoint):
-    """Force or moment along a free motion of a joint: a motor, a hydraulic cylinder.
+    """Force or moment along a free motion ``s`` of a joint: a motor, a hydraulic cylinder.
+
+    A rotor with a gear adds ``−J s̈``: of a motor with the moment of inertia ``J_m`` and the ratio
+    ``n`` it is ``J = n² J_m``; gyroscopic effects of the rotor are neglected (Featherstone, Rigid
+    Body Dynamics Algorithms, 2008, 9.6).
 
     Parameters
     ----------
@@ -127,6 +142,7 @@ class JointActuator(AlongJoint):
     value : force [N] or moment [N m], positive increases the coordinate; formula of t, parameters
         and measures
     motion : name of the free motion if the joint has several (``displacement`` or ``angle``)
+    inertia : ``J`` of a rotor, at the joint [kg m²] or [kg]
 
     Examples
     --------
@@ -145,7 +161,14 @@ class JointActuator(AlongJoint):
     joint: Constraint
     value: Scalar = quantity("N | N m", "force or moment, positive drives the motion up")
     motion: str = option("name of the free motion, if the joint has several", default=None)
+    inertia: Scalar = quantity(
+        "kg m^2 | kg", "inertia of a rotor, at the joint", default=0.0, minimum=0.0
+    )
     not_drawn = "the motion it drives has no two points"
+
+    @property
+    def rotor(self) -> ca.SX:
+        return self.inertia.sx
 
     def effort(self, speed: ca.SX) -> ca.SX:
         return self.value.sx

@@ -187,6 +187,14 @@ BLOCKS = named(
     blocks.StateSpace,
     blocks.LeadLag,
     blocks.LowPass,
+    blocks.TransportDelay,
+    blocks.SampledState,
+    blocks.SampledPID,
+    blocks.SampledTransferFunction,
+    blocks.SampledStateSpace,
+    blocks.ZeroOrderHold,
+    blocks.Delay,
+    blocks.Quantizer,
 )
 LAWS = named(
     Formula,

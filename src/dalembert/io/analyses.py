@@ -10,14 +10,14 @@ import numpy as np
 from pydantic import BaseModel
 
 from dalembert.analysis.events import Event, Events
+from dalembert.analysis.rayleigh import Rayleigh
 from dalembert.analysis.times import in_seconds
-from dalembert.analysis.transient.equation import Rayleigh
 from dalembert.errors import SingularityError, UnsupportedError
-from dalembert.io.fields import Interval, keyed_fields
+from dalembert.io.analysis_tables import DensityTable, EventTable
+from dalembert.io.fields import Densities, Interval, Names, keyed_fields
 from dalembert.io.formulas import Formulas, ParameterNames
 from dalembert.io.model_file import ModelFile
 from dalembert.io.strategies import STRATEGIES_OF, STRUCTURAL_ANALYSES
-from dalembert.io.tables import EventTable
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.graph.model import Model
 from dalembert.results.structural.result import StructuralResult
@@ -99,7 +99,12 @@ def _options(
         entry = getattr(table, field.name)
         with file.located(*where, field.name):
             option = _option(file, model, field.holds, entry)
-            options |= in_seconds({field.name: option}, model, None, cls.__name__)
+            named = field.holds is Names  # outputs that are no times
+            options |= (
+                {field.name: option}
+                if named
+                else in_seconds({field.name: option}, model, None, cls.__name__)
+            )
     return options
 
 
@@ -108,12 +113,19 @@ def _option(file: ModelFile, model: Any, kind: Any, entry: Any) -> Any:
     makers: dict[Any, Callable[[], Any]] = {
         Events: lambda: {n: _event(file, model, n, e) for n, e in entry.items()},
         Interval: lambda: tuple(entry),
+        Densities: lambda: {name: _density(each) for name, each in entry.items()},
         Rayleigh: lambda: _damping(file, model, entry),
         StructuralResult: lambda: _load_case_state(model, entry),
     }
     if kind in STRATEGIES_OF:
         return make_strategy(STRATEGIES_OF[kind], entry)
     return makers[kind]() if kind in makers else entry
+
+
+def _density(entry: Any) -> Any:
+    if not isinstance(entry, DensityTable):
+        return entry
+    return {"frequency": entry.frequency, "density": entry.density}
 
 
 def _damping(file: ModelFile, model: StructuralModel, table: Any) -> Rayleigh:

@@ -9,7 +9,13 @@ from pydantic import ValidationError
 
 from dalembert.budget import check_budget
 from dalembert.errors import ModelError
-from dalembert.io.declarations import declare_derived, declare_parameters, declare_tables
+from dalembert.io.declarations import (
+    declare_derived,
+    declare_inputs,
+    declare_outputs,
+    declare_parameters,
+    declare_tables,
+)
 from dalembert.io.documents import Document, StructureDocument
 from dalembert.io.finite_element_tables import DISPLACEMENTS, VELOCITIES
 from dalembert.io.finite_elements import FiniteElements
@@ -59,6 +65,8 @@ class Builder:
         declare_parameters(self.system, self.document, self.located)
         declare_tables(self.system, self.document, self.located, self.formulas)
         declare_derived(self.system, self.document, self.located, self.formulas)
+        declare_inputs(self.system, self.document, self.located, self.formulas)
+        declare_outputs(self.system, self.document, self.located)
         if isinstance(self.document, Document):
             self.mechanism(self.document)
         else:
@@ -103,6 +111,8 @@ class Builder:
         counts = {
             "parameters": len(document.parameters),
             "derived parameters": len(document.derived),
+            "inputs": len(document.inputs),
+            "outputs": len(document.outputs),
             "bodies": len(document.bodies),
             "points and frames": sum(len(named or ()) for named in points),
             "joints": len(document.joints),

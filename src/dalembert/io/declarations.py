@@ -11,11 +11,18 @@ from dalembert.design.inverse.input_history import InputHistory, input_history
 from dalembert.errors import ExpressionError
 from dalembert.io.curve_tables import read_curve
 from dalembert.io.decisions.task_tables import HistoryTable
-from dalembert.io.formulas import Formulas
+from dalembert.io.formulas import Formulas, Scope
 from dalembert.io.location import Located
 from dalembert.io.messages import key_path
-from dalembert.io.schema import DerivedTable, ModelDocument, ParameterTable
+from dalembert.io.schema import (
+    DerivedTable,
+    InputTable,
+    ModelDocument,
+    OutputTable,
+    ParameterTable,
+)
 from dalembert.symbolic.formulas.declared import Declared
+from dalembert.symbolic.formulas.inputs import is_formula
 
 _FIRST_NAME = re.compile(r"(?<![\w.])[^\W\d]\w*")
 
@@ -100,6 +107,41 @@ def declare_derived(
         with located("derived", name):
             formula = formulas.read(table.formula)
             target.derived(name, formula, table.unit, table.description)
+
+
+def declare_inputs(
+    target: Declared, document: ModelDocument, located: Located, formulas: Formulas
+) -> None:
+    """Declare all inputs of a document on a system.
+
+    Raises
+    ------
+    ModelError
+        Invalid name, bounds or formula; states the location.
+    """
+    entries: dict[str, Any] = document.inputs
+    for name, entry in entries.items():
+        table = entry if isinstance(entry, InputTable) else InputTable(value=entry)
+        with located("inputs", name):
+            value = table.value
+            if is_formula(value):
+                value = formulas.read(value, Scope.TIME)
+            target.input(name, value, table.unit, table.bounds, table.description)
+
+
+def declare_outputs(target: Declared, document: ModelDocument, located: Located) -> None:
+    """Declare all outputs of a document on a system.
+
+    Raises
+    ------
+    ModelError
+        Invalid name or unit; states the location.
+    """
+    entries: dict[str, Any] = document.outputs
+    for name, entry in entries.items():
+        table = entry if isinstance(entry, OutputTable) else OutputTable(formula=entry)
+        with located("outputs", name):
+            target.output(name, table.formula, table.unit, table.description)
 
 
 def declare_tables(

@@ -89,8 +89,8 @@ class Document(ModelDocument):
     """A model file of dalembert: a mechanism and its tasks."""
 
     sections = (
-        *("parameters", "tables", "derived", "histories", "nodes", "bodies", "beams", "elements"),
-        *("meshes", "blocks", "joints", "drivers", "forces"),
+        *("parameters", "tables", "derived", "inputs", "outputs", "histories", "nodes", "bodies"),
+        *("beams", "elements", "meshes", "blocks", "joints", "drivers", "forces"),
     )
     analyses = ANALYSES
     builder = System
@@ -128,7 +128,9 @@ class Document(ModelDocument):
 class StructureDocument(ModelDocument):
     """A model file of dalembert: a structure and its tasks."""
 
-    sections = ("parameters", "tables", "derived", "nodes", "elements", "meshes")
+    sections = (
+        *("parameters", "tables", "derived", "inputs", "outputs", "nodes", "elements", "meshes"),
+    )
     analyses = STRUCTURAL_ANALYSES
     usual_analysis = "Statics"
     builder = Structure

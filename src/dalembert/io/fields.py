@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from dalembert.analysis.events import Event, Events
-from dalembert.analysis.transient.equation import Rayleigh
+from dalembert.analysis.rayleigh import Rayleigh
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.elements.base import Constraint, Rows, Vector
 from dalembert.elements.blocks.block import Coefficients
@@ -37,6 +37,7 @@ from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law
 from dalembert.elements.point import Point
 from dalembert.elements.rotation import Orientation
+from dalembert.elements.spatial.geometry import Geometry
 from dalembert.elements.springs import ForceLaw
 from dalembert.elements.stateful import SIGNAL
 from dalembert.formulations.base import Formulation
@@ -59,12 +60,16 @@ class Quantities:
 
 Points = dict[str, Vector]
 Names = tuple[str, ...]
+Geometries = Sequence[Geometry]
 Nodes = tuple[Nodal, ...]
 Laws = tuple[Law, ...]
 Places = tuple[Point, ...]
 Shapes = tuple[Shape, ...] | dict[str, tuple[Shape, ...]]
 Pairs = tuple[Pair, ...]
 Interval = tuple[float, float]
+Frequencies = Sequence[float]
+Amplitudes = dict[str, complex]
+Densities = dict[str, object]
 Measured = str | Expression
 CountOrTimes = int | Sequence[float]
 CONNECTABLE = (BodyElement, Point, Frame, Nodal, Nodes)
@@ -73,6 +78,7 @@ FILE_TYPES: dict[Any, Any] = {
     kind: kind
     for kind in (
         *(bool, int, float, str, Path, Rows, Points, Names, Interval, Measured, Events),
+        *(Frequencies, Amplitudes, Densities),
         *(Constraint, Law, Laws, Places, ForceLaw, Curve, Rayleigh, StructuralResult, *CONNECTABLE),
         *(
             Frames,
@@ -84,6 +90,7 @@ FILE_TYPES: dict[Any, Any] = {
             Pairs,
             NormalLaw,
             Friction,
+            Geometries,
         ),
         *(Beam, FlexibleStructure, Interfaces, Numbers, Distribution),
         *(Coordinates, Formulation, Stabilization, Integrator, ContactScheme, ContactSolver),

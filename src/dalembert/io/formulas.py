@@ -9,6 +9,7 @@ from typing import Any, Protocol
 from dalembert.errors import ExpressionError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, t
+from dalembert.symbolic.formulas.inputs import Input
 from dalembert.symbolic.formulas.interpolation import Interpolation
 from dalembert.symbolic.formulas.parser import parse_formula
 
@@ -122,7 +123,12 @@ class Formulas:
         return [*system.parameters, *system.derived_parameters, *system.tables]
 
     def _allowed(self, name: str, scope: Scope) -> bool:
-        if scope is Scope.MOTION or name in self._parameters():
+        if scope is Scope.MOTION:
+            return True
+        parameter = self.system.parameters.get(name)
+        if isinstance(parameter, Input) and not parameter.is_constant:
+            return scope is Scope.TIME
+        if name in self._parameters():
             return True
         return name == "t" and scope is Scope.TIME
 

@@ -40,6 +40,7 @@ from dalembert.io.declarations import (
 from dalembert.io.documents import Document
 from dalembert.io.fields import (
     FileField,
+    Geometries,
     Pairs,
     Places,
     Points,
@@ -53,7 +54,7 @@ from dalembert.io.fields import (
 from dalembert.io.formulas import Formulas, Scope
 from dalembert.io.laws_and_curves import LawReader, construct
 from dalembert.io.location import Located
-from dalembert.io.orientations import read_frame, read_orientation
+from dalembert.io.orientations import read_frame, read_geometry, read_orientation
 from dalembert.io.references import References
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.system import System
@@ -232,6 +233,7 @@ class MechanismElements:
             Shape: lambda: self.shape(entry, where),
             Shapes: lambda: self.shapes(entry, where),
             Pairs: lambda: self.pairs(entry, where),
+            Geometries: lambda: [read_geometry(table, self.folder) for table in entry],
             NormalLaw: lambda: self.component(CONTACT_LAWS, entry, where),
             Friction: lambda: self.component(FRICTIONS, entry, where),
             Coefficients: lambda: self.vector(entry, scope),

@@ -12,22 +12,24 @@ from pydantic import BaseModel, ValidationError
 from dalembert.elements.registry import SPACES
 from dalembert.errors import ModelError
 from dalembert.io.builder import Builder
+from dalembert.io.choices import Record
 from dalembert.io.documents import Document, StructureDocument, document_of
 from dalembert.io.location import Located
 from dalembert.io.messages import explain, key_path
 from dalembert.io.reading import read_document, with_present_names
-from dalembert.io.schema import ModelDocument, ParameterTable
+from dalembert.io.schema import ModelDocument
 from dalembert.io.values import in_own_unit, short_repr
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.graph.model import Model
 from dalembert.model.system import System
 from dalembert.symbolic.formulas.declared import check_free
+from dalembert.symbolic.formulas.inputs import is_formula
 from dalembert.text.wording import nearest, visible
 
 KINDS = ("mechanism", "structure")
 """Values of ``kind`` in a file."""
 
-VALUE_SECTIONS = ("parameters", "derived", "tables", "histories")
+VALUE_SECTIONS = ("parameters", "derived", "inputs", "outputs", "tables", "histories")
 """Sections whose entries are referred to in formulas by their bare names."""
 
 
@@ -77,32 +79,38 @@ class ModelFile:
             return system.build()
 
     def with_parameters(self, values: Mapping[str, float | str]) -> ModelFile:
-        """The same file with other values of some parameters.
+        """The same file with other values of some parameters and inputs.
 
         Raises
         ------
         ModelError
             Unknown parameter, or not a number.
         """
-        parameters: dict[str, Any] = self.document.parameters
-        changed = dict(parameters)
+        sections: dict[str, dict[str, Any]] = {
+            name: dict(getattr(self.document, name)) for name in ("parameters", "inputs")
+        }
+        known = {name: section for section, entries in sections.items() for name in entries}
         for name, value in values.items():
-            if name not in parameters:
-                listed = ", ".join(parameters) or "none"
+            if name not in known:
+                listed = ", ".join(known) or "none"
                 raise ModelError(
-                    f"unknown parameter{nearest(name, parameters)}; the file has: {listed}",
+                    f"unknown parameter{nearest(name, known)}; the file has: {listed}",
                     f"{self.path}: {key_path('parameters', name)}",
                 )
+            entries = sections[known[name]]
             try:
                 number = in_own_unit(value)
             except ValueError as error:
-                raise self.located.error(str(error), "parameters", name) from None
-            old = parameters[name]
-            new = {"value": number}
-            changed[name] = (
-                old.model_copy(update=new) if isinstance(old, ParameterTable) else number
+                raise self.located.error(str(error), known[name], name) from None
+            old = entries[name]
+            formula = getattr(old, "value", old)
+            if known[name] == "inputs" and is_formula(formula):
+                text = f"is the formula {formula!r}; change the formula in the file"
+                raise self.located.error(text, "inputs", name)
+            entries[name] = (
+                old.model_copy(update={"value": number}) if isinstance(old, Record) else number
             )
-        return replace(self, document=self.document.model_copy(update={"parameters": changed}))
+        return replace(self, document=self.document.model_copy(update=sections))
 
 
 def load_model_file(path: str | Path) -> ModelFile:
@@ -116,7 +124,23 @@ def load_model_file(path: str | Path) -> ModelFile:
         Invalid contents; names all invalid locations.
     """
     path = Path(path)
-    data = with_present_names(read_document(path))
+    return check_model_data(read_document(path), path)
+
+
+def check_model_data(data: dict[str, Any], path: Path) -> ModelFile:
+    """The checked model file of plain data.
+
+    Parameters
+    ----------
+    data : sections of the file
+    path : of the file, for messages and relative paths
+
+    Raises
+    ------
+    ModelError
+        Invalid contents; names all invalid locations.
+    """
+    data = with_present_names(data)
     schema = _document_type(data, path)
     try:
         document = schema.model_validate(data)

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import Field, create_model
 
 from dalembert.elements import rotation
 from dalembert.elements.rotation import Orientation
+from dalembert.elements.spatial.geometry import Geometry
 from dalembert.io.choices import Record, one_of
 from dalembert.io.formulas import Formulas
-from dalembert.io.values import Entry, Text, list_of
+from dalembert.io.values import Entry, Number, Text, list_of
 
 Direction: Any = list_of(Entry, 3, "x, y, z")
 Rows: Any = list_of(Direction, 3, "rows")
@@ -87,6 +89,38 @@ InlineFrame = create_model(
     __doc__="A point or frame that needs no name, in the axes of its body.",
     body=(Text, Field(description="name of a body")),
 )
+
+
+class GeometryTable(Record):
+    """A solid that pictures show, in the axes of its body."""
+
+    type: Literal["Box", "Sphere", "Ellipsoid", "Cylinder", "Capsule", "Mesh"]
+    at: list_of(Number, 3, "x, y, z") = Field(  # type: ignore[valid-type]
+        default=(0.0, 0.0, 0.0), description="centre, or origin of the mesh [m]"
+    )
+    axis: list_of(Number, 3, "x, y, z") = Field(  # type: ignore[valid-type]
+        default=None, description="z axis, that of a cylinder or capsule"
+    )
+    x: list_of(Number, 3, "x, y, z") = Field(  # type: ignore[valid-type]
+        default=None, description="x axis, in addition to axis"
+    )
+    size: list_of(Number, 3, "x, y, z") = Field(  # type: ignore[valid-type]
+        default=None, description="lengths of a box, diameters of an ellipsoid [m]"
+    )
+    radius: Number = Field(default=None, description="[m]")
+    length: Number = Field(default=None, description="between the centres of the ends [m]")
+    file: Text = Field(default=None, description="STL, OBJ, PLY or glTF file of a mesh")
+    scale: list_of(Number, 3, "x, y, z") = Field(  # type: ignore[valid-type]
+        default=(1.0, 1.0, 1.0), description="length of the unit of the file [m]"
+    )
+
+
+def read_geometry(table: GeometryTable, folder: Path) -> Geometry:
+    """The solid that a table describes."""
+    keywords: dict[str, Any] = {key: getattr(table, key) for key in table.model_fields_set}
+    if table.file is not None:
+        keywords["file"] = folder / table.file
+    return Geometry(**keywords)
 
 
 def read_orientation(table: Any, formulas: Formulas) -> Orientation:

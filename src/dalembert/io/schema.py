@@ -63,8 +63,29 @@ class DerivedTable(Record):
     description: Text = ""
 
 
+class InputTable(Record):
+    """A quantity that acts on the model from outside."""
+
+    value: Entry = Field(
+        default=0.0, description="number, or formula of t, parameters and tables, in SI units"
+    )
+    unit: Text = ""
+    bounds: list_of(OwnBound, 2, "lower, upper") = None  # type: ignore[valid-type]
+    description: Text = ""
+
+
+class OutputTable(Record):
+    """A formula of measures under a name."""
+
+    formula: Text
+    unit: Text = ""
+    description: Text = ""
+
+
 _PARAMETER = table_or(ParameterTable, OwnNumber)
 _DERIVED = table_or(DerivedTable, Entry)
+_INPUT = table_or(InputTable, Entry)
+_OUTPUT = table_or(OutputTable, Text)
 
 
 def _combined(value: object) -> CombinedTable:
@@ -103,6 +124,12 @@ class ModelDocument(Record):
     derived: dict[str, _DERIVED] = Field(default_factory=dict)  # type: ignore[valid-type]
     tables: dict[str, CurveTable] = Field(
         default_factory=dict, description="interpolated functions"
+    )
+    inputs: dict[str, _INPUT] = Field(  # type: ignore[valid-type]
+        default_factory=dict, description="quantities that act on the model from outside"
+    )
+    outputs: dict[str, _OUTPUT] = Field(  # type: ignore[valid-type]
+        default_factory=dict, description="formulas of measures, by name"
     )
     gravity: gravity_type(Place) = Field(  # type: ignore[valid-type]
         default=None,

@@ -19,6 +19,8 @@ from dalembert.responses.base import Response
 from dalembert.responses.events import AtEvent
 from dalembert.responses.extremes import Maximum, Minimum
 from dalembert.responses.integrals import RMS, Integral, Mean, Total
+from dalembert.responses.peaks import Peak
+from dalembert.responses.random_rms import RandomRMS
 from dalembert.responses.values import At, Final
 
 STRATEGIES_OF: dict[type, dict[str, type]] = {
@@ -61,10 +63,24 @@ class PublicClasses(Mapping[str, Any]):
 
 
 ANALYSES = PublicClasses(
-    "Dynamics", "Kinematics", "InverseDynamics", "Equilibrium", "Modal", "Nonsmooth"
+    "Dynamics",
+    "Kinematics",
+    "InverseDynamics",
+    "Equilibrium",
+    "Modal",
+    "FrequencyResponse",
+    "RandomResponse",
+    "Nonsmooth",
 )
 STRUCTURAL_ANALYSES = PublicClasses(
-    "Statics", "Equilibrium", "ArcLength", "Modal", "Buckling", "Dynamics"
+    "Statics",
+    "Equilibrium",
+    "ArcLength",
+    "Modal",
+    "Buckling",
+    "FrequencyResponse",
+    "RandomResponse",
+    "Dynamics",
 )
 TRAJECTORY_METHODS = PublicClasses("DirectCollocation", "MultipleShooting")
 
@@ -78,4 +94,6 @@ RESPONSES: dict[str, type[Response]] = {
     "Total": Total,
     "Maximum": Maximum,
     "Minimum": Minimum,
+    "Peak": Peak,
+    "RandomRMS": RandomRMS,
 }

@@ -11,8 +11,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, Field, create_model
 
 from dalembert.analysis.events import Event, Events
+from dalembert.analysis.rayleigh import Rayleigh
 from dalembert.analysis.times import TIMES
-from dalembert.analysis.transient.equation import Rayleigh
 from dalembert.elements.base import Constraint, Rows
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.collisions import takes
@@ -38,10 +38,14 @@ from dalembert.elements.registry import (
 from dalembert.elements.rotation import Orientation
 from dalembert.elements.springs import ForceLaw
 from dalembert.io import fields
+from dalembert.io.analysis_tables import DensityTable, EventTable, RayleighTable
 from dalembert.io.choices import Record, one_of, table_or
 from dalembert.io.fields import (
     FROM_FILE,
+    Amplitudes,
+    Densities,
     FileField,
+    Frequencies,
     Interval,
     Laws,
     Measured,
@@ -55,7 +59,7 @@ from dalembert.io.fields import (
     connected_fields,
     keyed_fields,
 )
-from dalembert.io.orientations import FrameTable, InlineFrame, OrientationType
+from dalembert.io.orientations import FrameTable, GeometryTable, InlineFrame, OrientationType
 from dalembert.io.strategies import STRATEGIES_OF
 from dalembert.io.values import (
     CountOrTimes,
@@ -88,21 +92,6 @@ class InlinePoint(Record):
 
 INLINE: dict[int, type[Record]] = {2: InlinePoint, 3: InlineFrame}
 """Dimension → table of an unnamed point or frame."""
-
-
-class EventTable(Record):
-    """An event with its direction and whether it ends the run."""
-
-    measure: Entry
-    terminal: Flag = False
-    direction: Integer = 0
-
-
-class RayleighTable(Record):
-    """Damping ``C = α M + β K``."""
-
-    mass: Entry = Field(default=0.0, description="α [1/s]")
-    stiffness: Entry = Field(default=0.0, description="β [s]")
 
 
 def name_or_table(classes: Mapping[str, type]) -> Any:
@@ -149,7 +138,11 @@ VALUES: dict[Any, Any] = {
     Rayleigh: RayleighTable,
     Orientation: OrientationType,
     Frames: dict[str, FrameTable],
+    fields.Geometries: list[GeometryTable],
     Events: dict[str, table_or(EventTable, Entry)],  # type: ignore[misc]
+    Frequencies: list[Number],
+    Amplitudes: dict[str, Number | list_of(Number, 2, "amplitude, phase [rad]")],  # type: ignore[misc]
+    Densities: dict[str, table_or(DensityTable, Entry)],  # type: ignore[misc]
 }
 """File type of a field → pydantic type."""
 
@@ -174,7 +167,7 @@ def value_type(field: FileField, dimension: int = 2) -> Any:
     ----------
     dimension : number of coordinates of a point
     """
-    if field.name in TIMES and issubclass(field.owner, Analysis):
+    if field.name in TIMES and field.holds in TIMED and issubclass(field.owner, Analysis):
         return TIMED[field.holds]
     if field.holds in VALUES:
         return VALUES[field.holds]

@@ -149,7 +149,9 @@ class System(CheckedArguments, SupportsAndLoads, MechanismParts):
         check_membership(parts)
         check_symbols(parts)
         value_checks(parts)([p.value for p in self.parameters.values()])
-        return Model.assembled(parts, strict)
+        model = Model.assembled(parts, strict)
+        model.outputs  # noqa: B018  refuses unknown names
+        return model
 
 
 def _moves(element: Any) -> bool:

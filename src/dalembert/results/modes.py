@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from dalembert.results.files.live_responses import FirstResponse
+    from dalembert.results.state_space import StateSpace
 
 MOST_RESPONSES = 6
 """Upper limit of the responses that a live page lists by default."""
@@ -192,6 +193,35 @@ class Modes(Numbered):
         """Whether no motion grows."""
         size = np.abs(self.values("angular_frequency")).max(initial=0.0)
         return bool(np.all(self.values("eigenvalue_real") <= 1e-9 * size))
+
+    def state_space(
+        self,
+        inputs: Any = None,
+        outputs: Any = None,
+        *,
+        damping: Any = None,
+        damping_ratio: float = 0.0,
+    ) -> StateSpace:
+        """State-space model ``ẋ = A x + B u``, ``y = C x + D u`` in minimal coordinates.
+
+        The states of a mechanism are some of its displacements, their rates and the states of
+        blocks; those of a structure are the modal coordinates of these modes.
+
+        Parameters
+        ----------
+        inputs : names of inputs or parameters, of a structure also load cases; by default all
+            inputs of the model
+        outputs : measures; by default all outputs of the model
+        damping, damping_ratio : Rayleigh damping and modal damping ratio of a structure
+
+        Raises
+        ------
+        UnsupportedError
+            Outputs depend on derivatives of an input that moves constraints.
+        """
+        analysis: Any = self.analysis
+        model: StateSpace = analysis.state_space(self, inputs, outputs, damping, damping_ratio)
+        return model
 
     def summary(self) -> dict[str, Any]:
         """Status with stability, and measures of each mode."""

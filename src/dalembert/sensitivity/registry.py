@@ -8,6 +8,7 @@ from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.equilibrium.equilibrium import Equilibrium
 from dalembert.analysis.equilibrium.load_path import ArcLength
 from dalembert.analysis.equilibrium.statics import Statics
+from dalembert.analysis.frequency.frequency_response import FrequencyResponse
 from dalembert.analysis.kinematics.kinematics import Kinematics
 from dalembert.analysis.modes.buckling import Buckling
 from dalembert.analysis.modes.modal import Modal
@@ -19,12 +20,14 @@ from dalembert.results.result import Result
 from dalembert.sensitivity.eigenvalues import EigenvalueEngine
 from dalembert.sensitivity.engine import CombinedEngine, Engine
 from dalembert.sensitivity.events import EventEngine
+from dalembert.sensitivity.harmonic import HarmonicEngine
 from dalembert.sensitivity.marching.dynamics import DynamicsEngine
 from dalembert.sensitivity.marching.stable_steps import with_stable_steps
 from dalembert.sensitivity.nonsmooth.contact_march import ContactEngine
 from dalembert.sensitivity.pointwise import PointwiseEngine
 from dalembert.sensitivity.samples import take_sample
 from dalembert.sensitivity.structural.eigenpairs import EigenpairEngine
+from dalembert.sensitivity.structural.harmonic import StructuralHarmonicEngine
 from dalembert.sensitivity.structural.load_path import LoadPathEngine
 from dalembert.sensitivity.structural.statics import TwiceStaticsEngine
 from dalembert.sensitivity.structural.transient import TransientEngine
@@ -36,6 +39,7 @@ ENGINES: dict[str, dict[type, type[Engine]]] = {
         Kinematics: PointwiseEngine,
         Equilibrium: PointwiseEngine,
         Modal: EigenvalueEngine,
+        FrequencyResponse: HarmonicEngine,
     },
     "structure": {
         Statics: TwiceStaticsEngine,
@@ -44,6 +48,7 @@ ENGINES: dict[str, dict[type, type[Engine]]] = {
         Buckling: EigenpairEngine,
         ArcLength: LoadPathEngine,
         Dynamics: TransientEngine,
+        FrequencyResponse: StructuralHarmonicEngine,
     },
 }
 """Kind of model → analysis → engine; subclasses of an analysis use the same engine."""
@@ -55,7 +60,7 @@ def engine_of(motion: Result, responses: Sequence[Response]) -> Engine:
     Raises
     ------
     UnsupportedError
-        The analysis has no engine.
+        The analysis has no engine, or a part of the model no derivative.
     """
     kind = engine_for(motion)
     terms, weights = expanded(responses)
@@ -76,6 +81,8 @@ def engine_for(motion: Result) -> type[Engine]:
     UnsupportedError
         The analysis has no engine.
     """
+    if motion.model.gradient_obstacle:
+        raise UnsupportedError(motion.model.gradient_obstacle)
     engines = ENGINES[motion.model.kind]
     for kind in type(motion.analysis).__mro__:
         if kind in engines:

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
 from typing import Any, ClassVar
 
 import casadi as ca
 import numpy as np
 
-from dalembert.errors import AnalysisError
+from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.formulas.inputs import Input, Output
 from dalembert.symbolic.formulas.parameter import Parameter, parameter_vector
 from dalembert.symbolic.formulas.parser import Names
 from dalembert.symbolic.once import CacheOwner
+from dalembert.units.amounts import check_unit
 
 MANY = (
     "arrays for solve_dynamics, solve_kinematics, solve_inverse_dynamics, solve_equilibrium and "
@@ -39,10 +42,52 @@ class ParametricModel(CacheOwner, ABC):
     parameters: dict[str, Parameter]
     nominal: np.ndarray
 
-    @property
+    declared_outputs: dict[str, Output]
+    gradient_obstacle: str = ""
+    """Reason why results have no derivatives; empty if they have."""
+
     @abstractmethod
+    def _measure(self, name: str) -> Expression | None:
+        """The measure or parameter of a name; None if unknown."""
+
+    @abstractmethod
+    def _all_names(self) -> list[str]:
+        """Names of all measures and parameters."""
+
+    @property
+    def inputs(self) -> dict[str, Input]:
+        """Parameters by which other programs act on the model."""
+        return {name: p for name, p in self.parameters.items() if isinstance(p, Input)}
+
+    @cached_property
+    def outputs(self) -> dict[str, Expression]:
+        """Formulas of measures that other programs observe, by name.
+
+        Raises
+        ------
+        ExpressionError
+            Unknown names, or another unit; names the output.
+        """
+        return {name: self._output(output) for name, output in self.declared_outputs.items()}
+
+    def _output(self, output: Output) -> Expression:
+        """Formula of an output."""
+        try:
+            measures = Names(self._measure, self._all_names)
+            formula = measures.expression(output.formula)
+            if formula.unit and output.unit:
+                check_unit(formula.unit, output.unit, output.name, str(output.formula))
+        except ExpressionError as error:
+            raise ExpressionError(error.message, f"output {output.name}") from None
+        return formula.named(output.name, output.unit or formula.unit)
+
+    @cached_property
     def names(self) -> Names:
-        """Names of measures and parameters, as formulas use them."""
+        """Names of measures, outputs and parameters, as formulas use them."""
+        return Names(self._find, lambda: [*self.declared_outputs, *self._all_names()])
+
+    def _find(self, name: str) -> Expression | None:
+        return self.outputs[name] if name in self.declared_outputs else self._measure(name)
 
     @abstractmethod
     def check_values(self, p: np.ndarray) -> None:

@@ -65,7 +65,7 @@ class DynamicsBatch(ABC):
         if analysis.strict and model.closure.recipe.projected:
             return None
         kernel = analysis.kernel(model)
-        if kernel.contacts is not None:
+        if kernel.contacts is not None or kernel.sampling is not None:
             return None
         try:
             variant: Variant = kernel.variants[starting_mode(kernel, model)]

@@ -16,7 +16,6 @@ import numpy as np
 
 from dalembert.analysis.contact.change import ContactChange
 from dalembert.analysis.dynamics.run import DynamicsRun
-from dalembert.analysis.dynamics.transition import Transition
 from dalembert.analysis.timeline import OverTime, checked_span, checked_step, output_times
 from dalembert.analysis.times import follow_parameters, in_seconds
 from dalembert.errors import AnalysisError
@@ -151,7 +150,8 @@ class ContinuedRun(DynamicsRun):
         last = variants[mode]
         if isinstance(last, ContactChange):
             return variants.index(last.after)
-        return variants.index(last.variant) if isinstance(last, Transition) else mode
+        before = getattr(last, "variant", None)  # of a transition or sample
+        return mode if before is None else variants.index(before)
 
     @property
     def first_step(self) -> float:

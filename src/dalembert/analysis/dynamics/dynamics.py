@@ -20,10 +20,8 @@ from dalembert.analysis.dynamics.run import DynamicsRun
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.analysis.events import Events, Occurrence
 from dalembert.analysis.output_places import place_outputs
+from dalembert.analysis.rayleigh import Rayleigh
 from dalembert.analysis.timeline import OverTime, checked_span
-from dalembert.analysis.transient.equation import Rayleigh
-from dalembert.analysis.transient.run import TransientRun, check_rule
-from dalembert.analysis.transient.start import STARTS
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.range_space import RangeSpace
@@ -56,6 +54,17 @@ STRATEGIES: dict[str, tuple[type, type]] = {
 """Strategy of a run → its base class and default class."""
 BATCH_OUTPUTS = 201
 """Default number of outputs of each design of a batch under error control."""
+
+
+STARTS = ("rest", "statics")
+"""Initial states of a structure."""
+
+
+def _transient_run(analysis: Any, model: StructuralModel, parameters: Any) -> Any:
+    """Executor for a structure, whose modules mechanisms do not need."""
+    from dalembert.analysis.transient.run import TransientRun
+
+    return TransientRun(analysis, model, parameters)
 
 
 @options
@@ -108,7 +117,7 @@ class Dynamics(OverTime[Any]):
 
     display_name = "dynamics"
     integrates = True
-    executions = {"mechanism": DynamicsRun, "structure": TransientRun}
+    executions = {"mechanism": DynamicsRun, "structure": _transient_run}
 
     integrator: Integrator = DEFAULT_INTEGRATOR
     coordinates: Coordinates = only_for("mechanism", default=AbsoluteCoordinates())
@@ -190,6 +199,8 @@ class Dynamics(OverTime[Any]):
     def checks(self, model: Model | StructuralModel) -> dict[str, Callable[[], object]]:
         """Checks of the strategies with each other and with the mechanism at its start."""
         if isinstance(model, StructuralModel):
+            from dalembert.analysis.transient.run import check_rule
+
             rule = self.for_model(model).integrator
             return {**super().checks(model), "integrator": lambda: check_rule(rule)}
 

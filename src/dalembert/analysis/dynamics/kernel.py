@@ -12,6 +12,7 @@ from dalembert.analysis.contact.change import ContactChange
 from dalembert.analysis.contact.contact_dynamics import check_contacts
 from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.state_jumps import first_headings
+from dalembert.analysis.dynamics.sampling import Sampling
 from dalembert.analysis.dynamics.step_outputs import StepOutputs
 from dalembert.analysis.dynamics.transition import MovingSide, Transition, crossed, distances
 from dalembert.analysis.dynamics.variant import Variant
@@ -55,6 +56,7 @@ class DynamicsKernel(StepOutputs):
     equations : Equations in these coordinates, as passed to formulations
     variants : list of Variant and Transition, by mode
     contacts : ContactModes of rigid gaps, None where there are none
+    sampling : Sampling of blocks of discrete time, None where there are none
     fixed : FixedMarch over given steps; also repeats steps of adaptive runs
     adaptive : AdaptiveMarch, or None for integrators of fixed steps
 
@@ -89,6 +91,7 @@ class DynamicsKernel(StepOutputs):
         if self.equations.contacts:
             check_contacts(self.equations, formulation)
             self.contacts = ContactModes(self.view, self.variants, self.choose)
+        self.sampling = Sampling.of(model, self.variants)
         self._transitions: dict[tuple[int, int, bool], int] = {}
         self._sides: dict[tuple[int, bool], int] = {}
         self.fixed = FixedMarch(

@@ -84,6 +84,8 @@ class DynamicsRun:
             model.closure.refuse_singular_start(PASSING)
         check_driver_laws(model, np.linspace(self.start, self.end, 1001), self.p)
         self.kernel = analysis.kernel(model)
+        if self.kernel.sampling is not None:
+            self.kernel.sampling.forget()
         self._refuse_lost_mass()
         self.events = EventSearch(self.kernel, as_events(analysis.events), self.p)
         self.switches = SwitchSearch(self.kernel, self.p, self.start, self.end)
@@ -243,15 +245,17 @@ class DynamicsRun:
 
     # marching ----------------------------------------------------------------------
     def march(self, x0: np.ndarray, mode: int, watch: Watch) -> Steps:
-        kernel = self.kernel
+        kernel, sampling = self.kernel, self.kernel.sampling
+        samples = sampling and sampling.samples(self.begin, self.end)
         if self.contacts and self.contacts.trouble:  # no motion leaves the start
             return standstill(self.begin, x0, self.contacts.trouble)
         if kernel.adaptive is None:
             events = bool(self.contacts)
-            return kernel.fixed.run(self.grid, x0, self.p, mode, watch, events)
+            return kernel.fixed.run(self.grid, x0, self.p, mode, watch, events, samples)
         longest = kernel.integrator.longest_in(self.end - self.begin)
         first = min(self.first_step, longest)
-        return kernel.adaptive.run(self.begin, self.end, x0, self.p, first, longest, mode, watch)
+        span = self.begin, self.end
+        return kernel.adaptive.run(*span, x0, self.p, first, longest, mode, watch, samples)
 
     @property
     def first_step(self) -> float:

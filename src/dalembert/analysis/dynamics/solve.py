@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Unpack, overload
+
+import numpy as np
 
 from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.keywords import DynamicsKeywords
 from dalembert.analysis.progress import Reported
 from dalembert.analysis.times import Time, analysis_of
+from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.graph.model import Model
 from dalembert.results.batch.batch import Batch
@@ -20,6 +23,9 @@ from dalembert.text.arguments import check_arguments
 if TYPE_CHECKING:
     from dalembert.results.batch.designs import ManyDesigns
 
+Controller = Callable[[float, dict[str, float]], Any]
+"""``(t, outputs) → inputs`` by name, or numbers in the order of ``model.inputs``."""
+
 
 @overload
 def solve_dynamics(
@@ -28,6 +34,8 @@ def solve_dynamics(
     *,
     parameters: Mapping[str, float] | None = None,
     progress: Reported = False,
+    controller: Controller | None = None,
+    sample_time: Time | None = None,
     **options: Unpack[DynamicsKeywords],
 ) -> Motion: ...
 
@@ -63,6 +71,8 @@ def solve_dynamics(
     parameters: Any = None,
     progress: Reported = False,
     workers: int | None = None,
+    controller: Controller | None = None,
+    sample_time: Time | None = None,
     **options: Unpack[DynamicsKeywords],
 ) -> Motion | StructuralMotion | Batch:
     """Integrate the equations of motion, ``M v̇ + d = f − Cᵀλ``, ``C v̇ = ξ`` (5.2).
@@ -77,6 +87,9 @@ def solve_dynamics(
         of dicts for a batch
     progress : True for a progress bar, or a function of the completed fraction
     workers : number of workers of a batch, by default one for each core
+    controller : Python function ``(t, outputs) → inputs`` of the model by name, called once per
+        sample; between samples the inputs are constant. Such a run has no gradients
+    sample_time : of the controller [s]
     **options : fields of ``Dynamics``: step, outputs, integrator; formulation, … of a mechanism;
         nonlinear, damping, … of a structure
 
@@ -95,6 +108,10 @@ def solve_dynamics(
     >>> round(float(motion["stone.y"][-1]), 9)
     -20.0
     """
+    if controller is not None:
+        return _controlled(model, parameters, progress, controller, sample_time, duration, options)
+    if sample_time is not None:
+        raise AnalysisError("sample_time belongs to a controller; give controller=, too")
     return _solve("solve_dynamics", model, parameters, progress, workers, duration, options)  # type: ignore[no-any-return]
 
 
@@ -138,6 +155,38 @@ def solve_transient(
     0.1
     """
     return _solve("solve_transient", model, parameters, progress, None, duration, options)  # type: ignore[no-any-return]
+
+
+def _controlled(
+    model: Any,
+    parameters: Any,
+    progress: Reported,
+    controller: Controller,
+    sample_time: Any,
+    duration: Any,
+    options: Any,
+) -> Motion:
+    """Dynamics with inputs by a Python function."""
+    from dalembert.model.graph.controlled import ControlledModel
+
+    if sample_time is None:
+        raise AnalysisError("a controller needs its sample_time; give sample_time=, in seconds")
+    if model.kind != "mechanism":
+        raise UnsupportedError("a structure has no controllers; a controller needs a mechanism")
+    if not (
+        parameters is None
+        or (isinstance(parameters, Mapping) and all(map(_single, parameters.values())))
+    ):
+        raise UnsupportedError("a controller runs one design; use Stepper.lanes for many")
+    plant = ControlledModel(model, controller, sample_time)
+    motion = _solve("solve_dynamics", plant, parameters, progress, None, duration, options)
+    if plant.block.python_law.error is not None:
+        raise plant.block.python_law.error
+    return motion  # type: ignore[no-any-return]
+
+
+def _single(value: Any) -> bool:
+    return isinstance(value, str) or np.ndim(value) == 0
 
 
 def _solve(

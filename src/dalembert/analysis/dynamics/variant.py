@@ -143,8 +143,7 @@ class Variant(CacheOwner):
         return self.formulation.acceleration(e, xi, outputs, name, self._saddle(e))
 
     def _saddle(self, e: Equations) -> SaddleSolver:
-        bare = self.formulation.saddle(e)
-        return SlidingSolver(bare, e) if e.rubbing.nnz() else bare
+        return sliding(self.formulation.saddle(e), e)
 
     @cached_property
     def guards(self) -> Guards | None:
@@ -181,3 +180,8 @@ class Variant(CacheOwner):
         )
         value = zero if condition is None else condition[0] / condition[1]
         return ca.Function("conditioning", [e.t, e.y, e.p], [share, value])
+
+
+def sliding(frictionless: SaddleSolver, e: Equations) -> SaddleSolver:
+    """The solver with sliding friction, if there is any."""
+    return SlidingSolver(frictionless, e) if e.rubbing.nnz() else frictionless

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from dalembert.analysis.times import follow_parameters
+from dalembert.elements.blocks.sampled import Sampled
 from dalembert.model.graph.model import Model
 
 
@@ -16,4 +17,6 @@ def common_obstacle(analysis: Any, model: Model) -> str:
         return "shapes of flexible bodies are computed by finite elements"
     if model.closure.recipe.states.steady:
         return "states of first order start at steady values"
+    if any(isinstance(element, Sampled) for element in model.parts.elements.values()):
+        return "blocks are sampled"
     return ""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from dalembert.model.graph.assembly.closure import Closure
-from dalembert.model.graph.assembly.position import position_stages
+from dalembert.model.graph.assembly.position import newton_step, position_stages
 
 
 def closing(closure: Closure) -> ca.Function:
@@ -20,13 +20,8 @@ def closing(closure: Closure) -> ca.Function:
     residual, sizes = recipe.position_equations
     if not residual.numel():
         return ca.Function("closing", [e.t, start, e.p], [start, ca.SX.zeros(1)])
-    stage, *retraction = position_stages(recipe.states.at_start, start, residual, sizes)
-    at_start = [ca.densify(stage.residual), ca.densify(stage.solve(stage.residual))]
-    value, correction = ca.substitute(at_start, [stage.unknown], [ca.densify(stage.value)])
-    new = stage.value - correction
-    for stage_after in retraction:
-        (new,) = ca.substitute([stage_after.value], [stage.unknown], [new])
-    return ca.Function("closing", [e.t, start, e.p], [new, value / sizes], {"cse": True})
+    stages = position_stages(recipe.states.at_start, start, residual, sizes)
+    return newton_step("closing", [e.t, start, e.p], stages, sizes)
 
 
 def violation(closure: Closure) -> ca.Function:

@@ -211,8 +211,13 @@ class Linearized:
         whose largest entry is one. Those of second order close the joints. Without modes it has
         the coordinates at rest only, (1, n, 1).
         """
+        n = self.kernel.e.coordinate_count
+        return self.oscillations_of(self._spectrum[2][:n, positions])
+
+    def oscillations_of(self, changes: np.ndarray) -> np.ndarray:
+        """(6, n, k) oscillation with complex changes (n, k) of the coordinates, as above."""
         kernel, n = self.kernel, self.kernel.e.coordinate_count
-        shapes = normalised(self._spectrum[2][:n, positions])
+        shapes = normalised(changes)
         if not shapes.size:
             return kernel.bodies(self.time, self.x, self.p)[None, :, None]
         real, imag, state = shapes.real, shapes.imag, (self.time, self.x[:n], self.p)

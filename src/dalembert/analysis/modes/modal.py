@@ -9,7 +9,7 @@ damping has ``K φ = ω² M φ``.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
@@ -33,6 +33,9 @@ from dalembert.results.result import Result
 from dalembert.results.sources import Row
 from dalembert.results.structural.modes import VibrationModes
 from dalembert.results.structural.result import StructuralResult
+
+if TYPE_CHECKING:
+    from dalembert.results.state_space import StateSpace
 
 ABSOLUTE = AbsoluteCoordinates()
 """Default coordinates."""
@@ -166,6 +169,14 @@ class Modal(SpectralAnalysis[Any, Modes]):
             return vibration_functions(result, rows, times)
         assert isinstance(result, MechanismModes)
         return modes_functions(result, rows, times)
+
+    def state_space(
+        self, result: Modes, inputs: Any, outputs: Any, damping: Any, damping_ratio: float
+    ) -> StateSpace:
+        """State-space model of the linear system of a result."""
+        from dalembert.analysis.frequency.state_space import state_space
+
+        return state_space(result, inputs, outputs, damping, damping_ratio)
 
     def again(self, result: Modes, p: np.ndarray) -> Any:
         at_equilibrium = isinstance(result.model, Model) and self.equilibrium and not self.about

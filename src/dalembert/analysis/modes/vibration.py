@@ -38,7 +38,7 @@ def vibration(
     SingularityError
         A part moves freely and the shift is zero.
     """
-    pencil = _pencil(model, p, analysis.lumped, about)
+    pencil = vibration_pencil(model, p, analysis.lumped, about)
     a, b = pencil.matrices()
     if not a.shape[0]:
         raise AnalysisError("nothing in the structure can move; release a support")
@@ -49,7 +49,7 @@ def vibration(
     return Spectrum(pencil, (a, b), values, vectors, count)
 
 
-def _pencil(
+def vibration_pencil(
     model: StructuralModel, p: np.ndarray, lumped: bool, about: StructuralResult | None
 ) -> Pencil:
     """``K`` and ``M``; with ``K + K_g`` or the tangent stiffness of a loaded state."""

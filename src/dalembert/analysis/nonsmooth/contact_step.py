@@ -179,6 +179,7 @@ class ContactStep:
         after = start.free + change
         displacement = start.h * (theta * after + (1 - theta) * v)
         position = self.model.equations.manifold.go(start.y, displacement)
+        position = start.states.added(position, after - v)
         mean = 0.5 * (contacts.directions @ (after + v)).reshape(offsets.shape)
         ends = contacts.speeds(after)[:, 0]
         work = np.zeros(contacts.count)

@@ -2,15 +2,40 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.nonsmooth.gyroscopic import smooth_forces
 from dalembert.analysis.nonsmooth.mobility import Coupling, Mobility
+from dalembert.analysis.nonsmooth.step_forces import position_lift, step_forces
+from dalembert.elements.blocks.sampled import Sampled
 from dalembert.errors import UnsupportedError
 from dalembert.model.graph.assembly.assembly import ROUNDING
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel, Matrix, Patterned
+
+
+@dataclass(frozen=True, eq=False)
+class StateChange:
+    """Change of the states of first order over a step, ``x⁺ = x + h N⁻¹ f + G (v⁺ − v)``.
+
+    Attributes
+    ----------
+    numbers : coordinates that are states
+    free, gain : ``h N⁻¹ f`` (n_x,), ``G`` (n_x, n)
+    """
+
+    numbers: list[int]
+    free: np.ndarray
+    gain: Matrix
+
+    def added(self, position: np.ndarray, change: np.ndarray) -> np.ndarray:
+        """The position with the states at the end, for a change of speeds."""
+        if self.numbers:
+            position = position.copy()
+            position[self.numbers] += self.free + self.gain @ change
+        return position
 
 
 class SmoothMotion:
@@ -22,6 +47,7 @@ class SmoothMotion:
     this is the θ-method itself. Gyroscopic forces of free bodies do no work (``smooth_forces``).
     ``C`` and ``Φ_t`` are taken at ``y ⊕ σ h v``, ``σ = max(θ, 1/2)``:
     with constraints on the speeds at the end alone the centripetal forces within the step are lost.
+    States of first order are eliminated (``step_forces``).
 
     Parameters
     ----------
@@ -31,46 +57,47 @@ class SmoothMotion:
     def __init__(self, model: Model):
         e = model.equations
         lead = ca.SX.sym("lead")
-        driving, damping = smooth_forces(e, lead)
+        forces = step_forces(e, lead)
         unknown = ca.vertcat(e.a, e.multiplier, e.dropped)
-        if ca.depends_on(driving, unknown):
+        if ca.depends_on(ca.vertcat(forces.driving, forces.rates), unknown):
             raise UnsupportedError(
                 "a force depends on reactions or accelerations (e.g. friction in a joint), which "
                 "solve_nonsmooth cannot evaluate before the step; use solve_dynamics"
             )
-        if e.states:
+        if any(isinstance(element, Sampled) for element in model.parts.elements.values()):
             raise UnsupportedError(
-                "the model has states of first order, which solve_nonsmooth does not integrate; "
-                "use solve_dynamics"
+                "blocks are sampled, which solve_nonsmooth does not do; use solve_dynamics, or "
+                "blocks of continuous time"
             )
         inputs_at_position = [e.t, e.y, e.p]
         still = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
-        stiffness = e.by_displacement(ca.densify(e.force - e.bias))
         inputs = [e.t, e.y, e.v, e.p, lead]
-        self._forces = Patterned("forces", inputs, [driving, damping, stiffness])
+        self._forces = Patterned("forces", inputs, forces.all)
         self._mass = Patterned("mass", [e.y, e.p], [e.mass])
-        magnitudes = ca.mtimes(ca.fabs(e.lift).T, ca.fabs(e.y))
+        magnitudes = ca.mtimes(ca.fabs(position_lift(e)).T, ca.fabs(e.y))
         rounding = ROUNDING * ca.mtimes(ca.fabs(e.position_jacobian), magnitudes)
         joints = [e.jacobian, still, e.constraints, ca.densify(rounding)]
         self._joints = Patterned("joints", inputs_at_position, joints)
         self.powers = Kernel(
             ca.Function("powers", [e.t, e.y, e.v, e.a, e.multiplier, e.p], [ca.densify(e.powers)])
         )
-        self._reacts = ca.sparsify(ca.horzcat(damping, stiffness)).nnz() > 0
+        self._reacts = ca.sparsify(ca.horzcat(forces.damping, forces.stiffness)).nnz() > 0
         pattern = ca.sparsify(e.mass).sparsity()
-        for slope in (damping, stiffness):
+        for slope in (forces.damping, forces.stiffness):
             pattern = pattern + ca.sparsify(slope).sparsity()
         self._coupling = Coupling.of(pattern, e.jacobian.sparsity())
+        self._states = list(e.states)
         self.has_joints, self._go = e.constraint_count > 0, e.manifold.go
 
     def step(
         self, t: float, y: np.ndarray, v: np.ndarray, p: np.ndarray, h: float, theta: float
-    ) -> tuple[np.ndarray, np.ndarray, Mobility]:
-        """Speeds at the end without impulses, multipliers times ``h``, and the mobility of the
-        step."""
+    ) -> tuple[np.ndarray, np.ndarray, Mobility, StateChange]:
+        """Speeds at the end without impulses, multipliers times ``h``, the mobility of the step,
+        and the change of the states."""
         fraction = constrained_fraction(theta)
         middle, between = self._go(y, theta * h * v), self._go(y, fraction * h * v)
-        force, damping, stiffness = self._forces(t + theta * h, middle, v, p, theta * h)
+        arguments = t + theta * h, middle, v, p, theta * h
+        force, damping, stiffness, rates, gain = self._forces(*arguments)
         mass = self._mass(middle, p)[0]
         matrix = mass
         if self._reacts:
@@ -78,7 +105,7 @@ class SmoothMotion:
         joints, still = self._joints(t + fraction * h, between, p)[:2]
         mobility = Mobility(matrix, joints, self._coupling)
         change, multiplier = mobility(h * force, -(still + joints @ v) / fraction)
-        return v + change, multiplier, mobility
+        return v + change, multiplier, mobility, StateChange(self._states, h * rates, gain)
 
     def open_by(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """``Φ``, and its rounding error."""

@@ -199,8 +199,7 @@ class StepLog:
         work = np.zeros((2, h.size + 1))
         if not h.size:
             return work
-        manifold, t = self.step.model.equations.manifold, np.array(self.times)
-        middle = manifold.go(y[:, :-1], manifold.lead(y[:, :-1], y[:, 1:]) / 2)
+        t, middle = np.array(self.times), _between(self.step.model, y[:, :-1], y[:, 1:], 0.5)
         powers = Kernel(self.step.smooth.powers.function.map(h.size))
         speeds, p = (v[:, 1:] + v[:, :-1]) / 2, np.tile(self.step.p[:, None], h.size)
         rates = powers(t[:-1] + h / 2, middle, speeds, a, multiplier, p)[0]
@@ -249,11 +248,21 @@ def interpolate(model: Model, record: ContactRecord, times: np.ndarray) -> Traje
         return replace(ends.some(np.zeros(times.size, dtype=int)), t=times)
     k = np.clip(np.searchsorted(ends.t, times), 1, ends.t.size - 1)
     share = (times - ends.t[k - 1]) / (ends.t[k] - ends.t[k - 1])
-    manifold = model.equations.manifold
-    displacement = manifold.lead(ends.y[:, k - 1], ends.y[:, k])
     v, work = (s[:, k - 1] + share * (s[:, k] - s[:, k - 1]) for s in (ends.v, ends.work))
-    y = np.where(share == 1, ends.y[:, k], manifold.go(ends.y[:, k - 1], share * displacement))
+    between = _between(model, ends.y[:, k - 1], ends.y[:, k], share)
+    y = np.where(share == 1, ends.y[:, k], between)
     return Trajectory(times, y, v, ends.a[:, k], ends.multiplier[:, k], work)
+
+
+def _between(
+    model: Model, y: np.ndarray, other: np.ndarray, share: float | np.ndarray
+) -> np.ndarray:
+    """Positions at a share of the way from columns ``y`` to ``other``, and states likewise."""
+    manifold, states = model.equations.manifold, list(model.equations.states)
+    between = manifold.go(y, share * manifold.lead(y, other))
+    if states:
+        between[states] = y[states] + share * (other[states] - y[states])
+    return between
 
 
 def _with_start(means: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.impact_stage import ImpactStage
 from dalembert.analysis.nonsmooth.mobility import Mobility
+from dalembert.analysis.nonsmooth.smooth_motion import StateChange
 from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.integrators.contact.impulses import Impulses
@@ -63,6 +64,7 @@ class StepStart:
     y, v : state
     free, multiplier : speeds and multipliers at the end without impulses
     mobility : of the step
+    states : change of the states of first order
     begins : True in the first step
     impact : impacts that ``free`` includes; None without any
     """
@@ -74,6 +76,7 @@ class StepStart:
     free: np.ndarray
     multiplier: np.ndarray
     mobility: Mobility
+    states: StateChange
     begins: bool
     impact: ImpactStage | None = None
 

@@ -11,7 +11,6 @@ from dalembert.analysis.transient.instant import Instant, Unknown
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.integrators.newmark.rule import Moving
 
-STARTS = ("rest", "statics")
 MASSLESS = (
     "the mass matrix is singular: displacements without mass are coupled to others; give all "
     "elements a density, or use lumped=True"

@@ -1,4 +1,4 @@
-"""PID controller with limits."""
+"""PID controllers with limits, of continuous and of discrete time."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import casadi as ca
 
 from dalembert.elements.base import Condition, Scalar, quantity
 from dalembert.elements.blocks.block import Block, Signals
+from dalembert.elements.blocks.sampled import Sampled
 from dalembert.elements.stateful import signal
 from dalembert.symbolic.formulas.expression import stack
 
@@ -102,14 +103,18 @@ class PID(Block):
         """``γ r − y``."""
         return self.derivative_weight.sx * self.input_of("setpoint") - self.input_of("measured")
 
+    def _derived(self) -> ca.SX:
+        """Output of the derivative part."""
+        change = self._differentiated - self.states.pose[-1]
+        return self.derivative.sx * change / self.filter_time.sx
+
     def _outputs(self) -> tuple[ca.SX, ca.SX]:
         """``v`` and ``w``."""
         r, y = self.input_of("setpoint"), self.input_of("measured")
         wish = self.proportional.sx * (self.setpoint_weight.sx * r - y)
         wish += self.states.pose[0] if self._integrates else self.start.sx
         if self._differentiates:
-            change = self._differentiated - self.states.pose[-1]
-            wish += self.derivative.sx * change / self.filter_time.sx
+            wish += self._derived()
         output = wish
         if self.lower is not None:
             output = ca.fmax(output, self.lower.sx)
@@ -121,3 +126,60 @@ class PID(Block):
         wish, output = self._outputs()
         error = self.input_of("setpoint") - self.input_of("measured")
         return {"output": (output, ""), "unlimited": (wish, ""), "error": (error, "")}
+
+
+@dataclass(eq=False)
+class SampledPID(Sampled, PID):
+    """PID controller of discrete time, with the parameters of ``PID``.
+
+        v[k] = K (β r − y) + z[k] + d[k],    w[k] = min(max(v, lower), upper)
+        z[k+1] = z[k] + T I (r − y) + (T/T_t) (w − v)
+        d[k] = (T_f d[k−1] + D (c[k] − c[k−1]))/(T_f + T),    c = γ r − y
+
+    Forward differences for the integral, backward differences for the derivative (Åström &
+    Wittenmark, Computer-Controlled Systems, 1997, 8.5). The derivative begins at the second sample.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("lift", gravity=(0, -10))
+    >>> cabin = system.add(planar.Particle("cabin", mass=2.0))
+    >>> ends = system.ground.center, cabin.center
+    >>> rail = system.add(planar.PinInSlot("rail", *ends, axis=(0, 1)))
+    >>> gains = dict(proportional=80.0, integral=60.0, derivative=40.0, sample_time=0.01)
+    >>> control = system.add(da.blocks.SampledPID("control", 1.0, cabin.y, **gains))
+    >>> drive = system.add(planar.Force("drive", cabin.center, (0, control.output)))
+    >>> motion = da.solve_dynamics(system.build(), 20.0, step=5e-3)
+    >>> round(motion["cabin.y"][-1].item(), 3), round(motion["control.output"][-1].item(), 3)
+    (1.0, 20.0)
+    """
+
+    def memory_names(self) -> Sequence[str]:
+        names = ("integral",) if self._integrates else ()
+        return (*names, "derived", "previous", "running") if self._differentiates else names
+
+    def initial_states(self) -> Sequence[ca.SX | None]:
+        starts = {"integral": self.start.sx}
+        return [starts.get(name, ca.SX(0)) for name in self.state_names()]
+
+    def _derived(self) -> ca.SX:
+        """``d[k]``; zero at the first sample."""
+        derived, previous, running = ca.vertsplit(self.memory[-3:])
+        step = self.derivative.sx * (self._differentiated - previous)
+        time = self.filter_time.sx
+        return running * (time * derived + step) / (time + self.period)
+
+    def sampled_outputs(self) -> ca.SX:
+        return self._outputs()[1]
+
+    def next_memory(self) -> ca.SX:
+        r, y = self.input_of("setpoint"), self.input_of("measured")
+        wish, output = self._outputs()
+        values = []
+        if self._integrates:
+            rate = self.integral.sx * (r - y) + (output - wish) / self.tracking_time.sx
+            values.append(self.memory[0] + self.period * rate)
+        if self._differentiates:
+            values += [self._derived(), self._differentiated, ca.SX(1)]
+        return stack(values)

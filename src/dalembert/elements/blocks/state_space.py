@@ -1,4 +1,4 @@
-"""Linear system of several inputs and outputs."""
+"""Linear systems of several inputs and outputs, of continuous and of discrete time."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import casadi as ca
 
 from dalembert.elements.base import Rows, option
 from dalembert.elements.blocks.block import Block, Coefficients, Signals, coefficients
+from dalembert.elements.blocks.sampled import Sampled
 from dalembert.elements.stateful import signals
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import stack
@@ -89,6 +90,10 @@ class StateSpace(Block):
             raise ModelError(text, self.name)
         return stack(value.sx for value in self.inputs)
 
+    @property
+    def _x(self) -> ca.SX:
+        return self.states.pose[: self._a.shape[0]]
+
     def state_names(self) -> Sequence[str]:
         return tuple(f"state{k + 1}" for k in range(self._a.shape[0]))
 
@@ -96,10 +101,49 @@ class StateSpace(Block):
         return [value.sx for value in self.start] or super().initial_states()
 
     def rates(self) -> ca.SX:
-        return ca.mtimes(self._a, self.states.pose) + ca.mtimes(self._b, self._signals)
+        return ca.mtimes(self._a, self._x) + ca.mtimes(self._b, self._signals)
 
     def outputs(self) -> Signals:
-        outputs = ca.mtimes(self._c, self.states.pose)
+        outputs = ca.mtimes(self._c, self._x)
         if not self._d.is_zero():
             outputs += ca.mtimes(self._d, self._signals)
         return {f"output{k + 1}": (outputs[k], "") for k in range(outputs.numel())}
+
+
+@dataclass(eq=False)
+class SampledStateSpace(Sampled, StateSpace):
+    """``x[k+1] = A x[k] + B u[k]``, ``w[k] = C x[k] + D u[k]``; outputs ``output1``, ``output2``, …
+
+    Parameters
+    ----------
+    inputs : ``u``, formulas of measures, which may be assigned after the construction
+    A, B, C : rows of numbers or formulas
+    D : rows; zero by default
+    start : (n,) states at the start; zero by default
+
+    Raises
+    ------
+    ModelError
+        Rows that do not fit.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("sum")
+    >>> body = system.add(planar.Particle("body", mass=1.0, position=(2.0, 0)))
+    >>> rows = dict(A=[[1]], B=[[1]], C=[[1]], sample_time=0.1)
+    >>> total = system.add(da.blocks.SampledStateSpace("total", (body.x,), **rows))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
+    >>> motion["total.state1"][-1].item()
+    20.0
+    """
+
+    def held_names(self) -> Sequence[str]:
+        return tuple(f"output{k + 1}" for k in range(self._c.shape[0]))
+
+    def next_memory(self) -> ca.SX:
+        return StateSpace.rates(self)
+
+    def sampled_outputs(self) -> ca.SX:
+        return stack(value for value, _ in StateSpace.outputs(self).values())

@@ -1,4 +1,4 @@
-"""Transfer function of one input and one output."""
+"""Transfer functions of one input and one output, of continuous and of discrete time."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import casadi as ca
 
 from dalembert.elements.base import Scalar, option, quantity
 from dalembert.elements.blocks.block import Block, Coefficients, Signals, coefficients
+from dalembert.elements.blocks.sampled import Sampled
 from dalembert.elements.stateful import signal
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import Expression, stack
@@ -79,14 +80,15 @@ class TransferFunction(Block):
         return [first] + [ca.SX(0)] * (self.degree - 1)
 
     def rates(self) -> ca.SX:
-        x, poles = self.states.pose, self._scaled(self.denominator)
+        x, poles = self.states.pose[: self.degree], self._scaled(self.denominator)
         if not self.degree:
             return ca.SX(0, 1)
         last = self.input_of("input") - ca.dot(poles[:-1], x)
         return stack([*(x[k] for k in range(1, self.degree)), last])
 
     def outputs(self) -> Signals:
-        x, poles, zeros = self.states.pose, self._scaled(self.denominator), self._zeros()
+        x = self.states.pose[: self.degree]
+        poles, zeros = self._scaled(self.denominator), self._zeros()
         output = ca.dot(zeros[:-1] - poles[:-1] * zeros[-1], x) if self.degree else ca.SX(0)
         if not zeros[-1].is_zero():
             output += zeros[-1] * self.input_of("input")
@@ -100,6 +102,47 @@ class TransferFunction(Block):
         """(n + 1,) coefficients of the numerator, of the lowest power first."""
         zeros = self._scaled(self.numerator)
         return ca.vertcat(zeros, ca.SX.zeros(self.degree + 1 - zeros.numel()))
+
+
+@dataclass(eq=False)
+class SampledTransferFunction(Sampled, TransferFunction):
+    """``G(z) = (b_m zᵐ + … + b_0)/(a_n zⁿ + … + a_0)``, ``m ≤ n``, in controllable canonical form.
+
+    Parameters
+    ----------
+    input : formula of measures
+    numerator, denominator : coefficients, of the highest power of ``z`` first; numbers or formulas
+    start : input at rest before the start, by which the states begin; needs ``Σ a_k ≠ 0``
+
+    Raises
+    ------
+    ModelError
+        No denominator, or a numerator of higher degree.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("lag")
+    >>> body = system.add(planar.Particle("body", mass=1.0, position=(2.0, 0)))
+    >>> law = dict(numerator=(0.5,), denominator=(1, -0.5), sample_time=0.1)
+    >>> lag = system.add(da.blocks.SampledTransferFunction("lag", body.x, **law))
+    >>> motion = da.solve_dynamics(system.build(), 0.3, step=0.1)
+    >>> motion["lag.output"].values.tolist()  # 2 (1 - 0.5^k)
+    [0.0, 1.0, 1.5, 1.5]
+    """
+
+    def initial_states(self) -> Sequence[ca.SX | None]:
+        if self.start.sx.is_zero() or not self.degree:
+            return [ca.SX(0)] * len(self.state_names())
+        rest = self.start.sx / ca.sum1(self._scaled(self.denominator))
+        return [rest] * self.degree + [ca.SX(0)]
+
+    def next_memory(self) -> ca.SX:
+        return TransferFunction.rates(self)
+
+    def sampled_outputs(self) -> ca.SX:
+        return TransferFunction.outputs(self)["output"][0]
 
 
 def float_of(value: Expression) -> float | None:

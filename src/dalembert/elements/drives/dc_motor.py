@@ -90,11 +90,9 @@ class DCMotor(Stateful, AlongJoint):
         ratio = self.ratio.sx
         return ratio * (self.constant.sx * self.states.pose - self.damping.sx * ratio * speed)
 
-    def inertial_powers(self, rate: Rate) -> Powers:
-        if self.inertia.sx.is_zero():
-            return []
-        speed = rate(self.free_coordinate)
-        return [(speed, self.inertia.sx * self.ratio.sx**2 * rate(speed))]
+    @property
+    def rotor(self) -> ca.SX:
+        return self.inertia.sx * self.ratio.sx**2
 
     def potential(self) -> ca.SX:
         """Energy of the magnetic field."""

@@ -22,6 +22,7 @@ from dalembert.elements.spatial.drivers import (
     TranslationalDriver,
 )
 from dalembert.elements.spatial.flexible_body import FlexibleBody
+from dalembert.elements.spatial.geometry import Geometry
 from dalembert.elements.spatial.links import (
     RevoluteRevoluteLink,
     RevoluteSphericalLink,
@@ -70,6 +71,7 @@ __all__ = [
     "Force",
     "Frame",
     "GearPair",
+    "Geometry",
     "HydraulicCylinder",
     "JointActuator",
     "JointFriction",

@@ -9,16 +9,18 @@ A point fixed in the body is at ``r_P = r_C + R(e) (s' − c')``. By Newton and 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import Condition, Scalar, Vector, option, quantity
+from dalembert.elements.base import Condition, Look, Scalar, Vector, option, quantity
 from dalembert.elements.frame import Frames
 from dalembert.elements.rotation import Orientation, as_orientation
 from dalembert.elements.simple_bodies import PointMass, unused
 from dalembert.elements.spatial.frame import SpatialFrame
+from dalembert.elements.spatial.geometry import Geometry
 from dalembert.elements.spatial.inertia_tensor import as_moments, physical, tensor
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import Expression
@@ -43,6 +45,7 @@ class Body(SpatialFrame):
     angular_velocity : (3,) initial, inertial axes [rad/s]
     points : name → (3,) coordinates in the body frame [m]
     frames : name → keywords of ``frame``: place, axis, x, axes, rotation
+    geometry : solids that pictures show, by default the ellipsoid of the inertia
 
     Raises
     ------
@@ -80,6 +83,7 @@ class Body(SpatialFrame):
     )
     points: dict[str, Vector] = None  # type: ignore[assignment]
     frames: Frames = None  # type: ignore[assignment]
+    geometry: Sequence[Geometry] = option("solids that pictures show", default=())
 
     not_drawn = "a plate over its points is drawn, or the ellipsoid of its inertia"
 
@@ -120,6 +124,9 @@ class Body(SpatialFrame):
         gyroscopic = ca.cross(self.spin, ca.mtimes(inertia, self.spin))
         return ca.diagcat(mass, inertia), ca.vertcat(ca.SX(3, 1), gyroscopic)
 
+    def look(self) -> list[Look]:
+        return [look for solid in self.geometry or () for look in solid.look(self)]
+
     def conditions(self) -> list[Condition]:
         return [*super().conditions(), *physical(self.inertia.sx)]
 
@@ -144,3 +151,4 @@ class Particle(PointMass, Body):
     rotation: Any = unused()
     angular_velocity: Any = unused()
     frames: Any = unused()
+    geometry: Any = unused()

@@ -10,7 +10,8 @@ import casadi as ca
 from dalembert.elements.base import Look, Scalar, Vector, quantity
 from dalembert.elements.point import Point
 from dalembert.elements.simple_bodies import SlenderBar
-from dalembert.elements.spatial.shape import Cuboid, Drum, Orb, Pill, Shape, moments
+from dalembert.elements.spatial.look import Cuboid, Drum, Orb, Pill
+from dalembert.elements.spatial.shape import Shape, moments
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import Expression
 

@@ -12,7 +12,7 @@ from dalembert.integrators.base import Attempt
 from dalembert.integrators.marching.loop import StepSource, Stretch, take_steps
 from dalembert.integrators.marching.march import FixedMarch
 from dalembert.integrators.marching.method_choice import MethodChoice
-from dalembert.integrators.marching.steps import Crossing, Steps, Watch
+from dalembert.integrators.marching.steps import Crossing, Samples, Steps, Watch
 from dalembert.symbolic.evaluation.backends import Backend, VirtualMachine
 from dalembert.symbolic.evaluation.columns import Columns
 from dalembert.symbolic.evaluation.kernel import Kernel
@@ -21,6 +21,10 @@ ATTEMPTS = 64
 """Number of attempts per call."""
 SMALLEST_STEP = 1e-13
 """Lower limit of the step, relative to the length of the run and to |t| [-]."""
+
+
+RESTART = 1e-4
+"""First step after a sample, relative to the run, of methods that lose their memory."""
 
 
 class AdaptiveMarch:
@@ -83,10 +87,12 @@ class AdaptiveMarch:
         longest: float,
         mode: int,
         watch: Watch,
+        samples: Samples | None = None,
     ) -> Steps:
         """March from ``start`` to ``end``; stops when the step length collapses."""
         numbers = start, end, first_step, longest
-        attempts, recorder = Attempts(self, numbers, x0, p, mode, watch.choice), watch.recorder(x0)
+        attempts = Attempts(self, numbers, x0, p, mode, watch.choice, samples)
+        recorder = watch.recorder(x0)
         steps = take_steps(attempts, recorder, watch)
         steps.x = recorder.states(None if self.fixed is None else self.fixed.again(steps, p))
         return steps
@@ -117,6 +123,7 @@ class Attempts(StepSource):
     numbers : start, end, first step and longest step [s]
     x0, p, mode : first state, parameters and mode
     choice : choice between two methods; None for a single method
+    samples : transitions at fixed times, between which attempts end there
     """
 
     def __init__(
@@ -127,18 +134,27 @@ class Attempts(StepSource):
         p: np.ndarray,
         mode: int,
         choice: MethodChoice | None,
+        samples: Samples | None = None,
     ):
         self.march, self.choice, self.mode = march, choice, mode
+        self.samples, self.sample = samples, 0
         self.start, self.end, first_step, longest = numbers
         self.memory = march.attempt_of(mode).memory
         self.state = np.concatenate([[self.start, first_step], self.memory, x0])
-        self.fixed = np.concatenate([[self.end, longest], p])
+        self.fixed = np.concatenate([[self._stop, longest], p])
         self.states = self.record = np.zeros((0, 0))
         self.complete = True
 
     @property
     def pending(self) -> bool:
         return bool(self.state[0] < self.end)
+
+    @property
+    def _stop(self) -> float:
+        """Time of the next sample, or of the end [s]."""
+        if self.samples is None or self.sample == self.samples.times.size:
+            return self.end
+        return float(self.samples.times[self.sample])
 
     @property
     def progress(self) -> float:
@@ -150,6 +166,9 @@ class Attempts(StepSource):
         return np.flatnonzero((self.record[3] > 0.5) & (self.record[1] > 0))
 
     def take(self, time: float, x: np.ndarray) -> tuple[Stretch, str]:
+        self.sampling = bool(self.state[0] >= self._stop)
+        if self.sampling:
+            return self._take_sample(time, x)
         count = self.choice.attempts(self.mode) if self.choice else ATTEMPTS
         attempts = self.march.advance(count, self.mode, self.state, self.fixed)
         self.states, self.record, failure = attempts
@@ -158,6 +177,25 @@ class Attempts(StepSource):
         corrected, mode = np.ones(accepted.size, bool), np.full(accepted.size, self.mode)
         t, h = self.record[:2, accepted]
         return Stretch.of(self.state[0], x, columns, t, h, corrected, mode), failure
+
+    def _take_sample(self, time: float, x: np.ndarray) -> tuple[Stretch, str]:
+        """The transition at the current time."""
+        assert self.samples is not None and self.march.fixed is not None
+        mode = self.samples.mode(self.mode, int(self.samples.due[self.sample]))
+        step = np.array([time]), np.zeros(1), np.ones(1, bool)
+        states, failure, _ = self.march.fixed.advance(mode, x, step, self.fixed[2:])
+        self.sample += 1
+        self.fixed[0] = self._stop
+        return Stretch.of(time, x, states, *step, np.array([mode])), failure
+
+    def _continue(self, x: np.ndarray) -> None:
+        """Continue after a sample, with the longest of the last steps."""
+        lengths = self.record[1, self._accepted[-2:]] if self.record.size else np.zeros(0)
+        length = max(self.state[1], *lengths) if lengths.size else self.state[1]
+        march = self.march.fixed
+        if march is not None and march.step_of(self.mode).begin is not None:
+            length = min(length, RESTART * (self.end - self.start))
+        self._restart(self.state[0], min(length, self.fixed[1]), x)
 
     def reject(self, accepted: int) -> None:
         stop = int(np.append(self._accepted, self.record.shape[1])[accepted])
@@ -171,6 +209,9 @@ class Attempts(StepSource):
     def settle(
         self, stretch: Stretch, following: int, crossing: Crossing | None, failure: str
     ) -> str:
+        if self.sampling:
+            self._continue(stretch.x[:, -1])
+            return failure
         self.rejected += int(np.sum((self.record[3] < 0.5) & (self.record[1] > 0)))
         if self.record.shape[1]:
             self.state = self.states[:, -1]

@@ -71,12 +71,14 @@ class StepSource(ABC):
     mode : of the next steps
     rejected : number of steps taken in vain so far
     explained : whether the last failure has a complete explanation
+    sampling : whether the last stretch is a sample, after which nothing is searched for
     """
 
     start: float
     mode: int
     rejected: int = 0
     explained: bool = False
+    sampling: bool = False
 
     @property
     @abstractmethod
@@ -119,12 +121,12 @@ def take_steps(source: StepSource, recorder: Recorder, watch: Watch) -> Steps:
         while source.pending and not message:
             stretch, failure = source.take(time, recorder.last)
             following, crossing = source.mode, None
-            if stretch.count:
+            if stretch.count and not source.sampling:
                 accepted, following, message = watch.switch(stretch.ends, stretch.x, source.mode)
                 if message or accepted < stretch.count:
                     source.reject(accepted)
                     stretch, failure = stretch.cut(accepted), ""
-            if source.may_cross(message or failure):
+            if not source.sampling and source.may_cross(message or failure):
                 try:
                     crossing = watch.cross(stretch.ends, stretch.x, source.mode)
                 except UnsolvedPart as unsolved:

@@ -18,6 +18,7 @@ from dalembert.integrators.marching.loop import StepSource, Stretch, take_steps
 from dalembert.integrators.marching.marched_step import MarchedStep
 from dalembert.integrators.marching.steps import (
     Crossing,
+    Samples,
     Schedule,
     Steps,
     Watch,
@@ -74,6 +75,7 @@ class FixedMarch:
         mode: int,
         watch: Watch,
         events: bool = False,
+        samples: Samples | None = None,
     ) -> Steps:
         """March over the grid ``times``; stops at the first state that is not finite.
 
@@ -85,13 +87,11 @@ class FixedMarch:
         x0, p, mode : first state, parameters and mode
         watch : callbacks
         events : whether steps are cut at the events that ``watch.cross`` finds inside them
+        samples : transitions at fixed times
         """
-        h = np.diff(times)
-        number = np.arange(1, h.size + 1)
-        corrected = (number % self.period == 0) | (number == h.size)
-        schedule = Schedule(times[: max(h.size, 1)], h, corrected, np.full(h.size, mode))
-        recorder = watch.recorder(x0, 0 if events else h.size)
-        return self._march(schedule, p, recorder, watch, events)
+        schedule = Schedule.on_grid(times, self.period, mode, samples)
+        recorder = watch.recorder(x0, 0 if events else schedule.h.size)
+        return self._march(schedule, p, recorder, watch, events, mode, samples)
 
     def repeat(self, steps: Steps, x0: np.ndarray, p: np.ndarray) -> Steps:
         """Repeat the steps of an earlier march from another state with other parameters."""
@@ -133,8 +133,12 @@ class FixedMarch:
         recorder: Recorder,
         watch: Watch | None = None,
         events: bool = False,
+        mode: int | None = None,
+        samples: Samples | None = None,
     ) -> Steps:
-        source = PrescribedSteps(self, schedule, p, events, halves=watch is not None)
+        first = schedule.mode[0] if mode is None and schedule.mode.size else mode or 0
+        search = events, watch is not None
+        source = PrescribedSteps(self, schedule, p, *search, int(first), samples)
         steps = take_steps(source, recorder, watch or Watch())
         steps.x = recorder.states(self.again(steps, p))
         return steps
@@ -209,16 +213,25 @@ class PrescribedSteps(StepSource):
     p : (np,) parameters
     events : whether there may be events inside steps
     halves : whether steps in which Newton's method fails are halved
+    mode : of the first steps
+    samples : transitions in the schedule
     """
 
     def __init__(
-        self, march: FixedMarch, schedule: Schedule, p: np.ndarray, events: bool, halves: bool
+        self,
+        march: FixedMarch,
+        schedule: Schedule,
+        p: np.ndarray,
+        events: bool,
+        halves: bool,
+        mode: int,
+        samples: Samples | None = None,
     ):
         self.march, self.schedule, self.p = march, schedule, p
         self.events, self.halves = events, halves
         self.start, self.done = float(schedule.t[0]), 0
         self.longest = SHORT_CHUNK if events else CHUNK
-        self.reason, self.mode = "", int(schedule.mode[0]) if schedule.mode.size else 0
+        self.reason, self.mode, self.samples = "", mode, samples
 
     @property
     def pending(self) -> bool:
@@ -229,7 +242,11 @@ class PrescribedSteps(StepSource):
         return self.done / self.schedule.h.size
 
     def take(self, time: float, x: np.ndarray) -> tuple[Stretch, str]:
-        mode = self.mode
+        mode, due = self.mode, -1 - int(self.schedule.mode[self.done])
+        self.sampling = due >= 0
+        if self.sampling:
+            assert self.samples is not None
+            mode = self.samples.mode(mode, due)
         chunk, count = self._chunk(mode)
         out, self.reason, self.explained = self.march.advance(mode, x, chunk, self.p)
         t, h, corrected = (column[:count] for column in chunk)
@@ -248,6 +265,8 @@ class PrescribedSteps(StepSource):
         if at_once:
             count = even_length(s.h[self.done : self.done + count])
         t, h, corrected = s.part(self.done, count)
+        if self.sampling:
+            return (t[:1], h[:1], corrected[:1]), 1
         if not self.events:
             self.longest = min(2 * self.longest, CHUNK)
         elif not at_once and (missing := SHORT_CHUNK - count) > 0:
@@ -270,9 +289,11 @@ class PrescribedSteps(StepSource):
         else:
             self.done = schedule.resume(self.done + crossing.accepted, float(stretch.ends[-1]))
         if following != self.mode:
-            schedule.mode[self.done :] = following
+            later = schedule.mode[self.done :]
+            later[later >= 0] = following
         may_halve = failure and self.halves and self.march.halves(self.mode, self.reason)
         if may_halve and schedule.halve(self.done):
             self.longest, self.rejected, failure = SHORT_CHUNK, schedule.halved, ""
-        self.mode = int(schedule.mode[self.done]) if self.pending else following
+        following = int(schedule.mode[self.done]) if self.pending else following
+        self.mode = following if following >= 0 else self.mode
         return failure

@@ -24,6 +24,22 @@ def halving_warnings(count: int) -> list[str]:
     return [text] if count else []
 
 
+@dataclass(frozen=True)
+class Samples:
+    """Transitions of zero length at fixed times of a march.
+
+    Attributes
+    ----------
+    times : (K,) increasing, from the start of the march to before its end [s]
+    due : (K,) numbers of the samples
+    mode : (mode of the steps before and after, number) → mode of the transition
+    """
+
+    times: np.ndarray
+    due: np.ndarray
+    mode: Callable[[int, int], int]
+
+
 class Schedule:
     """Scheduled steps of length ``h`` from ``t``, in order.
 
@@ -37,6 +53,29 @@ class Schedule:
         self.t, self.h, self.corrected, self.mode = t.copy(), h.copy(), corrected, mode.copy()
         self.shortest, self.longest = shortest(h), float(np.max(h, initial=0.0))
         self.halved = 0
+
+    @classmethod
+    def on_grid(cls, times: np.ndarray, period: int, mode: int, samples: Samples | None = None):
+        """Steps between the times of a grid, every ``period``-th corrected, and samples.
+
+        Times of samples are added to the grid unless they are part of it. Modes of samples follow
+        from those of the steps before; until then they are ``−1 − due``.
+        """
+        if samples is not None and samples.times.size:
+            near = np.searchsorted(times, samples.times - CLOSE * np.max(np.diff(times)))
+            gap = times[near] - samples.times
+            added = samples.times[gap > CLOSE * np.max(np.diff(times))]
+            times = np.insert(times, np.searchsorted(times, added), added)
+        h = np.diff(times)
+        number = np.arange(1, h.size + 1)
+        corrected = (number % period == 0) | (number == h.size)
+        t, modes = times[: max(h.size, 1)], np.full(h.size, mode)
+        if samples is not None and samples.times.size:
+            before = np.searchsorted(times, samples.times - CLOSE * np.max(h))
+            t, h = np.insert(t, before, times[before]), np.insert(h, before, 0.0)
+            corrected = np.insert(corrected, before, True)
+            modes = np.insert(modes, before, -1 - samples.due)
+        return cls(t, h, corrected, modes)
 
     def part(self, begin: int, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """``t``, ``h``, ``corrected`` of ``count`` steps from ``begin``."""
@@ -67,9 +106,10 @@ class Schedule:
         It ends with step ``k``, or with the step after that if hardly anything remains.
         """
         remainder = self._end(k) - time
-        if remainder <= 0 or (remainder < CLOSE * self.longest and k + 1 < self.h.size):
+        following = self.mode[k + 1] if k + 1 < self.h.size else -1
+        if remainder <= 0 or (remainder < CLOSE * self.longest and following >= 0):
             k += 1
-        if k < self.h.size:
+        if k < self.h.size and self.mode[k] >= 0:
             self.t[k], self.h[k] = time, self._end(k) - time
         return k
 

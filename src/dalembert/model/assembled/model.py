@@ -29,7 +29,6 @@ from dalembert.model.supports_and_loads import SupportsAndLoads
 from dalembert.model.value_limits import ValueLimit, check_number, valid_numbers
 from dalembert.symbolic.formulas.declared import declared
 from dalembert.symbolic.formulas.expression import Expression, free_symbols, stack, t
-from dalembert.symbolic.formulas.parser import Names
 from dalembert.symbolic.parametric_array import ArrayEntries
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.wording import card, table
@@ -79,7 +78,7 @@ class StructuralModel(ParametricModel):
         self.structure, self.name, self.linear = structure, structure.name, linear
         self.parameters = dict(structure.parameters)
         self.derived_parameters = dict(structure.derived_parameters)
-        self.tables = dict(structure.tables)
+        self.tables, self.declared_outputs = dict(structure.tables), dict(structure.outputs)
         self.p = stack(q.sx for q in self.parameters.values())
         self.nominal = np.array([q.value for q in self.parameters.values()], dtype=float)
         maker = BlockMaker(structure, self.p, linear)
@@ -226,14 +225,10 @@ class StructuralModel(ParametricModel):
         numbers = ((self.degrees.nodes.number(node), key) for node, key in self.supports)
         return looks + [Support(node, key) for node, key in numbers if node is not None]
 
-    @cached_property
-    def names(self) -> Names:
-        return Names(self._find, self._all_names)
-
     def _all_names(self) -> list[str]:
         return [*self.measures.names(), *self.parameters, *self.derived_parameters]
 
-    def _find(self, name: str) -> Expression | None:
+    def _measure(self, name: str) -> Expression | None:
         own = declared(self, name)
         return self.measures.find(name) if own is None else own
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from contextlib import ExitStack
 from dataclasses import replace
 from weakref import WeakKeyDictionary
 
 import casadi as ca
 
-from dalembert.elements.base import Powers
+from dalembert.elements.base import Element, Powers
 from dalembert.elements.coordinates import Coordinates, motion_rate_of, rate_of
 from dalembert.elements.planar.body import Ground
 from dalembert.errors import ModelError
@@ -42,7 +43,7 @@ def absolute_equations(d: Description) -> Equations:
     y = stack(c.pose for c in groups)
     v = stack(c.twist for c in groups)
     multiplier = stack(c.multiplier[k] for c, k in d.rows)
-    mass, bias = _inertia(d, v)
+    mass, bias = inertia_of(d, v)
     with ExitStack() as enriched:
         followers = [enriched.enter_context(group.enriched()) for group in groups]
         symbols, values = (stack(pair[k] for pair in followers) for k in range(2))
@@ -117,13 +118,15 @@ def _contacts(d: Description) -> tuple[RigidGap, ...]:
     return gaps
 
 
-def _inertia(d: Description, v: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """``M`` and ``d`` in ``M v̇ + d``."""
+def inertia_of(d: Description, v: ca.SX, without: Collection[Element] = ()) -> tuple[ca.SX, ca.SX]:
+    """``M`` and ``d`` in ``M v̇ + d``, without the inertia of some elements."""
     groups = d.coordinates
     masses, gyroscopic = zip(*(c.inertia_by_speeds() for c in groups), strict=True)
     mass, bias = ca.diagcat(*masses), stack(gyroscopic)
     a = stack(c.acceleration_symbols for c in groups)
     for element in d.elements.values():
+        if element in without:
+            continue
         owners = element.parts()
 
         def rate(s: ca.SX, owners=owners) -> ca.SX:

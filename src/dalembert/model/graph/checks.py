@@ -26,7 +26,7 @@ def check_membership(d: Description) -> None:
 
     A parameter of a structure is that of the mechanism of the same name only by a formula.
     """
-    if not d.bodies:
+    if not d.coordinates:
         raise ModelError("has no bodies; add at least one", d.name)
     members = {id(c) for c in (*d.coordinates, d.ground)}
     for element in d.elements.values():

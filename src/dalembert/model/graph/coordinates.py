@@ -23,7 +23,7 @@ class CoordinateView(CacheOwner):
     whole : Equations in these coordinates, including redundant ones
     with_free_branches : the same with free branches, if those of ``whole`` are frozen
     rows : constraint equations that are solved at the start
-    names : names of the coordinates
+    names, speed_names : names of the coordinates, and of the speeds and displacements
     units, speed_units : units of the coordinates, and of the displacements
     """
 
@@ -32,13 +32,9 @@ class CoordinateView(CacheOwner):
     with_free_branches: Equations
     rows: tuple[int, ...]
     names: list[str]
+    speed_names: list[str]
     units: list[str]
     speed_units: list[str]
-
-    @property
-    def speed_names(self) -> list[str]:
-        """Names of the speeds and displacements."""
-        return self.names
 
     @property
     def equations(self) -> Equations:
@@ -126,11 +122,8 @@ class AbsoluteView(CoordinateView):
         self.whole, all_rows = model.all_equations, range(model.all_equations.constraint_count)
         self.rows = tuple(all_rows if every_equation else model.closure.rows)
         self.names = list(model.guesses.names)
+        self.speed_names = list(model.guesses.speed_names)
         self.units, self.speed_units = model.guesses.units, model.guesses.speed_units
-
-    @property
-    def speed_names(self) -> list[str]:
-        return list(self.model.guesses.speed_names)
 
     def lift(self, expression: ca.SX) -> ca.SX:
         return expression

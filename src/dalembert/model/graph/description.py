@@ -45,6 +45,7 @@ class Description(MechanismParts):
         self.parameters = dict(system.parameters)
         self.derived_parameters = dict(system.derived_parameters)
         self.tables, self.nodes = dict(system.tables), dict(system.nodes)
+        self.outputs = dict(system.outputs)
         self.gravity, self.elements = conditions.gravity, conditions.elements()
         self.initial_conditions = conditions.initial_conditions()
 

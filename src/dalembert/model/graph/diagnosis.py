@@ -268,6 +268,8 @@ def _redundancy(closure: Closure, row: int) -> Redundancy:
 
 def _massless(closure: Closure, mass: scipy.sparse.csc_array) -> tuple[str, ...]:
     """Bodies that take part in a free motion without kinetic energy, ``C δ = M δ = 0``."""
+    if not mass.shape[0]:  # blocks alone
+        return ()
     scale = scipy.sparse.diags_array(closure.scales.displacements)
     scaled_mass = scipy.sparse.csr_array(scale @ mass @ scale)
     largest = abs(scaled_mass).max(axis=1).toarray().ravel()

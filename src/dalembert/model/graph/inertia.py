@@ -73,7 +73,7 @@ class BlockInertia(Inertia):
 
 
 class TreeInertia(Inertia):
-    """Mass matrix of a tree of bodies in joint coordinates, ``M̄ = Dᵀ M D`` (6.2).
+    """Mass matrix of a tree of bodies and rotors in joint coordinates, ``M̄ = Dᵀ M D + J`` (6.2).
 
     A product and a solve pass only once up and down the tree: ``M̄ = L D̄ Lᵀ`` is eliminated from
     the leaves to the root without being formed, with the articulated inertia of each body
@@ -83,10 +83,12 @@ class TreeInertia(Inertia):
     ----------
     basis : TreeBasis, ``D``
     masses : SX ``M_i`` of each branch's body
+    rotors : SX ``J_i``, a diagonal matrix for the speeds of each branch
     """
 
-    def __init__(self, basis: TreeBasis, masses: list[ca.SX]):
-        self.basis, self.masses = basis, masses
+    def __init__(self, basis: TreeBasis, masses: list[ca.SX], rotors: list[ca.SX]):
+        self.basis = basis.relative([not rotor.is_zero() for rotor in rotors])
+        self.masses, self.rotors = masses, rotors
 
     @cached_property
     def _bodies(self) -> list[ca.SX]:
@@ -109,7 +111,7 @@ class TreeInertia(Inertia):
             if b.parent is not None:
                 composite[b.parent] += _congruent(composite[k], b.propagation)
             momentum, at = ca.mtimes(composite[k], b.subspace), k
-            result[b.columns, b.columns] = ca.mtimes(b.subspace.T, momentum)
+            result[b.columns, b.columns] = ca.mtimes(b.subspace.T, momentum) + self.rotors[k]
             parent = b.parent
             while parent is not None:
                 momentum = ca.mtimes(branches[at].propagation.T, momentum)
@@ -124,17 +126,18 @@ class TreeInertia(Inertia):
         product = ca.SX(*speeds.shape)
         for b, mass in zip(self.basis.branches, self.masses, strict=True):
             product[b.rows, :] = ca.mtimes(mass, speeds[b.rows, :])
-        return ca.densify(self.basis.transposed(product))
+        rotors = ca.diagcat(*self.rotors)
+        return ca.densify(self.basis.transposed(product) + ca.mtimes(rotors, x))
 
     @cached_property
     def _elimination(self) -> tuple[list[ca.SX], list[ca.SX]]:
-        """``(Sᵀ I S)⁻¹`` and ``I S (Sᵀ I S)⁻¹`` of every joint, I the articulated inertia."""
+        """``N = (Sᵀ I S + J)⁻¹`` and ``I S N`` of every joint, I the articulated inertia."""
         articulated = list(self._bodies)
         inverses: list[ca.SX] = []
         gains: list[ca.SX] = []
         for k, b in reversed(list(enumerate(self.basis.branches))):
             momentum = ca.mtimes(articulated[k], b.subspace)
-            inverse = block_inverse(ca.mtimes(b.subspace.T, momentum))
+            inverse = block_inverse(ca.mtimes(b.subspace.T, momentum) + self.rotors[k])
             gain = ca.mtimes(momentum, inverse)
             inverses.insert(0, inverse)
             gains.insert(0, gain)
@@ -171,8 +174,11 @@ class TreeInertia(Inertia):
         return result if columns > 1 else ca.densify(result)  # zero columns stay cheap
 
     def substitute(self, symbols: ca.SX, values: ca.SX) -> TreeInertia:
-        masses = [ca.substitute(mass, symbols, values) for mass in self.masses]
-        return TreeInertia(self.basis.substitute(symbols, values), masses)
+        masses, rotors = (
+            [ca.substitute(matrix, symbols, values) for matrix in matrices]
+            for matrices in (self.masses, self.rotors)
+        )
+        return TreeInertia(self.basis.substitute(symbols, values), masses, rotors)
 
 
 def _congruent(matrix: ca.SX, x: ca.SX) -> ca.SX:

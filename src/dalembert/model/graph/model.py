@@ -26,7 +26,6 @@ from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.evaluation.kernel import SELDOM, condensed
 from dalembert.symbolic.formulas.declared import parameter_table
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.symbolic.formulas.parser import Names
 from dalembert.symbolic.once import once
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.wording import card, messages, table
@@ -86,6 +85,7 @@ class Model(ParametricModel):
         self.parts = parts
         self.name, self.description = parts.name, parts.description
         self.parameters, self.derived_parameters = parts.parameters, parts.derived_parameters
+        self.declared_outputs = parts.outputs
         self.bodies, self.ground = parts.bodies, parts.ground
         self.constraints, self.forces = parts.constraints, parts.forces
         self.coordinates = parts.coordinates
@@ -211,16 +211,11 @@ class Model(ParametricModel):
         inputs = [e.t, e.y, e.v, e.a, e.transmitted, e.p]
         return condensed("measures", inputs, [column], SELDOM)
 
-    @cached_property
-    def names(self) -> Names:
-        """Names of measures and parameters, as formulas use them."""
-        return Names(self._find, self._all_names)
-
     def _all_names(self) -> list[str]:
         return [*self.measure_names, *self.parameters, *self.derived_parameters]
 
     @once
-    def _find(self, name: str) -> Expression | None:
+    def _measure(self, name: str) -> Expression | None:
         measure = self._system_measure(name)
         if measure is None:
             measure = self.parts.lookup(name)

@@ -99,6 +99,8 @@ class _AtGuesses:
         """Largest change of each coordinate by displacements of these sizes."""
         if self.e.manifold.flat:
             return displacements
+        if not displacements.size:
+            return np.ones(self.e.coordinate_count)
         sizes = self.lift.multiply(displacements).max(axis=1).toarray().ravel()
         return np.where(np.array(self.guesses.units) == "m", sizes, 1.0)
 

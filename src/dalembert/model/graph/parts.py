@@ -24,6 +24,7 @@ from dalembert.elements.point import AXES
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.declared import declared
 from dalembert.symbolic.formulas.expression import Expression, t
+from dalembert.symbolic.formulas.inputs import Output
 from dalembert.symbolic.formulas.interpolation import Interpolation
 from dalembert.symbolic.formulas.parameter import Parameter
 from dalembert.symbolic.formulas.parser import parse_formula
@@ -35,6 +36,7 @@ class MechanismParts:
     ground: Ground
     parameters: dict[str, Parameter]
     derived_parameters: dict[str, Expression]
+    outputs: dict[str, Output]
     tables: dict[str, Interpolation]
     nodes: dict[str, Node | Nodes]
     elements: dict[str, Element]

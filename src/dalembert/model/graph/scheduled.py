@@ -32,7 +32,8 @@ class ScheduledModel(Model):
         self._schedules = stack(schedules.values())
         e = model.all_equations
         force, powers = self._scheduled(e.force), self._scheduled(e.powers)
-        e = replace(e, force=force, powers=powers, p=e.p if p is None else p)
+        rate, p = self._scheduled(e.pose_rate), e.p if p is None else p
+        e = replace(e, force=force, powers=powers, pose_rate=rate, p=p)
         super().__init__(model.parts, e, model.closure, model.diagnosis, model.build_time)
         self._fixed_start: AssembledState | None = None
 

@@ -8,6 +8,7 @@ import { FrontChart, MatrixChart, ParallelChart } from "./design_charts.js";
 import { DesignTable, chosenCard } from "./design_table.js";
 import { BarsChart, EllipsesChart, HistogramChart } from "./distributions.js";
 import { byId, el } from "./dom.js";
+import { BodeChart, NyquistChart } from "./frequency.js";
 import { list, tidy } from "./numbers.js";
 import { convergencePanel, optimumPanel } from "./optimum.js";
 import { diagnosisPanel, pairs, panel, parameterPanel, scrollable, verdict } from "./panels.js";
@@ -43,6 +44,8 @@ function contentOf(view) {
     case "histogram": return new HistogramChart(view).node;
     case "curves": return new CurvesChart(view, choice).node;
     case "ellipses": return new EllipsesChart(view).node;
+    case "bode": return new BodeChart(view).node;
+    case "nyquist": return new NyquistChart(view).node;
   }
   if (!choice?.count) return null;
   switch (view.kind) {

@@ -44,6 +44,10 @@ export class Scale {
     if (this.log) {
       const first = Math.ceil(this.lo - 1e-9), last = Math.floor(this.hi + 1e-9), step = Math.max(1, Math.ceil((last - first + 1) / count));
       const powers = Array.from({ length: Math.max(0, last - first + 1) }, (_, k) => first + k).filter((k) => (k - first) % step === 0);
+      if (powers.length < 3 && step === 1) {  // numbers between the powers
+        const all = Array.from({ length: last - first + 3 }, (_, k) => first - 1 + k).flatMap((k) => [1, 2, 5].map((digit) => digit * 10 ** k));
+        return all.filter((v) => Math.log10(v) >= this.lo && Math.log10(v) <= this.hi).map((value) => ({ value, text: tidy(value, 3) }));
+      }
       return powers.map((k) => ({ value: 10 ** k, text: Math.abs(k) < 4 ? minus(String(10 ** k)) : `10${superscript(k)}` }));
     }
     const { values, texts, power } = axisTicks(this.lo, this.hi, count);

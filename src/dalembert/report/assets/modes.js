@@ -15,8 +15,9 @@ export function buildModes({ motion, scene }) {
   byId("toolbar").prepend(el("div", { class: "chips" }, stateChooser(motion)));
   byId("board").hidden = false;
   document.body.classList.remove("single");
-  byId("board").setAttribute("aria-label", "Eigenvalues");
-  byId("board").append(spectrumCards(motion));
+  const modal = motion.states.kind === "mode";
+  byId("board").setAttribute("aria-label", modal ? "Eigenvalues" : "Frequency response");
+  if (modal) byId("board").append(spectrumCards(motion));
   const { swing } = motion;
   byId("player").append(scaleSlider(motion, () => motion.swing ?? swing));
 }

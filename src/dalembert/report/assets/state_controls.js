@@ -21,7 +21,7 @@ export function chooser(id, label, names, chosen, onchange) {
 /** Choice of the state: load case, mode, buckling shape. @param {Motion} motion */
 export function stateChooser(motion) {
   const { states: { kind, names } } = motion, label = kind === "load case" ? "Case" : kind[0]?.toUpperCase() + kind.slice(1);
-  const node = chooser("case", label, names, 0, (k) => motion.choose(k)), [select] = node.querySelectorAll("select");
+  const node = chooser("case", label, names, motion.chosen, (k) => motion.choose(k)), [select] = node.querySelectorAll("select");
   select.style.maxWidth = "min(340px, 56vw)";  // names state values
   motion.onState.on(() => {
     const { states: { names: present }, chosen } = motion;

@@ -33,6 +33,7 @@ export class Swing {
     const largest = Math.max(0, ...Array.from(list(values), Number).filter(Number.isFinite));
     return Array.from(list(values), (value, k) => {
       const { factor, unit: shown } = prefixed(Number(value), unit), ratio = Number(damping?.[k]), name = `${kind} ${numbers?.[k]}`;
+      if (kind === "frequency") return `${+(Number(value) / factor).toPrecision(5)} ${shown}`;
       if (Number(value) <= UNDAMPED * largest) return `${name}: free motion`;
       const text = Math.abs(ratio) > 1 - UNDAMPED ? (ratio < 0 ? ", diverges" : ", decays") : Math.abs(ratio) < UNDAMPED ? "" : `, ζ ${number(ratio, 3)}${ratio < 0 ? ", unstable" : ""}`;
       return `${name}: ${+(Number(value) / factor).toPrecision(5)} ${shown}${text}`;

@@ -123,6 +123,10 @@ export interface CurvesView extends Card {
   follows?: string;
 }
 export interface EllipsesView extends Card { kind: "ellipses"; names: string[]; units: string[]; centre: number[]; covariance: number[][] }
+/** Complex amplitudes, or densities `y`, over the frequency. */
+export interface ResponseLine { name: string; unit: string; re: number[]; im: number[]; y?: number[] }
+/** Lines over the frequency `x` [Hz]; `states` are the indices of the drawn states, `first` is shown first. */
+export interface ResponseView extends Card { kind: "bode" | "nyquist"; x: number[]; y: string; lines: ResponseLine[]; states: number[]; first: number }
 /** View of the table of designs; `x` and `y` are indices of its columns. */
 export interface DesignView extends Card {
   kind: "front" | "parallel" | "matrix" | "table";
@@ -132,7 +136,7 @@ export interface DesignView extends Card {
   better?: boolean;
   role?: string;
 }
-export type View = FactsView | RowsView | NotesView | BarsView | HistogramView | CurvesView | EllipsesView | DesignView;
+export type View = FactsView | RowsView | NotesView | BarsView | HistogramView | CurvesView | EllipsesView | ResponseView | DesignView;
 
 // Live pages: functions of an analysis as a WebAssembly module, see `analysis/live` ------------------
 

@@ -33,10 +33,15 @@ def mode_scene(modes: Modes) -> dict[str, Any]:
     ``symbolic/formulas/oscillation.py``. The largest displacement of a coordinate is one in each
     mode.
     """
-    recording = ModeRecording.of(modes)
+    return oscillating_scene(modes, modes.record.oscillations(modes.positions))
+
+
+def oscillating_scene(result: Any, vectors: np.ndarray) -> dict[str, Any]:
+    """Scene of the mechanism of a result in oscillations (6, n, K) of its coordinates."""
+    recording = ModeRecording.of(result, vectors)
     scene = motion_scene(recording, np.arange(recording.time.size), loads=False)
-    if modes.numbers.size:
-        _tag_blocks(scene, modes.model)
+    if len(vectors) > 1:
+        _tag_blocks(scene, result.model)
     return scene
 
 
@@ -58,9 +63,8 @@ class ModeRecording(LabelledRecording):
     vectors: np.ndarray = None  # type: ignore[assignment]
 
     @classmethod
-    def of(cls, modes: Modes) -> ModeRecording:
-        """The recording of modes; each is one instant of six blocks."""
-        vectors = modes.record.oscillations(modes.positions)
+    def of(cls, modes: Any, vectors: np.ndarray) -> ModeRecording:
+        """The recording of oscillations; each is one instant of six blocks."""
         e, count = modes.model.all_equations, vectors.shape[0] * vectors.shape[2]
         y, still = np.tile(vectors[0], len(vectors)), np.zeros((e.speed_count, count))
         time, none = np.full(count, modes.record.time), np.zeros((0, count))

@@ -20,7 +20,7 @@ from dalembert.elements.look import Block
 from dalembert.elements.point import AXES, Point
 from dalembert.elements.spatial.body import Body
 from dalembert.elements.spatial.inertia_tensor import tensor
-from dalembert.elements.spatial.shape import Cuboid, Drum, Floor, Orb, Pill, Round, Sheet, Surface
+from dalembert.elements.spatial.look import Cuboid, Drum, Floor, Orb, Pill, Round, Sheet, Surface
 from dalembert.results.pictures.mechanism_scene import MechanismScene
 from dalembert.results.pictures.primitives import Primitives
 from dalembert.results.sources import InitialPicture, Track, numbers

@@ -38,8 +38,8 @@ def simultaneous(steps: ContactSteps, k: int, keys: np.ndarray) -> bool:
 
 
 def connected(steps: ContactSteps, k: int, contacts: ContactEquations) -> tuple[np.ndarray, Sparse]:
-    """(n,) numbers of the groups of contacts on connected bodies, and (n, n_v) masks of the speeds
-    that each contact changes, as ones and zeros."""
+    """(n,) numbers of the groups of contacts on connected bodies or states, and (n, n_v) masks of
+    the speeds that each contact changes, as ones and zeros."""
     (t, _), (y, _), gaps = steps.span(k), steps.split(k), contacts.gaps
     mobility = steps.step.smooth.at(t, y, steps.p)[0]
     normals = gaps.directions[np.arange(contacts.keys.size) * gaps.values.before.shape[1]]
@@ -47,7 +47,9 @@ def connected(steps: ContactSteps, k: int, contacts: ContactEquations) -> tuple[
     largest = np.repeat(speeds.max(axis=1).toarray().ravel(), np.diff(speeds.indptr))
     speeds.data = (speeds.data > MOVED * largest).astype(float)
     speeds.eliminate_zeros()
-    labels = scipy.sparse.csgraph.connected_components(speeds @ speeds.T, directed=False)[1]
+    states = steps.maps.equations.reach[list(steps.step.model.equations.states)]
+    moved = scipy.sparse.hstack([speeds, speeds @ states.T]) if states.shape[0] else speeds
+    labels = scipy.sparse.csgraph.connected_components(moved @ moved.T, directed=False)[1]
     return labels, speeds
 
 
@@ -65,11 +67,11 @@ def moving_parts(
     SingularityError
         Two successive impacts change the same entries.
     """
-    (t, _), (y, _) = steps.span(k), steps.split(k)
+    t = steps.span(k)[0]
     if impacting.size == 1:
         return [(impacting, np.ones(steps.x.shape[0]))]
     keys, (labels, speeds) = steps.active(k).keys, connected(steps, k, contacts)
-    matrix: Any = abs(steps.maps.equations.rates(y, np.zeros(steps.maps.speeds))[1][0])
+    matrix: Any = steps.maps.equations.reach
     closed, parts = remain_closed(steps, k, contacts), []
     for label in np.unique(labels[impacting]):
         rows = impacting[labels[impacting] == label]

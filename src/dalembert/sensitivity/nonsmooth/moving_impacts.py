@@ -208,8 +208,11 @@ def _impacts(
     closed = remain_closed(steps, k, contacts)
     after = steps.acceleration(end, t + h, h, active.some(closed))
     rates = steps.maps.equations.rates
-    rate_after = np.concatenate([rates(end[:size], end[size:])[0], after])
-    rate_before = np.concatenate([rates(begin[:size], begin[size:])[0], before])
+    here, there = (t, begin[:size], begin[size:]), (t + h, end[:size], end[size:])
+    rate_before, rate_after = (
+        np.concatenate([rates(*state, steps.p)[0].ravel(), change])
+        for state, change in ((here, before), (there, after))
+    )
     impact = [maps[0].impact_law(contacts.keys[closing.impacting]), *maps[1:]]
     jump = push_maps(impact, rate_before[:, None], 1.0, np.zeros((steps.p.size, 1))).ravel()
     masks = np.array([part for _, part in parts]).T

@@ -11,12 +11,17 @@ from functools import cached_property
 
 import casadi as ca
 import numpy as np
+import scipy
 
-from dalembert.analysis.nonsmooth.gyroscopic import smooth_forces
 from dalembert.analysis.nonsmooth.smooth_motion import constrained_fraction
+from dalembert.analysis.nonsmooth.step_forces import (
+    states_moved_by_speeds,
+    step_forces,
+)
 from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.model import Model
-from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction
+from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction, Sparse
+from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.once import once
 
 
@@ -70,12 +75,11 @@ class StepEquations:
         """From the start of a step to its end, before corrections."""
         e, h, theta, after = self.e, self.h, self.theta, self.speeds
         lead = ca.SX.sym("lead")
-        driving, damping = smooth_forces(e, lead)
-        stiffness = e.by_displacement(ca.densify(e.force - e.bias))
-        outputs = [e.mass, driving, damping, stiffness]
+        outputs = [e.mass, *step_forces(e, lead).all]
         smooth = ca.Function("smooth", [e.t, e.y, e.v, e.p, lead], outputs)
         middle = e.manifold.going(e.y, theta * h * e.v)
-        mass, force, damping, stiffness = smooth(e.t + theta * h, middle, e.v, e.p, theta * h)
+        arguments = e.t + theta * h, middle, e.v, e.p, theta * h
+        mass, force, damping, stiffness, state_rates, gain = smooth(*arguments)
         part = constrained_fraction(theta)
         between = e.manifold.going(e.y, part * h * e.v)
         jacobian, by_time, _ = self._joints(e.t + part * h, between, e.p)
@@ -83,6 +87,8 @@ class StepEquations:
         momentum = ca.mtimes(matrix, after - e.v) + ca.mtimes(jacobian.T, self.multiplier)
         rates = ca.mtimes(jacobian, part * after + (1 - part) * e.v) + by_time
         positions = e.manifold.going(e.y, h * (theta * after + (1 - theta) * e.v))
+        states = list(e.states)
+        positions[states] += h * state_rates + ca.mtimes(gain, after - e.v)
         equations = ca.vertcat(momentum - h * force, rates)
         return SmoothMap(e, h, self.z, equations, ca.vertcat(positions, after))
 
@@ -107,13 +113,27 @@ class StepEquations:
         return SmoothMap(e, self.h, self.z, ca.vertcat(momentum, rates), following)
 
     @cached_property
-    def rates(self) -> SlopeFunction:
-        """``(y, v) → A v``, ``ẏ``, and ``A``."""
+    def rates(self) -> Kernel:
+        """``(t, y, v, p) → ẏ``, ``A v`` of positions and ``f`` of states of first order."""
         manifold, e = self.e.manifold, self.e
         zero = ca.SX.zeros(manifold.delta.numel())
-        rate = ca.substitute(ca.jacobian(manifold.moved, manifold.delta), manifold.delta, zero)
-        rate = ca.substitute(rate, manifold.y, e.y)
-        return SlopeFunction("rates", [e.y, e.v], ca.mtimes(rate, e.v), [e.v])
+        lift = ca.substitute(ca.jacobian(manifold.moved, manifold.delta), manifold.delta, zero)
+        rates = ca.densify(ca.mtimes(ca.substitute(lift, manifold.y, e.y), e.v))
+        rates[list(e.states)] = e.pose_rate[list(e.states)]
+        return Kernel(ca.Function("rates", [e.t, e.y, e.v, e.p], [rates]))
+
+    @cached_property
+    def reach(self) -> Sparse:
+        """(n_y, n) ones where a speed is the rate of a coordinate, or moves a state."""
+        e = self.e
+        positions = ca.jacobian_sparsity(e.manifold.moved, e.manifold.delta)
+        rows, columns = (list(part) for part in positions.get_triplet())
+        of_states = states_moved_by_speeds(e)
+        own, speeds = of_states.get_triplet()
+        rows += [e.states[k] for k in own]
+        columns += speeds
+        shape = e.coordinate_count, e.speed_count
+        return scipy.sparse.csr_array((np.ones(len(rows)), (rows, columns)), shape=shape)
 
 
 @once

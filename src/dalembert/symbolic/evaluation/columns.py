@@ -5,9 +5,11 @@ The loop runs inside CasADi or inside machine code; NumPy converts once.
 
 from __future__ import annotations
 
+import ctypes
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 import casadi as ca
@@ -187,6 +189,12 @@ class NativeColumns(Columns):
             for result, (rows, columns) in zip(results, self.shapes, strict=True)
         ]
 
+    def bound(
+        self, count: int, arguments: Sequence[np.ndarray], results: Sequence[np.ndarray]
+    ) -> BoundCall:
+        """The loop on arrays of the caller, who writes arguments and reads results in place."""
+        return BoundCall(self._loop, self._memory(count, [*arguments], [*results]))
+
     @property
     def report(self) -> str:
         return self._name
@@ -201,14 +209,20 @@ class NativeColumns(Columns):
 
     def _call(self, count: int, buffers: list[np.ndarray], results: list[np.ndarray]) -> int:
         """Number of completed columns; each call has its own memory and is thread-safe."""
+        counts, memory = self._memory(count, buffers, results)
+        return self._loop(*counts, *(array.ctypes.data for array in memory[:8]))
+
+    def _memory(
+        self, count: int, buffers: list[np.ndarray], results: list[np.ndarray]
+    ) -> tuple[tuple[int, int, int], list[np.ndarray]]:
+        """Counts and arrays of a call, followed by arrays that must exist as long."""
         addresses = [
             np.array([a.ctypes.data for a in arrays], dtype=np.uint64)
             for arrays in (buffers, results)
         ]
         arg, res, iw, w = (np.empty(size, dtype=np.int64) for size in self._work)
-        memory = (addresses[0], self._steps[0], addresses[1], self._steps[1], arg, res, iw, w)
-        counts = count, len(buffers), len(results)
-        return self._loop(*counts, *(array.ctypes.data for array in memory))
+        memory = [addresses[0], self._steps[0], addresses[1], self._steps[1], arg, res, iw, w]
+        return (count, len(buffers), len(results)), [*memory, *buffers, *results]
 
     def _column(self, i: int, buffer: np.ndarray, k: int) -> np.ndarray:
         size = self.sizes[i]
@@ -219,6 +233,27 @@ class NativeColumns(Columns):
         with suppress(ValueError):
             Kernel(self.function)(*arguments)
         raise SolverFailure(NO_SOLUTION)
+
+
+class BoundCall(partial[int]):
+    """Loop of machine code on fixed arrays, without conversions: ``call() → completed columns``.
+
+    Parameters
+    ----------
+    loop : machine code
+    memory : counts and arrays
+    """
+
+    owners: tuple[Call, list[np.ndarray]]
+    """Machine code and arrays that the call uses."""
+
+    def __new__(cls, loop: Call, memory: tuple[tuple[int, int, int], list[np.ndarray]]) -> Any:
+        counts, arrays = memory
+        numbers = [ctypes.c_longlong(count) for count in counts]
+        addresses = [ctypes.c_void_p(array.ctypes.data) for array in arrays[:8]]
+        call = super().__new__(cls, getattr(loop, "entry", loop), *numbers, *addresses)
+        call.owners = (loop, arrays)
+        return call
 
 
 LONG = 6000

@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Protocol
 
+import casadi as ca
+
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, t
+from dalembert.symbolic.formulas.inputs import Input, Output
 from dalembert.symbolic.formulas.interpolation import Interpolation
 from dalembert.symbolic.formulas.parameter import Bounds, Parameter, coherent
 from dalembert.text.arguments import check_arguments
@@ -61,6 +64,7 @@ class Declared:
         self.parameters: dict[str, Parameter] = {}
         self.derived_parameters: dict[str, Expression] = {}
         self.tables: dict[str, Interpolation] = {}
+        self.outputs: dict[str, Output] = {}
 
     @check_arguments
     def parameter(
@@ -95,6 +99,42 @@ class Declared:
         return expression
 
     @check_arguments
+    def input(
+        self,
+        name: str,
+        value: float | str | Expression = 0.0,
+        unit: str = "",
+        bounds: Bounds = None,
+        description: str = "",
+    ) -> Expression:
+        """Declare an input, a parameter by which other programs act on the model; see ``Input``.
+
+        Returns
+        -------
+        Expression
+            The input in formulas.
+        """
+        self._declare(name)
+        new = Input(name, value, unit, bounds, description)
+        symbols = [t.sx, new.sx, *(p.sx for p in self.parameters.values())]
+        new.check_symbols(ca.vertcat(*symbols))
+        self.parameters[name] = new
+        return new.signal
+
+    @check_arguments
+    def output(
+        self, name: str, formula: str | Expression, unit: str = "", description: str = ""
+    ) -> None:
+        """Name a formula of measures, a quantity that other programs observe.
+
+        Results contain it under this name. Without a ``unit`` it has the unit of the formula, if
+        that is known.
+        """
+        self._declare(name)
+        unit = coherent(unit, name) if unit else ""
+        self.outputs[name] = Output(name, formula, unit, description)
+
+    @check_arguments
     def table(
         self,
         name: str,
@@ -124,7 +164,7 @@ class Declared:
         if isinstance(name, str):
             check_length(name, self.name)
         check_free(name, self.meanings, self.name)
-        _check_unused(name, (self.parameters, self.derived_parameters, self.tables))
+        _check_unused(name, (self.parameters, self.derived_parameters, self.tables, self.outputs))
 
     def _claim(self, name: str) -> None:
         """Claim the name of an element or node."""
@@ -141,6 +181,9 @@ class Declarations(Protocol):
 
 def declared(owner: Declarations, name: str) -> Any:
     """The parameter, derived parameter, table or time of this name; None for others."""
+    parameter = owner.parameters.get(name)
+    if isinstance(parameter, Input):
+        return parameter.signal
     for section in (owner.parameters, owner.derived_parameters, owner.tables):
         if name in section:
             return section[name]

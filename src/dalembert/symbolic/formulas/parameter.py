@@ -60,6 +60,7 @@ class Parameter(CheckedArguments, Expression):
 
     __slots__ = ("bounds", "declared_unit", "description", "value")
     is_parameter = True
+    role = "parameter"
 
     def __repr__(self) -> str:
         return f"<Parameter {self.name!r} = {self.value:.6g}{' ' + self.unit if self.unit else ''}>"

@@ -186,12 +186,12 @@ class _Loaded:
         self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
         self._engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         self._engine.finalize_object()
-        self._loop = SIGNATURE(self._engine.get_function_address(ENTRY))
+        self.entry = SIGNATURE(self._engine.get_function_address(ENTRY))
         counts = (ctypes.c_longlong * 2).from_address(self._engine.get_global_value_address(PIECES))
         self.pieces = tuple(counts)
 
     def __call__(self, *arguments: Any) -> int:
-        return self._loop(*arguments)
+        return self.entry(*arguments)
 
 
 @lru_cache

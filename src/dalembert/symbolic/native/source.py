@@ -48,6 +48,11 @@ def c_sources(functions: Mapping[str, ca.Function]) -> str | None:
     return text + "".join(loops)
 
 
+def c_functions(functions: Mapping[str, ca.Function]) -> str | None:
+    """C text of several functions by their names, without loops; None if CasADi cannot write it."""
+    return _c_text([_renamed(f, name) for name, f in functions.items()])
+
+
 def _renamed(function: ca.Function, name: str) -> ca.Function:
     """The same function by another name."""
     inputs: Any = function.sx_in() if function.is_a("SXFunction") else function.mx_in()

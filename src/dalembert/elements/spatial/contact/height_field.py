@@ -15,7 +15,7 @@ from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.hull import Hull
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.frame import Frame
-from dalembert.elements.spatial.shape import Sheet
+from dalembert.elements.spatial.look import Sheet
 from dalembert.errors import ModelError
 from dalembert.files import readable
 from dalembert.symbolic.formulas.conversion import as_expression

@@ -11,8 +11,9 @@ from dalembert.elements.base import Look, option
 from dalembert.elements.contact.hull import Solid
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.spatial.contact.polyhedron import MOST, ConvexHull
-from dalembert.elements.spatial.mesh import Mesh, SurfaceMesh
-from dalembert.elements.spatial.shape import Surface
+from dalembert.elements.spatial.look import Surface
+from dalembert.elements.spatial.mesh import Mesh
+from dalembert.elements.spatial.surface import SurfaceMesh
 from dalembert.errors import ModelError
 from dalembert.packages import optional_package
 

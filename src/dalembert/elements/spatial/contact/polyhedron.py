@@ -14,7 +14,7 @@ from dalembert.elements.contact.hull import Hull
 from dalembert.elements.contact.shapes import Spot, Spotted
 from dalembert.elements.pair import need_body
 from dalembert.elements.point import Point
-from dalembert.elements.spatial.shape import Surface
+from dalembert.elements.spatial.look import Surface
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 

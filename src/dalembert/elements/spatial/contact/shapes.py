@@ -14,7 +14,7 @@ from dalembert.elements.frame import Frame
 from dalembert.elements.look import Socket as BallJoint
 from dalembert.elements.spatial.contact.polyhedron import Polyhedron
 from dalembert.elements.spatial.contact.solids import Corners
-from dalembert.elements.spatial.shape import Floor, Orb
+from dalembert.elements.spatial.look import Floor, Orb
 from dalembert.errors import ModelError
 
 

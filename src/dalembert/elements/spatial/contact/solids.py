@@ -14,8 +14,8 @@ from dalembert.elements.contact.rounded_line import AboutLine, RoundedLine
 from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Pointed, Spot, Spotted
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.contact.polyhedron import ConvexHull
+from dalembert.elements.spatial.look import Cuboid, Drum, Pill, Surface
 from dalembert.elements.spatial.mesh import Mesh
-from dalembert.elements.spatial.shape import Cuboid, Drum, Pill, Surface
 from dalembert.errors import ModelError
 
 CORNERS = 200

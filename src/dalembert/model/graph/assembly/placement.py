@@ -15,7 +15,7 @@ from dalembert.elements.planar.body import PlanarFrame, rotation as plane_rotati
 from dalembert.elements.planar.joint import TreeJoint
 from dalembert.elements.point import Point
 from dalembert.elements.spatial import Spherical
-from dalembert.elements.spatial.axial_joint import FixedTurn
+from dalembert.elements.spatial.axial_joint import AxialJoint, FixedTurn
 from dalembert.elements.spatial.frame import SpatialFrame
 from dalembert.elements.spatial.joint import FrameJoint
 from dalembert.model.graph.assembly.guesses import Guesses
@@ -184,7 +184,8 @@ def spatial_poses(d: Description) -> dict[str, ca.SX]:
     """Name → pose of the spatial bodies with a guess, and of those connected to them.
 
     A body of known orientation is placed where the origins of its joint to a placed body coincide;
-    ``Weld`` and ``Prismatic`` also determine orientations.
+    ``Weld`` and ``Prismatic`` also determine orientations, and so does a joint along one axis whose
+    rotation is counted from x axes, at zero.
     """
     bodies = [body for body in d.bodies if isinstance(body, SpatialFrame)]
     eulers = {b.name: e for b in bodies if (e := _guessed_orientation(b)) is not None}
@@ -220,7 +221,7 @@ def _carried_spatial(
     kind = "frame" if isinstance(joint, FrameJoint) else "point"
     forward = joint.ends()[1].owner is child
     on_base, on_child = (getattr(joint, f"{kind}_{side}") for side in ("ij" if forward else "ji"))
-    if euler is None and isinstance(joint, FixedTurn):
+    if euler is None and isinstance(joint, AxialJoint) and _has_zero(joint):
         euler = _prescribed(joint, base.euler, on_base, on_child, forward)
     if euler is None:
         return None
@@ -230,8 +231,13 @@ def _carried_spatial(
     return SpatialPose(base.at(on_base.undeformed) - arm, euler)
 
 
+def _has_zero(joint: AxialJoint) -> bool:
+    """Whether a joint determines the relative orientation of its frames at zero rotation."""
+    return isinstance(joint, FixedTurn) or joint.has_x_axes
+
+
 def _prescribed(
-    joint: FixedTurn, base: ca.SX, on_base: Point, on_child: Point, forward: bool
+    joint: AxialJoint, base: ca.SX, on_base: Point, on_child: Point, forward: bool
 ) -> ca.SX:
     """Euler parameters of a body from the relative orientation prescribed by its joint."""
     assert isinstance(on_base, Frame) and isinstance(on_child, Frame)

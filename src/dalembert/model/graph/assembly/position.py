@@ -48,3 +48,23 @@ def position_stages(
         Stage(unknown, residual_at, start, factor.solve, factor.solve_transposed),
         Stage(e.y, e.y - there, there, lambda rhs: rhs, lambda rhs: rhs),
     ]
+
+
+def newton_step(
+    name: str, inputs: list[ca.SX], stages: list[Stage], sizes: np.ndarray
+) -> ca.Function:
+    """``inputs → (y⁺, r)``: a step of Newton's method from the value of position stages.
+
+    Parameters
+    ----------
+    inputs : SX symbols of the stages
+    stages : of ``position_stages``
+    sizes : natural sizes of the residual; ``r`` is the residual before the step relative to them
+    """
+    stage, *retraction = stages
+    at_start = [ca.densify(stage.residual), ca.densify(stage.solve(stage.residual))]
+    residual, correction = ca.substitute(at_start, [stage.unknown], [ca.densify(stage.value)])
+    new = stage.value - correction
+    for stage_after in retraction:
+        (new,) = ca.substitute([stage_after.value], [stage.unknown], [new])
+    return ca.Function(name, inputs, [ca.densify(new), residual / sizes], {"cse": True})

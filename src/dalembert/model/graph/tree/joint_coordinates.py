@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dalembert.elements.joint_forces import AlongJoint
 from dalembert.errors import UnsupportedError
 from dalembert.model.graph.coordinates import Coordinates
 from dalembert.model.graph.model import Model
@@ -55,7 +56,8 @@ class JointCoordinates(Coordinates):
                 )
 
     def view(self, model: Model, every_equation: bool = False) -> JointView:
-        massive = [e.name for e in model.parts.elements.values() if e.own_mass]
+        elements = model.parts.elements.values()
+        massive = [e.name for e in elements if e.own_mass and not isinstance(e, AlongJoint)]
         if massive:
             raise UnsupportedError(
                 f"{', '.join(massive)}: mass between bodies has no tree of joints; use "

@@ -14,6 +14,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
+from dalembert.model.graph.absolute import inertia_of
 from dalembert.model.graph.assembly.independence import independent_rows
 from dalembert.model.graph.coordinates import CoordinateView
 from dalembert.model.graph.equations import Equations
@@ -21,7 +22,12 @@ from dalembert.model.graph.inertia import TreeInertia
 from dalembert.model.graph.manifold import Manifold
 from dalembert.model.graph.model import Model
 from dalembert.model.graph.rigid_gaps import RigidGap
-from dalembert.model.graph.tree.kinematic_tree import between_neighbours, links_of
+from dalembert.model.graph.tree.kinematic_tree import (
+    between_neighbours,
+    links_of,
+    rotors_of,
+    with_rotors,
+)
 from dalembert.model.graph.tree.link import Link
 from dalembert.model.graph.tree.motion import TreeMotion
 from dalembert.symbolic.equations.factor import LdlFactor, block_inverse
@@ -57,6 +63,7 @@ class JointView(CoordinateView):
         self.links = self._as_at_start(links_of(model.parts, cut, absolute_angles))
         spaces = [link.space for link in self.links]
         self.names = [name for space in spaces for name in space.coordinate_names]
+        self.speed_names = [name for space in spaces for name in space.speed_names]
         self.units = [unit for space in spaces for unit in space.coordinate_units]
         self.speed_units = [unit for space in spaces for unit in space.speed_units]
         self.motion = TreeMotion(self.links, model.coordinates)
@@ -97,10 +104,13 @@ class JointView(CoordinateView):
         e, m = self.bodies, self.motion
         loops = [x[self.loop_rows, :] for x in (e.constraints, e.nonholonomic)]
         rate = self.model.at_ground(ca.densify(m.rate))
+        rotors, driven = rotors_of(self.model.parts, self.links), with_rotors(self.model.parts)
+        mass, bias = inertia_of(self.model.parts, e.v, driven) if driven else (e.mass, e.bias)
         rate, bias, force, potential, powers, mass, *loops = self.moved(
-            [rate, e.bias, e.force, e.potential, e.powers, e.mass, *loops]
+            [rate, bias, e.force, e.potential, e.powers, mass, *loops]
         )
-        inertia = TreeInertia(m.basis, [mass[b.rows, b.rows] for b in m.basis.branches])
+        masses = [mass[b.rows, b.rows] for b in m.basis.branches]
+        inertia = TreeInertia(m.basis, masses, rotors)
         sizes = self._sizes()
         equations = Equations(
             t=e.t,

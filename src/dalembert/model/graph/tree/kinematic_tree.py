@@ -8,9 +8,10 @@ import casadi as ca
 
 from dalembert.elements.base import Constraint
 from dalembert.elements.body import BodyElement
+from dalembert.elements.joint_forces import AlongJoint
 from dalembert.elements.planar.joint import TreeJoint as PlanarJoint
 from dalembert.elements.spatial.joint import TreeJoint as SpatialJoint
-from dalembert.errors import ModelError
+from dalembert.errors import ModelError, UnsupportedError
 from dalembert.model.graph.description import Description
 from dalembert.model.graph.tree.link import Link, free_link, planar_link
 from dalembert.model.graph.tree.spanning_tree import Edge, SpanningTree, spanning_tree
@@ -23,10 +24,47 @@ def carrying_joints(d: Description) -> dict[str, Any]:
     return {j.name: j for j in joints if all(j.carries(b) for b in j.ends() if b is not d.ground)}
 
 
+def with_rotors(d: Description) -> list[AlongJoint]:
+    """Elements with an inertia along the free motion of a joint."""
+    elements = [e for e in d.elements.values() if isinstance(e, AlongJoint)]
+    return [element for element in elements if element.own_mass]
+
+
+def rotors_of(d: Description, links: list[Link]) -> list[ca.SX]:
+    """Inertia of the rotors along the speeds of each link.
+
+    Raises
+    ------
+    UnsupportedError
+        The speed of a rotor is not that of a coordinate.
+    """
+    inertias = [ca.SX(*2 * (link.space.twist.numel(),)) for link in links]
+    carried = {link.joint.name: k for k, link in enumerate(links) if link.joint is not None}
+    for element in with_rotors(d):
+        joint, motion = element.joint.name, f"{element.joint.name}.{element.motion}"
+        k = carried.get(joint)
+        if k is None:
+            raise UnsupportedError(
+                f"{element.name}: the joint of its rotor, {joint}, closes a loop, and has no "
+                f"coordinate; cut another joint, JointCoordinates(cut=…), or use "
+                "coordinates=AbsoluteCoordinates()"
+            )
+        names = links[k].space.speed_names
+        if motion not in names:
+            raise UnsupportedError(
+                f"{element.name}: the speed of its rotor, {motion}, is not among the coordinates; "
+                'use JointCoordinates(angles="relative")'
+            )
+        index = names.index(motion)
+        inertias[k][index, index] += element.rotor
+    return inertias
+
+
 def tree_of_joints(d: Description, cut: tuple[str, ...]) -> SpanningTree:
     """Spanning tree from the ground of the joints that can carry a body and are not cut.
 
-    Joints with many equations are preferred, so that few equations remain for the loops.
+    Joints with many equations are preferred, so that few equations remain for the loops; among
+    equal ones those with rotors.
 
     Raises
     ------
@@ -42,10 +80,14 @@ def tree_of_joints(d: Description, cut: tuple[str, ...]) -> SpanningTree:
             available = ", ".join(joints) or "none"
             raise ModelError(f"cut {name!r} {reason}; joints that can be cut: {available}", d.name)
     names = ["ground", *(body.name for body in d.bodies)]
+    driven = {element.joint.name for element in with_rotors(d)}
+
+    def weight(joint: Any) -> int:
+        return -2 * joint.equations.numel() - (joint.name in driven)
 
     def tree(left_out: tuple[str, ...]) -> SpanningTree:
         edges = [
-            Edge(c.name, c.ends()[0].name, c.ends()[1].name, -c.equations.numel())
+            Edge(c.name, c.ends()[0].name, c.ends()[1].name, weight(c))
             for c in joints.values()
             if c.name not in left_out
         ]

@@ -11,7 +11,7 @@ the motion of its carrier, so that everything grows linearly with the number of 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
@@ -101,6 +101,16 @@ class TreeBasis:
         drift = [ca.mtimes(b.opening, z[b.open_columns, :]) for b in self.branches]
         columns = self.branches[-1].columns.stop if self.branches else 0
         return self.times(ca.SX(columns, z.shape[1]), drift)
+
+    def relative(self, chosen: list[bool]) -> TreeBasis:
+        """The same operators; those of chosen branches by ``X + S N``, without N."""
+        if not any(chosen):
+            return self
+        branches = [
+            replace(b, transport=b.propagation, coupling=ca.SX(*b.coupling.shape)) if k else b
+            for b, k in zip(self.branches, chosen, strict=True)
+        ]
+        return TreeBasis(branches, self.speed_count)
 
     def substitute(self, symbols: ca.SX, values: ca.SX) -> TreeBasis:
         """The operators with some symbols replaced."""

@@ -1,0 +1,1 @@
+"""Linear systems about an operating point: frequency response and random vibration."""

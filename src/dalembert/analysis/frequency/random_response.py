@@ -1,0 +1,109 @@
+"""Stationary response to random inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from functools import cached_property
+from typing import Annotated, Any
+
+import numpy as np
+
+from dalembert.analysis.frequency.frequency_response import FrequencyResponse, checked_span
+from dalembert.analysis.frequency.spectral_density import Density, density_of, quadrature
+from dalembert.errors import AnalysisError
+from dalembert.options import options
+from dalembert.results.harmonic import HarmonicResponse
+from dalembert.results.random_vibration import RandomVibration
+
+
+@options
+class RandomResponse(FrequencyResponse):
+    """Response to independent stationary random inputs, ``S_y(f) = Σ |H_j(f)|² S_j(f)``.
+
+    Spectral densities are one-sided, per hertz. Mean squares are integrals of densities by
+    Gauss–Legendre panels that are graded towards each resonance, with the tail of unbounded bands;
+    for white noise they agree with the Lyapunov equation.
+
+    Parameters
+    ----------
+    psd : input → spectral density [unit²/Hz]: a number, a formula of the frequency ``f``, a table
+        ``{"frequency": [..], "density": [..]}`` with linear interpolation of logarithms, or in
+        Python a function
+    band : first and last frequency [Hz] of the mean squares; by default all of them
+
+    Raises
+    ------
+    AnalysisError
+        No densities, densities that are no numbers, unknown inputs.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("oscillator")
+    >>> push = system.input("push", unit="N")
+    >>> body = system.add(planar.Particle("body", mass=1.0, position=(0.5, 0)))
+    >>> rail = system.add(planar.PinInSlot("rail", system.ground.center, body.center))
+    >>> ends = system.ground.center, body.center
+    >>> spring = planar.Spring("spring", *ends, stiffness=100.0, damping=2.0, free_length=0.5)
+    >>> parts = system.add(spring), system.add(planar.Force("force", body.center, (push, 0)))
+    >>> white = da.RandomResponse(psd={"push": 8.0}, outputs=["body.x"])
+    >>> round(white.run(system.build()).rms("body.x") ** 2, 9)  # S/(4 c k)
+    0.01
+    """
+
+    display_name = "random vibration"
+
+    psd: Annotated[Any, dict[str, object]] = None
+    band: Annotated[Any, tuple[float, float]] = None
+
+    def __post_init__(self) -> None:
+        FrequencyResponse.__post_init__(self)
+        if self.psd is not None and not isinstance(self.psd, Mapping):
+            raise AnalysisError(_missing(self.psd))
+        if self.excitation is not None:
+            raise AnalysisError("RandomResponse: excitation is for harmonic inputs; give psd=")
+        self.densities  # noqa: B018  refuses wrong entries
+        if self.band is not None:
+            checked_span(self.band)
+
+    @cached_property
+    def densities(self) -> dict[str, Density]:
+        """Input → spectral density."""
+        return {str(name): density_of(str(name), entry) for name, entry in (self.psd or {}).items()}
+
+    def input_names(self, model: Any) -> list[str]:
+        if not self.psd:
+            raise AnalysisError(_missing(self.psd))
+        inputs = list(self.psd) if self.inputs is None else self.inputs
+        names = super(RandomResponse, replace(self, inputs=inputs)).input_names(model)
+        if missing := [name for name in names if name not in self.psd]:
+            raise AnalysisError(f"RandomResponse: psd has no density of the input {missing[0]}")
+        if extra := [name for name in self.psd if name not in names]:
+            raise AnalysisError(f"RandomResponse: psd.{extra[0]} is not among the inputs")
+        return names
+
+    def response(self, system: Any, frequencies: np.ndarray) -> RandomVibration:
+        harmonic: HarmonicResponse = super().response(system, frequencies)
+        parts = {f.name: getattr(harmonic, f.name) for f in fields(harmonic)}
+        return RandomVibration(**parts, densities=self.densities)
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """First and last frequency of the mean squares [Hz]."""
+        low, high = (0.0, np.inf) if self.band is None else checked_span(self.band)
+        ends = [density.limits for density in self.densities.values()]
+        return max(low, min(e[0] for e in ends)), min(high, max(e[1] for e in ends))
+
+    def nodes(self, result: RandomVibration) -> tuple[np.ndarray, np.ndarray]:
+        """Frequencies and weights of mean squares [Hz]."""
+        record, (low, high) = result.record, self.limits
+        finite = hasattr(record, "poles_up_to") and np.isfinite(high)
+        poles = record.poles_up_to(high) if finite else record.poles
+        breaks = [f for d in self.densities.values() for f in d.breaks if low < f < high]
+        return quadrature(poles, (low, high), breaks)
+
+
+def _missing(psd: Any) -> str:
+    return f"RandomResponse: psd is {psd!r:.60}; give input → spectral density"
