@@ -158,7 +158,8 @@ def test_nothing_else_is_read(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(Path, "open", recorded)
     imported = import_model(path)
     assert opened == [path]
-    assert [o.content for o in imported.omissions] == ["<image>", "<use>", "<script>"]
+    listed = [o.content for o in imported.omissions]
+    assert listed == ["unit of length", "<image>", "<use>", "<script>"]
 
 
 def test_options_are_checked(tmp_path) -> None:

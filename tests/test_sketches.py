@@ -335,3 +335,107 @@ def test_units(tmp_path) -> None:
     imported = import_model(file)
     assert "$INSUNITS = 0" in reasons(imported)[0]
     assert import_model(file, unit="ft").build().parameters["arm"].value == pytest.approx(9.144)
+
+
+# files of drawing programs ---------------------------------------------------------------------
+ARM = '<circle id="ground" cx="10" cy="10" r="2"/><line x1="10" y1="10" x2="50" y2="10"/>'
+PAGE = '<svg xmlns="http://www.w3.org/2000/svg" width="90mm" height="60mm" viewBox="0 0 90 60">'
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        f'<defs><g id="g1">{ARM}</g></defs><use href="#g1" x="3" transform="translate(-3)"/>',
+        f'<symbol id="g1">{ARM}</symbol><use href="#g1"/>',
+        f'<symbol id="g1" viewBox="0 0 90 60">{ARM}</symbol>'
+        '<use href="#g1" transform="translate(0 0)"/>',
+        f'<svg x="5" y="4" width="45" height="30" viewBox="10 8 90 60">{ARM}</svg>',
+        f"<switch><foreignObject/><g>{ARM}</g></switch>",
+    ],
+)
+def test_clones_symbols_and_nested_pages(tmp_path, content) -> None:
+    path = tmp_path / "drawn.svg"
+    path.write_text(f"{PAGE}{content}</svg>", encoding="utf-8")
+    imported = import_model(path)
+    scale = 0.5 if "<svg x" in content else 1.0
+    length = imported.document["parameters"]["bar1"]
+    assert (length["value"], length["unit"]) == (pytest.approx(40 * scale), "mm")
+    assert imported.build().diagnosis.degrees_of_freedom == 1
+    expected = ["<foreignObject>"] if "switch" in content else []
+    assert [omission.content for omission in imported.omissions] == expected
+
+
+def test_clones_of_clones_end(tmp_path, capsys) -> None:
+    """A clone of itself is listed; ten clones of ten clones, eight deep, are refused."""
+    path = tmp_path / "drawn.svg"
+    path.write_text(f'{PAGE}{ARM}<g id="a"><use href="#a"/></g></svg>', encoding="utf-8")
+    assert [o.content for o in import_model(path).omissions] == ["<use>"]
+    inner = [f'<use href="#a{k}"/>' * 10 for k in range(7)]
+    groups = "".join(f'<g id="a{k}">{clones}</g>' for k, clones in enumerate(inner, 1))
+    text = f'{PAGE}<defs><g id="a0">{ARM}</g>{groups}</defs><use href="#a7"/></svg>'
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(da.DalembertError, match="more than"):
+        import_model(path)
+
+
+def four_bar(space, shape: str, layers=("crank", "coupler", "rocker")) -> None:
+    corners = [(0, 0), (30, 80), (130, 100), (100, 0)]
+    for layer, start, end in zip(layers, corners, corners[1:], strict=False):
+        if shape == "3D":
+            space.add_polyline3d([(*start, 0), (*end, 0)], dxfattribs={"layer": layer})
+        else:
+            space.add_line(start, end, dxfattribs={"layer": layer})
+    for corner in corners:
+        place = {"layer": "ground" if corner[1] == 0 else "pins"}
+        if shape == "point":
+            space.add_point(corner, dxfattribs=place)
+        elif shape == "block":  # mirrored and turned
+            at = {"xscale": -1, "yscale": 1, "rotation": 33}
+            space.add_blockref("PIN", corner, dxfattribs=place | at)
+        else:
+            space.add_circle(corner, 2, dxfattribs=place)
+
+
+@pytest.mark.parametrize("version", ["R12", "R2000", "R2018"])
+@pytest.mark.parametrize("shape", ["circle", "point", "block", "3D"])
+def test_entities_of_dxf(tmp_path, version, shape) -> None:
+    """Contents of blocks on layer 0 belong to the layer of the block, as DXF defines it."""
+    document = ezdxf.new(version)
+    document.header["$INSUNITS"] = 4
+    document.blocks.new("PIN").add_circle((0, 0), 2)
+    four_bar(document.modelspace(), shape)
+    document.saveas(tmp_path / "drawn.dxf")
+    imported = import_model(tmp_path / "drawn.dxf", unit="mm")
+    assert list(imported.document["bodies"]) == ["crank", "coupler", "rocker"]
+    assert len(imported.document["ground"]["points"]) == 2
+    assert imported.build().diagnosis.degrees_of_freedom == 1
+    assert not imported.omissions
+
+
+def test_nothing_of_dxf_is_dropped(tmp_path) -> None:
+    """Other layouts, layers that are off, and blocks on frozen layers are listed."""
+    document = ezdxf.new("R2010")
+    document.header["$INSUNITS"] = 4
+    document.blocks.new("PIN").add_circle((0, 0), 2)
+    space = document.modelspace()
+    four_bar(space, "circle")
+    document.paperspace().add_line((0, 0), (9, 9))
+    document.layers.add("Sketch").off()
+    document.layers.add("Old").freeze()
+    space.add_line((0, 50), (9, 90), dxfattribs={"layer": "SKETCH"})
+    space.add_blockref("PIN", (50, 50), dxfattribs={"layer": "Old"})
+    document.saveas(tmp_path / "drawn.dxf")
+    imported = import_model(tmp_path / "drawn.dxf")
+    assert [o.content for o in imported.omissions] == ["LINE", "INSERT", "1 entities"]
+
+
+def test_attributes_of_blocks_are_labels(tmp_path) -> None:
+    document = ezdxf.new("R2010")
+    document.header["$INSUNITS"] = 4
+    document.blocks.new("PIN").add_circle((0, 0), 2)
+    space = document.modelspace()
+    four_bar(space, "circle")
+    pin = space.add_blockref("PIN", (130, 100))
+    pin.add_attrib("NAME", "elbow", (132, 103), dxfattribs={"height": 3})
+    document.saveas(tmp_path / "drawn.dxf")
+    assert "elbow" in import_model(tmp_path / "drawn.dxf").document["joints"]

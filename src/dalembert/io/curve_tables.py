@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import csv
-import re
 from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator, WithJsonSchema
 
-from dalembert.errors import FileError, ModelError
-from dalembert.files import read_text
+from dalembert.errors import ModelError
 from dalembert.io.choices import Record
+from dalembert.io.column_files import check_gaps, read_columns
 from dalembert.io.values import Text, number_or_formula, short_repr
 from dalembert.symbolic.formulas.interpolation import KINDS, OUTSIDE, TABLE_ENDS
 from dalembert.text.wording import unknown
@@ -35,10 +33,11 @@ Column = Annotated[
 
 
 class CurveTable(Record):
-    """Interpolating function through the rows of a table, inline or from a CSV file."""
+    """Interpolating function through the rows of a table, inline or from a file."""
 
     file: Text = Field(
-        default=None, description="CSV file in the folder of the model, with a heading"
+        default=None,
+        description="CSV, Parquet or C3D file in the folder of the model; columns as `stroke [mm]`",
     )
     x: Column = Field(default=None, description="list of increasing values; or name of the column")
     y: Column = Field(default=None, description="as many values; or name of the column")
@@ -74,8 +73,11 @@ def read_curve(table: CurveTable, source: Path, read: Any) -> dict[str, Any]:
     else:
         if isinstance(table.x, list) or isinstance(table.y, list):
             raise ModelError("with a file, x and y are the names of its columns")
-        columns = read_columns(source.parent / table.file)
+        path = source.parent / table.file
+        columns = read_columns(path)
         chosen = [_chosen(columns, name, k) for k, name in enumerate((table.x, table.y))]
+        names = [name or list(columns)[k] for k, name in enumerate((table.x, table.y))]
+        check_gaps(path, dict(zip(names, (values for _, values in chosen), strict=True)))
         keywords |= {"x": chosen[0][1], "y": chosen[1][1], "units": (chosen[0][0], chosen[1][0])}
     if table.units is not None:
         if len(table.units) != 2:
@@ -94,48 +96,3 @@ def _chosen(
     if name not in columns:
         raise ModelError(unknown("column", name, columns))
     return columns[name]
-
-
-def read_columns(path: Path) -> dict[str, tuple[str, list[float]]]:
-    """Name → unit and values of each column of a CSV file; a heading reads ``stroke [mm]``.
-
-    Columns without a heading are ``1``, ``2`` and so on. Lines that begin with ``#`` are comments.
-
-    Raises
-    ------
-    FileError
-        The file cannot be read, a line is not numeric (states its number), or names repeat.
-    """
-    heading: list[str] = []
-    rows: list[list[float]] = []
-    try:
-        for number, row in enumerate(csv.reader(read_text(path).splitlines()), 1):
-            if not "".join(row).strip() or row[0].lstrip().startswith("#"):
-                continue
-            try:
-                values = [float(text) for text in row]
-            except ValueError:
-                if rows or heading:
-                    line = ",".join(row)[:60]
-                    raise FileError(
-                        f"{path}: line {number}: expected numbers, got {line!r}"
-                    ) from None
-                heading = [text.strip() for text in row]
-                continue
-            if len(values) != len(heading or (rows[0] if rows else values)):
-                raise FileError(
-                    f"{path}: line {number}: has {len(values)} columns, unlike the lines before"
-                )
-            rows.append(values)
-    except csv.Error as error:
-        raise FileError(f"{path}: not a CSV file ({error})") from None
-    if not rows:
-        raise FileError(f"{path}: has no rows of numbers")
-    columns: dict[str, tuple[str, list[float]]] = {}
-    for k, column in enumerate(zip(*rows, strict=True)):
-        match = re.fullmatch(r"(.*?)\s*(?:\[(.*)\])?", heading[k] if heading else str(k + 1))
-        assert match is not None
-        if match[1] in columns:
-            raise FileError(f"{path}: two columns are named {match[1]!r}")
-        columns[match[1]] = (match[2] or "", list(column))
-    return columns

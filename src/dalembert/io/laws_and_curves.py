@@ -12,7 +12,7 @@ from dalembert.elements.curves import u
 from dalembert.elements.laws.base import Law
 from dalembert.elements.registry import CURVES, LAWS
 from dalembert.errors import FileError, ModelError
-from dalembert.io.curve_tables import read_columns
+from dalembert.io.column_files import check_gaps, read_columns
 from dalembert.io.fields import FROM_FILE, Laws, Quantity, keyed_fields
 from dalembert.io.formulas import Formulas, Scope
 from dalembert.io.location import Located
@@ -108,6 +108,7 @@ def _si_columns(path: Path, expected: list[str]) -> list[list[float]]:
     columns = read_columns(path)
     if len(columns) != len(expected):
         raise FileError(f"{path}: has {counted(len(columns), 'column')}; expected {len(expected)}")
+    check_gaps(path, {name: values for name, (_, values) in columns.items()})
     converted = []
     for (name, (text, values)), si in zip(columns.items(), expected, strict=True):
         if text and si and not unit(text).fits(si):

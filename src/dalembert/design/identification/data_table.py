@@ -88,9 +88,26 @@ def _read_file(path: Path) -> Any:
     if reader == "read_parquet":
         optional_package("pyarrow", f"reading {path}", "convert it to CSV")
     try:
-        return getattr(pd, reader)(path)
+        if reader == "read_csv":
+            return pd.read_csv(path, **_dialect(path))
+        return pd.read_parquet(path)
+    except UnicodeDecodeError as error:
+        raise AnalysisError(
+            f"{path}: byte {error.start} is not UTF-8 text; save the file as UTF-8"
+        ) from None
     except (ValueError, OSError) as error:  # parser errors of pandas are ValueErrors
         raise AnalysisError(f"{path}: cannot be read as a table ({error})") from None
+
+
+def _dialect(path: Path) -> dict[str, str]:
+    """Options of pandas: semicolons between columns permit decimal commas."""
+    with path.open(encoding="utf-8-sig") as stream:
+        heading = stream.readline()
+    marks = [mark for mark in (";", "\t") if mark in re.sub(r'"[^"]*"|\[[^\]]*\]', "", heading)]
+    if not marks:
+        return {}
+    has_points = re.search(r"\d\.\d", path.read_text(encoding="utf-8-sig")) is not None
+    return {"sep": marks[0], "decimal": "." if has_points else ","}
 
 
 def _numbers(values: ArrayLike) -> np.ndarray | None:

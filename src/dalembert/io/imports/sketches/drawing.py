@@ -14,6 +14,8 @@ from dalembert.io.omission import Omission
 
 MOST = 4000
 """Upper limit of the number of corners, circles and texts, all pairs of which are compared."""
+VISITED = 20 * MOST
+"""Upper limit of the number of entities of all kinds, with those of inserted blocks and clones."""
 CURVES = (
     "is a curve, which no bar is; connect its pins by straight lines, or give the curve to a "
     "PointOnCurve joint"

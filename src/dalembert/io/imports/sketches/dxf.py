@@ -10,7 +10,15 @@ import numpy as np
 
 from dalembert.errors import FileError, ModelError
 from dalembert.files import readable
-from dalembert.io.imports.sketches.drawing import CURVES, MOST, Arrow, Circle, Drawing, Label, Line
+from dalembert.io.imports.sketches.drawing import (
+    CURVES,
+    VISITED,
+    Arrow,
+    Circle,
+    Drawing,
+    Label,
+    Line,
+)
 from dalembert.io.imports.sketches.outlines import outline
 from dalembert.io.imports.sketches.roles import Role, group_of, role_of
 from dalembert.packages import optional_package
@@ -30,8 +38,6 @@ UNITS = {
     14: "dm",
 }
 """Code of ``$INSUNITS`` → unit of length."""
-VISITED = 20 * MOST
-"""Upper limit of the number of entities of all kinds, with those of inserted blocks."""
 NESTED = 8
 """Upper limit of the depth of blocks in blocks."""
 WIDE = 0.6
@@ -88,7 +94,8 @@ class _Reader:
 
     def __init__(self, drawing: Drawing, document: Any):
         self.drawing, self.document, self.visited = drawing, document, 0
-        self.hidden = {e.dxf.name for e in document.layers if e.is_off() or e.is_frozen()}
+        self.frozen = {e.dxf.name.lower() for e in document.layers if e.is_frozen()}
+        self.hidden = self.frozen | {e.dxf.name.lower() for e in document.layers if e.is_off()}
         self.group_of = {
             entity.dxf.handle: name for name, group in document.groups for entity in group
         }
@@ -104,6 +111,12 @@ class _Reader:
         self.drawing.convert(lambda entity: [self._filled(entity)])
         for _, place in self.fills:
             self.drawing.omit(place, "fill", "fills no circle")
+        for layout in self.document.layouts:
+            count = sum(entity.dxftype() != "VIEWPORT" for entity in layout)
+            if not layout.is_modelspace and count:
+                place = f"{self.drawing.path}: layout {layout.name!r}"
+                reason = "is a sheet for printing; draw in the model space"
+                self.drawing.omit(place, f"{count} entities", reason)
         return self.drawing
 
     def _entities(self, entities: Iterable[Any], blocks: tuple[str, ...]) -> Iterator[Any]:
@@ -119,15 +132,26 @@ class _Reader:
                 yield entity, blocks
             elif entity.mcount > 1 or len(blocks) >= NESTED:
                 self._omit(entity, "an array of blocks, or too deeply nested; explode it")
+            elif entity.dxf.get("invisible", 0) or self._layer(entity) in self.frozen:
+                self._omit(entity, "its layer is off or frozen")
             else:
                 name = f"{entity.dxf.name}:{entity.dxf.handle or self.visited}"
-                yield from self._entities(entity.virtual_entities(), (*blocks, name))
+                inside = [*entity.virtual_entities(skipped_entity_callback=self._omit_part)]
+                for part in inside:
+                    if part.dxf.get("layer", "0") == "0":  # by the rules of DXF, that of the block
+                        part.dxf.layer = entity.dxf.get("layer", "0")
+                yield from self._entities([*inside, *entity.attribs], (*blocks, name))
+
+    @staticmethod
+    def _layer(entity: Any) -> str:
+        """Layer in lower case; DXF ignores the case of layer names."""
+        return str(entity.dxf.get("layer", "0")).lower()
 
     def _convert(self, entity: Any, blocks: tuple[str, ...]) -> None:
         kind, layer = entity.dxftype(), entity.dxf.get("layer", "0")
-        if kind in ("VIEWPORT", "ATTDEF", "ATTRIB"):
+        if kind in ("VIEWPORT", "ATTDEF"):  # windows of layouts, and defaults of attributes
             return
-        if layer in self.hidden or entity.dxf.get("invisible", 0):
+        if layer.lower() in self.hidden or entity.dxf.get("invisible", 0):
             self._omit(entity, "its layer is off or frozen")
             return
         group = self.group_of.get(entity.dxf.handle, "")
@@ -141,12 +165,12 @@ class _Reader:
         data["group"] = joined or group_of((layer,))
         if kind in ("HATCH", "SOLID", "TRACE", "MPOLYGON"):
             self.fills.append((_middle(entity), data["place"]))
-        elif kind in ("TEXT", "MTEXT"):
+        elif kind in ("TEXT", "MTEXT", "ATTRIB"):
             self.drawing.add(Label(**data, **_text(entity)))
         elif kind in ("CIRCLE", "POINT"):
             place = entity.dxf.center if kind == "CIRCLE" else entity.dxf.location
             center = self._plane(entity, [place], kind == "CIRCLE")
-            radius = float(entity.dxf.get("radius", 0.0))
+            radius = float(entity.dxf.radius) if kind == "CIRCLE" else 0.0
             if center is not None:
                 self.drawing.add(Circle(**data, center=center[0], radius=abs(radius)))
         elif kind == "ARC" and role is Role.MOTOR:
@@ -173,8 +197,11 @@ class _Reader:
             corners = self._plane(entity, [v.dxf.location for v in entity.vertices], True)
             bulges = np.array([v.dxf.get("bulge", 0.0) for v in entity.vertices])
             closed = bool(entity.is_closed)
+        elif entity.is_3d_polyline:
+            corners = self._plane(entity, [v.dxf.location for v in entity.vertices], False)
+            closed = bool(entity.is_closed)
         else:
-            self._omit(entity, "is a surface or a line in space; draw it in the plane")
+            self._omit(entity, "is a surface; draw lines in the plane")
             return
         if corners is None or len(corners) == 0:
             return
@@ -213,6 +240,9 @@ class _Reader:
     def _place(self, entity: Any) -> str:
         handle, layer = entity.dxf.get("handle") or "in a block", entity.dxf.get("layer", "0")
         return f"{self.drawing.path}: {entity.dxftype()} {handle} on layer {layer!r}"
+
+    def _omit_part(self, entity: Any, reason: str) -> None:
+        self._omit(entity, f"cannot be moved with its block ({reason}); explode the block")
 
     def _omit(self, entity: Any, reason: str) -> None:
         self.drawing.omit(self._place(entity), entity.dxftype(), reason)

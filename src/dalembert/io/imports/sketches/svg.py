@@ -12,13 +12,19 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.errors import FileError
-from dalembert.io.imports.sketches.drawing import Circle, Drawing, Label
+from dalembert.errors import FileError, ModelError
+from dalembert.io.imports.sketches.drawing import VISITED, Circle, Drawing, Label
 from dalembert.io.imports.sketches.names import is_automatic
 from dalembert.io.imports.sketches.roles import Role, group_of, role_of
 from dalembert.io.imports.sketches.svg_paths import Shape, add_shape, shapes_of
 from dalembert.io.imports.sketches.svg_style import Style, read_style_sheets
-from dalembert.io.imports.sketches.svg_transform import lengths, page, parse_transform
+from dalembert.io.imports.sketches.svg_transform import (
+    has_size,
+    lengths,
+    page,
+    parse_transform,
+    viewport,
+)
 from dalembert.io.imports.xml.element import XmlElement
 from dalembert.io.imports.xml.parsing import read_xml
 
@@ -27,6 +33,9 @@ DEFINITIONS = (
     "desc metadata namedview"
 ).split()
 """Elements that draw nothing by themselves."""
+GROUPS = ("g", "a", "svg", "symbol", "switch", "use")
+CLONES = 8
+"""Upper limit of the depth of clones in clones."""
 LINES = ("line", "polyline", "polygon", "rect", "path")
 ROUND = 1e-3
 """Relative difference of the radii of an ellipse that is a circle."""
@@ -53,6 +62,9 @@ def read_drawing(path: Path, unit: str | None) -> Drawing:
         raise FileError(f"{path}: line {root.line}: begins with {root.label}, not with <svg>")
     matrix, stated = page(root, unit)
     drawing = Drawing(path, stated)
+    if unit is None and not has_size(root):
+        reason = 'has no width in mm, cm, in or pt; 96 user units are taken as an inch, see "unit"'
+        drawing.omit(f"{path}: line {root.line}: <svg>", "unit of length", reason)
     return _Reader(drawing, root).read(_Context(matrix))
 
 
@@ -64,6 +76,8 @@ class _Context:
     words: tuple[str, ...] = ()
     group: str = ""
     style: Style = field(default_factory=Style)
+    clones: int = 0
+    is_cloned: bool = False
 
 
 class _Reader:
@@ -79,14 +93,23 @@ class _Reader:
         self.drawing, self.root = drawing, root
         self.rules = read_style_sheets(root)
         self.lines = sum(_tag(element) in LINES for element in _all(root))
+        self.named = {e.attributes["id"]: e for e in _all(root) if "id" in e.attributes}
 
     def read(self, context: _Context) -> Drawing:
         pending = [(child, context) for child in reversed(self.root.children)]
+        visited = 0
         while pending:
             element, outer = pending.pop()
             tag = _tag(element)
-            if tag in DEFINITIONS or (":" in element.tag and not element.tag.startswith("svg:")):
+            is_clone = tag == "symbol" and outer.is_cloned
+            if (tag in DEFINITIONS and not is_clone) or _is_foreign(element):
                 continue
+            visited += 1
+            if visited > VISITED:
+                raise ModelError(
+                    f"the drawing has more than {VISITED} elements; save the mechanism alone",
+                    str(self.drawing.path),
+                )
             style = outer.style.of(element, self.rules)
             place = self._place(element)
             if style.is_hidden:
@@ -94,13 +117,42 @@ class _Reader:
                 continue
             text = element.attributes.get("transform", "")
             matrix = outer.matrix @ parse_transform(text, element)
-            context = replace(outer, matrix=matrix, style=style)
-            if tag in ("g", "a"):
+            context = replace(outer, matrix=matrix, style=style, is_cloned=False)
+            if tag in GROUPS:
                 context = self._grouped(element, context)
-                pending += [(child, context) for child in reversed(element.children)]
+                pending += [(child, inner) for child, inner in self._inside(element, tag, context)]
             else:
                 self._convert(element, tag, place, context)
         return self.drawing
+
+    def _inside(
+        self, element: XmlElement, tag: str, context: _Context
+    ) -> list[tuple[XmlElement, _Context]]:
+        """Drawn contents of a group or clone, the last first, in their coordinates."""
+        children = element.children
+        if tag == "use":
+            attributes = element.attributes
+            target = attributes.get("href") or attributes.get("xlink:href", "")
+            original = self.named.get(target.removeprefix("#")) if target[:1] == "#" else None
+            if original is None or context.clones >= CLONES:
+                reason = f"refers to {target[:60]!r}, which is no element of this drawing"
+                if original is not None:
+                    reason = "is a clone of clones, nested too deeply; unlink clones"
+                self.drawing.omit(self._place(element), "<use>", reason)
+                return []
+            matrix = context.matrix @ _translation(*lengths(element, "x", "y"))
+            inner = replace(context, matrix=matrix, clones=context.clones + 1, is_cloned=True)
+            return [(original, inner)]
+        if tag in ("svg", "symbol"):
+            matrix = context.matrix @ viewport(element)
+            context = replace(context, matrix=matrix)
+        if tag == "switch":
+            readable = [c for c in children if _tag(c) not in ("foreignObject", *DEFINITIONS)]
+            for other in (c for c in children if c not in readable[:1]):
+                reason = "is one of the alternatives of a <switch>; the first drawn one is read"
+                self.drawing.omit(self._place(other), f"<{_tag(other)}>", reason)
+            children = readable[:1]
+        return [(child, context) for child in reversed(children)]
 
     def _grouped(self, element: XmlElement, context: _Context) -> _Context:
         """The context inside of a group."""
@@ -177,6 +229,15 @@ class _Reader:
         label = _label(element)
         shown = f' id="{label[:40]}"' if label else ""
         return f"{self.drawing.path}: line {element.line}: <{_tag(element)}{shown}>"
+
+
+def _is_foreign(element: XmlElement) -> bool:
+    """Whether an element belongs to a drawing program, such as ``sodipodi:namedview``."""
+    return ":" in element.tag and not element.tag.startswith("svg:")
+
+
+def _translation(x: float, y: float) -> np.ndarray:
+    return np.array([[1.0, 0, x], [0, 1.0, y], [0, 0, 1.0]])
 
 
 def _tag(element: XmlElement) -> str:

@@ -52,6 +52,43 @@ def page(root: XmlElement, unit: str | None) -> tuple[np.ndarray, str]:
     return matrix, unit or name
 
 
+def has_size(root: XmlElement) -> bool:
+    """Whether the page states its width or height in a unit of length, or in pixels."""
+    return any(_length(root, name)[0] for name in ("width", "height"))
+
+
+def viewport(element: XmlElement) -> np.ndarray:
+    """(3, 3) matrix from coordinates inside a nested ``<svg>`` or a ``<symbol>`` to those outside.
+
+    Both axes have the smaller scale, and the contents are centred (``xMidYMid meet``).
+
+    Raises
+    ------
+    ModelError
+        An invalid ``viewBox``, or another ``preserveAspectRatio``.
+    """
+    x, y = lengths(element, "x", "y")
+    box = element.attributes.get("viewBox")
+    if box is None:
+        return np.array([[1.0, 0, x], [0, 1.0, y], [0, 0, 1.0]])
+    fit = element.attributes.get("preserveAspectRatio", "xMidYMid meet").split()
+    if fit not in (["xMidYMid"], ["xMidYMid", "meet"]):
+        raise element.error(
+            f"preserveAspectRatio is {' '.join(fit)[:60]!r}; only 'xMidYMid meet' is read: ungroup "
+            "the nested drawing"
+        )
+    left, top, *extents = _box(element, box)
+    sizes = [_length(element, name) for name in ("width", "height")]
+    outer = [
+        value * MILLIMETRES[units] / MILLIMETRES[""] if value else extent
+        for (value, units), extent in zip(sizes, extents, strict=True)
+    ]
+    scale = min(size / extent for size, extent in zip(outer, extents, strict=True))
+    gaps = [(size - scale * extent) / 2 for size, extent in zip(outer, extents, strict=True)]
+    shift = x + gaps[0] - left * scale, y + gaps[1] - top * scale
+    return np.array([[scale, 0, shift[0]], [0, scale, shift[1]], [0, 0, 1.0]])
+
+
 def _box(root: XmlElement, text: str) -> list[float]:
     root.attributes["viewBox"] = text.replace(",", " ")
     box = root.numbers("viewBox", 4)
