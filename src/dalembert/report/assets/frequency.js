@@ -4,16 +4,13 @@
 /** @import { Box, Map1 } from "./charts.js" */
 /** @import { Motion } from "./motion.js" */
 
-import { Chart, Scale, hint, pathOf } from "./charts.js";
+import { Chart, Scale, chartKinds, hint, pathOf, stateCharts } from "./charts.js";
 import { el, shape } from "./dom.js";
 import { TAU, clamp, number } from "./numbers.js";
 import { raised } from "./units.js";
 
 /** Degrees of a right angle, between the lines of phases. */
 const RIGHT = 90;
-
-/** Charts of the page, which follow its motion. @type {ResponseChart[]} */
-export const responseCharts = [];
 
 /** @param {ResponseLine} line */
 const amplitudes = ({ re, im, y }) => y ?? re.map((value, k) => Math.hypot(value, im[k]));
@@ -53,7 +50,7 @@ class ResponseChart extends Chart {
     this.now = el("p", { class: "caption note readout" });
     this.node.append(this.now);
     this.setLegend(view.lines.map(({ name }, k) => ({ name, look: `s${k % 7}` })));
-    responseCharts.push(this);
+    stateCharts.push(this);
   }
 
   /** Follow the state of the drawing. @param {Motion} motion */
@@ -87,7 +84,7 @@ class ResponseChart extends Chart {
 }
 
 /** Amplitude over phase, or densities alone. */
-export class BodeChart extends ResponseChart {
+class BodeChart extends ResponseChart {
   /** @param {ResponseView} view */
   constructor(view) {
     super(view, view.lines.every(({ y }) => y) ? 250 : 360);
@@ -152,7 +149,7 @@ export class BodeChart extends ResponseChart {
 }
 
 /** Complex amplitudes in the plane. */
-export class NyquistChart extends ResponseChart {
+class NyquistChart extends ResponseChart {
   /** @param {ResponseView} view */
   constructor(view) {
     super(view, 320);
@@ -194,3 +191,6 @@ export class NyquistChart extends ResponseChart {
     this.marks.replaceChildren(...this.view.lines.map(({ re, im }, k) => shape("circle", { cx: px(re[chosen]), cy: py(im[chosen]), r: 5, class: `dot s${k % 7} design chosen` })));
   }
 }
+
+chartKinds.bode = (view) => new BodeChart(view).node;
+chartKinds.nyquist = (view) => new NyquistChart(view).node;
