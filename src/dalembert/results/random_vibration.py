@@ -13,8 +13,9 @@ import numpy as np
 from dalembert.results.coherence import check_coherence
 from dalembert.results.files.contents import Contents
 from dalembert.results.harmonic import HarmonicResponse
-from dalembert.results.harmonic_measures import Transfer, output_of
+from dalembert.results.harmonic_measures import Transfer, part_name, with_densities
 from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.formulas.parser import Names
 from dalembert.units.powers import density_unit
 
 if TYPE_CHECKING:
@@ -59,17 +60,12 @@ class RandomVibration(HarmonicResponse):
     densities: Mapping[str, Any] = field(default_factory=dict)
     cross: Mapping[tuple[str, str], Any] = field(default_factory=dict)
 
-    def expression(self, measure: str | Expression) -> Expression:
-        if isinstance(measure, str) and measure.endswith(".psd"):
-            base = measure.removesuffix(".psd")
-            output = output_of(self.model, base)
-            if output is not None and len(output) == 1:
-                return self._density(base, measure, output.unit)
-        return super().expression(measure)
+    @cached_property
+    def names(self) -> Names:
+        return with_densities(super().names, self.model, self._density, self.outputs)
 
-    def _density(self, base: str, name: str, unit: str) -> Expression:
-        symbols = self._symbols.setdefault(base, {})
-        if not symbols:
+    def _density(self, base: str, unit: str) -> Expression:
+        if base not in self._symbols:
             total = ca.SX(0)
             parts = {
                 source: [Transfer(base, source, part).symbol for part in ("real", "imag")]
@@ -80,11 +76,11 @@ class RandomVibration(HarmonicResponse):
             for (one, other), (p, q) in self.cross_symbols.items():
                 (a, b), (c, d) = parts[one], parts[other]
                 total += 2 * ((a * c + b * d) * p - (a * d - b * c) * q)
-            symbols[name] = Expression(total, name, density_unit(unit))
-        return symbols[name]
+            self._symbols[base] = Expression(total, part_name(base, "psd"), unit)
+        return self._symbols[base]
 
     @cached_property
-    def _symbols(self) -> dict[str, dict[str, Expression]]:
+    def _symbols(self) -> dict[str, Expression]:
         return {}
 
     @cached_property
@@ -126,7 +122,7 @@ class RandomVibration(HarmonicResponse):
 
     def psd(self, output: str) -> np.ndarray:
         """(K,) one-sided spectral density of an output."""
-        return self.values(f"{output}.psd")
+        return self.values(part_name(output, "psd"))
 
     def rms(self, output: str) -> float:
         """Root mean square of an output over the band of the analysis; may be infinite."""
@@ -136,7 +132,7 @@ class RandomVibration(HarmonicResponse):
 
     def _mean_square(self, output: str) -> float:
         nodes, weights = self.quadrature
-        measure = f"{output}.psd"
+        measure = part_name(output, "psd")
         if self.diverging(measure):
             return float("inf")
         return float(weights @ nodes.values(measure))

@@ -89,6 +89,9 @@ class FrequencyResponse(LinearAnalysis[HarmonicResponse]):
     """
 
     display_name = "frequency response"
+    different_samples = (
+        "the designs have different default frequencies; give the batch frequencies=[..] in Hz"
+    )
 
     frequencies: Annotated[Any, Sequence[float]] = None
     inputs: Annotated[Any, tuple[str, ...]] = None

@@ -7,6 +7,7 @@ from dataclasses import fields, replace
 from functools import cached_property
 from typing import Annotated, Any
 
+import casadi as ca
 import numpy as np
 
 from dalembert.analysis.frequency.cross_density import CrossDensity, cross_density_of, pair_of
@@ -16,7 +17,9 @@ from dalembert.errors import AnalysisError
 from dalembert.options import options
 from dalembert.results.coherence import Pair
 from dalembert.results.harmonic import HarmonicResponse
+from dalembert.results.harmonic_measures import measures_of, with_densities
 from dalembert.results.random_vibration import RandomVibration
+from dalembert.symbolic.formulas.expression import Expression
 
 
 @options
@@ -81,6 +84,13 @@ class RandomResponse(FrequencyResponse):
                 f"RandomResponse: psd[{', '.join(late[0])}] has a delay, whose density oscillates "
                 "over all frequencies; give band=(first, last) in Hz"
             )
+
+    @classmethod
+    def expression(cls, model: Any, measure: str | Expression) -> Expression:
+        def density(name: str, unit: str) -> Expression:
+            return Expression(ca.SX.sym("density"), f"{name}.psd", unit)
+
+        return with_densities(measures_of(model), model, density).expression(measure)
 
     @cached_property
     def densities(self) -> dict[str, Density]:
