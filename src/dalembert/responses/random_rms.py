@@ -44,11 +44,8 @@ class RandomRMS(Response):
 
     def adapted_to(self, motion: Result) -> Response:
         vibration = self._vibration(motion)
-        if vibration.diverging(self.measure):
-            raise AnalysisError(
-                f"response {self.label}: white noise passes through at all frequencies, so that "
-                "the mean square is infinite; give band=(first, last) in Hz, or a decaying density"
-            )
+        if reason := vibration.divergence(self.measure):
+            raise AnalysisError(f"response {self.label}: the mean square is infinite: {reason}")
         return WeightedRMS(self.measure, self.label, Nodes(vibration.quadrature[1]))
 
     def _vibration(self, motion: Any) -> Any:

@@ -273,10 +273,12 @@ class HarmonicResponse(Result):
         return harmonic_frame(self)
 
     def peaks(self, output: str, source: str = "") -> list[tuple[float, float]]:
-        """Frequency [Hz] and amplitude of each local maximum of an output."""
+        """Frequency [Hz] and amplitude of each local maximum of an output; may be infinite."""
         name = part_name(output, "amplitude", source)
-        top = self.analysis.maxima(self, name)  # type: ignore[attr-defined]
-        return list(zip(top.frequencies.tolist(), top.values(name).tolist(), strict=True))
+        finite, infinite = self.analysis.resonances(self, name)  # type: ignore[attr-defined]
+        heights = self.at(finite).values(name).tolist()
+        pairs = [*zip(finite.tolist(), heights, strict=True)]
+        return sorted([*pairs, *((f, float("inf")) for f in infinite.tolist())])
 
     def summary(self) -> dict[str, Any]:
         """Status, and the highest peak of each output."""

@@ -131,22 +131,30 @@ class RandomVibration(HarmonicResponse):
         return float(np.sqrt(self._mean_squares[output]))
 
     def _mean_square(self, output: str) -> float:
-        nodes, weights = self.quadrature
         measure = part_name(output, "psd")
-        if self.diverging(measure):
+        if self.divergence(measure):
             return float("inf")
+        nodes, weights = self.quadrature
         return float(weights @ nodes.values(measure))
 
-    def diverging(self, measure: str | Expression) -> bool:
-        """Whether the integral of a density over an unbounded band is infinite.
+    def divergence(self, measure: str | Expression) -> str:
+        """Reason why the integral of a density is infinite; empty if it is finite.
 
         The last nodes of an unbounded band are far beyond all resonances.
         """
+        analysis: Any = self.analysis
+        if (place := analysis.infinite_resonance(self, measure)) is not None:
+            return f"no damping acts on the resonance at {place:.6g} Hz; add damping"
         nodes, weights = self.quadrature
         f, densities = nodes.frequencies, nodes.values(measure)
         far = f[-1] > FAR * f[-2]
         flat = densities[-1] * f[-1] > densities[-2] * f[-2] * (1 - 1e-9)
-        return bool(far and flat and weights[-1] * densities[-1] > DECAY * (weights @ densities))
+        if far and flat and weights[-1] * densities[-1] > DECAY * (weights @ densities):
+            return (
+                "white noise passes through at all frequencies; give band=(first, last) in Hz, or "
+                "a decaying density"
+            )
+        return ""
 
     @cached_property
     def _mean_squares(self) -> dict[str, float]:
