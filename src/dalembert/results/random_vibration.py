@@ -13,8 +13,9 @@ import numpy as np
 from dalembert.results.coherence import check_coherence
 from dalembert.results.files.contents import Contents
 from dalembert.results.harmonic import HarmonicResponse
-from dalembert.results.harmonic_measures import Transfer, output_of
+from dalembert.results.harmonic_measures import Transfer, part_name, with_densities
 from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.formulas.parser import Names
 from dalembert.units.powers import density_unit
 
 if TYPE_CHECKING:
@@ -59,17 +60,12 @@ class RandomVibration(HarmonicResponse):
     densities: Mapping[str, Any] = field(default_factory=dict)
     cross: Mapping[tuple[str, str], Any] = field(default_factory=dict)
 
-    def expression(self, measure: str | Expression) -> Expression:
-        if isinstance(measure, str) and measure.endswith(".psd"):
-            base = measure.removesuffix(".psd")
-            output = output_of(self.model, base)
-            if output is not None and len(output) == 1:
-                return self._density(base, measure, output.unit)
-        return super().expression(measure)
+    @cached_property
+    def names(self) -> Names:
+        return with_densities(super().names, self.model, self._density, self.outputs)
 
-    def _density(self, base: str, name: str, unit: str) -> Expression:
-        symbols = self._symbols.setdefault(base, {})
-        if not symbols:
+    def _density(self, base: str, unit: str) -> Expression:
+        if base not in self._symbols:
             total = ca.SX(0)
             parts = {
                 source: [Transfer(base, source, part).symbol for part in ("real", "imag")]
@@ -80,11 +76,11 @@ class RandomVibration(HarmonicResponse):
             for (one, other), (p, q) in self.cross_symbols.items():
                 (a, b), (c, d) = parts[one], parts[other]
                 total += 2 * ((a * c + b * d) * p - (a * d - b * c) * q)
-            symbols[name] = Expression(total, name, density_unit(unit))
-        return symbols[name]
+            self._symbols[base] = Expression(total, part_name(base, "psd"), unit)
+        return self._symbols[base]
 
     @cached_property
-    def _symbols(self) -> dict[str, dict[str, Expression]]:
+    def _symbols(self) -> dict[str, Expression]:
         return {}
 
     @cached_property
@@ -126,7 +122,7 @@ class RandomVibration(HarmonicResponse):
 
     def psd(self, output: str) -> np.ndarray:
         """(K,) one-sided spectral density of an output."""
-        return self.values(f"{output}.psd")
+        return self.values(part_name(output, "psd"))
 
     def rms(self, output: str) -> float:
         """Root mean square of an output over the band of the analysis; may be infinite."""
@@ -135,22 +131,30 @@ class RandomVibration(HarmonicResponse):
         return float(np.sqrt(self._mean_squares[output]))
 
     def _mean_square(self, output: str) -> float:
-        nodes, weights = self.quadrature
-        measure = f"{output}.psd"
-        if self.diverging(measure):
+        measure = part_name(output, "psd")
+        if self.divergence(measure):
             return float("inf")
+        nodes, weights = self.quadrature
         return float(weights @ nodes.values(measure))
 
-    def diverging(self, measure: str | Expression) -> bool:
-        """Whether the integral of a density over an unbounded band is infinite.
+    def divergence(self, measure: str | Expression) -> str:
+        """Reason why the integral of a density is infinite; empty if it is finite.
 
         The last nodes of an unbounded band are far beyond all resonances.
         """
+        analysis: Any = self.analysis
+        if (place := analysis.infinite_resonance(self, measure)) is not None:
+            return f"no damping acts on the resonance at {place:.6g} Hz; add damping"
         nodes, weights = self.quadrature
         f, densities = nodes.frequencies, nodes.values(measure)
         far = f[-1] > FAR * f[-2]
         flat = densities[-1] * f[-1] > densities[-2] * f[-2] * (1 - 1e-9)
-        return bool(far and flat and weights[-1] * densities[-1] > DECAY * (weights @ densities))
+        if far and flat and weights[-1] * densities[-1] > DECAY * (weights @ densities):
+            return (
+                "white noise passes through at all frequencies; give band=(first, last) in Hz, or "
+                "a decaying density"
+            )
+        return ""
 
     @cached_property
     def _mean_squares(self) -> dict[str, float]:

@@ -16,6 +16,7 @@ from dalembert.analysis.frequency.requested import requested, requested_names
 from dalembert.errors import AnalysisError
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.analysis import Analysis
+from dalembert.results.harmonic_measures import PARTS
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.wording import unknown
@@ -64,6 +65,12 @@ def output_measures(model: Any, outputs: Any, verb: str) -> dict[str, Expression
         for item in requested(outputs, "outputs", verb):
             own = isinstance(item, str) and item in declared
             name = item if isinstance(item, str) else item.name or f"output{len(measures) + 1}"
+            base, _, part = name.rpartition(".")
+            if isinstance(item, str) and part in PARTS and item not in model:
+                raise AnalysisError(
+                    f"{verb}: output {name} is a part of a complex amplitude; name the measure, "
+                    f"outputs=[{base!r}], and take result[{name!r}]"
+                )
             measures[name] = declared[name] if own else model.expression(item)
     if not measures:
         raise AnalysisError(

@@ -7,16 +7,20 @@ from dataclasses import fields, replace
 from functools import cached_property
 from typing import Annotated, Any
 
+import casadi as ca
 import numpy as np
 
 from dalembert.analysis.frequency.cross_density import CrossDensity, cross_density_of, pair_of
 from dalembert.analysis.frequency.frequency_response import FrequencyResponse, checked_span
 from dalembert.analysis.frequency.spectral_density import Density, density_of, quadrature
+from dalembert.analysis.frequency.undamped import grows, undamped_frequencies
 from dalembert.errors import AnalysisError
 from dalembert.options import options
 from dalembert.results.coherence import Pair
 from dalembert.results.harmonic import HarmonicResponse
+from dalembert.results.harmonic_measures import measures_of, with_densities
 from dalembert.results.random_vibration import RandomVibration
+from dalembert.symbolic.formulas.expression import Expression
 
 
 @options
@@ -82,6 +86,13 @@ class RandomResponse(FrequencyResponse):
                 "over all frequencies; give band=(first, last) in Hz"
             )
 
+    @classmethod
+    def expression(cls, model: Any, measure: str | Expression) -> Expression:
+        def density(name: str, unit: str) -> Expression:
+            return Expression(ca.SX.sym("density"), f"{name}.psd", unit)
+
+        return with_densities(measures_of(model), model, density).expression(measure)
+
     @cached_property
     def densities(self) -> dict[str, Density]:
         """Input → spectral density."""
@@ -128,6 +139,15 @@ class RandomResponse(FrequencyResponse):
         low, high = (0.0, np.inf) if self.band is None else checked_span(self.band)
         ends = [density.limits for density in self.densities.values()]
         return max(low, min(e[0] for e in ends)), min(high, max(e[1] for e in ends))
+
+    def infinite_resonance(
+        self, result: RandomVibration, measure: str | Expression
+    ) -> float | None:
+        """Undamped resonance [Hz] in the band at which a density is infinite, or None."""
+        for place in undamped_frequencies(result.record, *self.limits):
+            if grows(lambda x: result.at(x).values(measure), place):
+                return float(place)
+        return None
 
     def nodes(self, result: RandomVibration) -> tuple[np.ndarray, np.ndarray]:
         """Frequencies and weights of mean squares [Hz]."""

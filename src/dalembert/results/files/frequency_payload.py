@@ -71,7 +71,8 @@ def frequency_payload(response: Any, units: Sequence[str] = ()) -> dict[str, Any
 def _with_peaks(response: Any) -> Any:
     """The response with frequencies at the peaks of the outputs."""
     sources = [""] if len(response.inputs) == 1 else response.inputs
-    peaks = [f for name in response.outputs for s in sources for f, _ in response.peaks(name, s)]
+    pairs = [pair for name in response.outputs for s in sources for pair in response.peaks(name, s)]
+    peaks = [f for f, height in pairs if np.isfinite(height)]
     missing = np.setdiff1d(peaks, response.frequencies)
     if not missing.size:
         return response
