@@ -58,7 +58,7 @@ def rows(path: Path, folder: Path) -> Iterator[tuple[str, ...]]:
     elif b"<mujoco" in head and b"<mujocoinclude" not in head:
         line = row(path, [partial(MujocoPeer, path, folder)])
         yield line
-        if any(difference > LIMIT for difference in map(_number, line[4:])):
+        if any(difference > LIMIT / 2 for difference in map(_number, line[4:])):
             name, *rest = row(path, [partial(MujocoPeer, path, folder, own_tensors=True)])
             yield f"{name}, {OWN_TENSORS}", *rest
 
@@ -70,23 +70,31 @@ def _number(text: str) -> float:
 
 def row(path: Path, peers: list[Callable[[], PinocchioPeer | MujocoPeer]]) -> tuple[str, ...]:
     """The largest differences of a file with all of its bases, or the reason why there are none."""
-    worst, first, reason = np.zeros(3), None, ""
+    worst, first, reason, condition = np.zeros(3), None, "", 1.0
     for make in peers:
         try:
             peer = make()
             for state, terms in peer.states(STATES):
                 worst = np.maximum(worst, peer.ours.difference(state, terms))
+                condition = max(condition, condition_number(terms[0]))
             first = first or peer
         except (da.DalembertError, ValueError) as error:
             text = (
                 str(error).replace(str(path.parent) + "/", "").replace("|", "/").replace("\n", " ")
             )
-            reason = reason or (text if len(text) < LONGEST else f"{text[:LONGEST]} …")
+            reason = reason or text.partition(";")[0][:LONGEST]
     if first is None:
-        return path.stem, "—", reason, "", "", "", ""
+        return path.stem, "—", f"not compared: {reason}", "", "", "", ""
     counts = str(len(first.ours.model.bodies)), str(first.ours.loops)
     differences = ("–" if np.isnan(d) else f"{d:.0e}" for d in worst)
-    return path.stem, first.name, *counts, *differences
+    name = path.stem if not worst[2] > LIMIT / 2 else f"{path.stem} (condition {condition:.0e})"
+    return name, first.name, *counts, *differences
+
+
+def condition_number(mass: np.ndarray) -> float:
+    """Of a mass matrix whose diagonal is scaled to one."""
+    scale = 1 / np.sqrt(np.maximum(np.diag(mass), 1e-300))
+    return float(np.linalg.cond(mass * np.outer(scale, scale)))
 
 
 if __name__ == "__main__":
