@@ -25,7 +25,7 @@ class StepMap(CacheOwner):
     """``(z, u, r) → (z⁺, y, share)`` with ``z = [x; t]``.
 
     ``r`` are the parameters that are no inputs. The step is valid if ``share ≤ 1``: it is the
-    conditioning of the equations at the end, and 2 if a number is not finite.
+    conditioning of the equations at the end, and not ≤ 1 if a number is not finite.
 
     Parameters
     ----------
@@ -76,8 +76,8 @@ class StepMap(CacheOwner):
         if self.variant.conditioning is not None:
             y = state[: self.kernel.equations.coordinate_count]
             share = ca.mmax(ca.vertcat(*self.variant.conditioning(t, y, p)))
-        finite = ca.sum1(ca.fabs(ca.vertcat(x, *values))) < LARGEST
-        share = ca.fmax(share, 2 * ca.logic_not(finite))
+        finite = ca.sum1(ca.fabs(ca.vertcat(x, *values, u))) < LARGEST  # limits may hide a NaN
+        share = ca.if_else(finite, share, 2)
         column = ca.vertcat(*values) if values else kind(0, 1)
         options = {"cse": True} if scalar else {}
         results = [ca.vertcat(x, t), ca.densify(column), ca.densify(share)]

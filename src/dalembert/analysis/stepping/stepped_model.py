@@ -12,7 +12,10 @@ from dalembert.analysis.batch.starts import Starts, first_states
 from dalembert.analysis.contact.gap_checks import refuse_collisions
 from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
+from dalembert.analysis.dynamics.variant import Variant
+from dalembert.analysis.stepping.input_values import positive_count
 from dalembert.analysis.stepping.step_map import StepMap
+from dalembert.analysis.stepping.stepper_state import StepperState
 from dalembert.analysis.stepping.tangents import IndependentEntries
 from dalembert.errors import AnalysisError, AssemblyError, UnsupportedError
 from dalembert.formulations.base import WORK
@@ -66,12 +69,11 @@ class SteppedModel:
             raise UnsupportedError("a stepper needs a mechanism; the model is a structure")
         if not step > 0 or not np.isfinite(step):
             raise AnalysisError(f"step is {step!r}; give a positive number of seconds")
-        if substeps < 1:
-            raise AnalysisError(f"substeps is {substeps!r}; give at least 1")
+        substeps = positive_count("substeps", substeps)
         for name in options:
             if name not in OPTIONS:
                 raise AnalysisError(unknown("option", name, OPTIONS))
-        self.model, self.step, self.substeps = model, float(step), int(substeps)
+        self.model, self.step, self.substeps = model, float(step), substeps
         self.compiled = options.get("backend", "jit") != "vm"
         choices = {"coordinates": AutomaticCoordinates(), **options, "backend": "vm"}
         self.analysis = analysis = Dynamics(duration=step, step=step / substeps, **choices)
@@ -88,7 +90,11 @@ class SteppedModel:
                 f"{self.kernel.equations.contacts[0].name} is a rigid contact, whose impacts end "
                 "steps; use a compliant law such as HuntCrossley, or solve_dynamics"
             )
+        if isinstance(inputs, str):
+            raise AnalysisError(f"inputs is {inputs!r}; give a list of names, [{inputs!r}]")
         self.input_names = list(model.inputs if inputs is None else inputs)
+        if len(set(self.input_names)) < len(self.input_names):
+            raise AnalysisError(f"inputs is {self.input_names!r:.80}; give each name once")
         names = list(model.parameters)
         for name in self.input_names:
             if name not in names:
@@ -122,6 +128,49 @@ class SteppedModel:
         if initial:
             x, mode = self._prescribed(x, mode, p, time, initial)
         return x, mode
+
+    def check_time(self, time: float) -> None:
+        """Raise if steps cannot begin at a time.
+
+        Raises
+        ------
+        AnalysisError
+            It is not finite, or samples of blocks would be within substeps.
+        """
+        if not np.isfinite(time):
+            raise AnalysisError(f"time is {time!r}; give a finite number of seconds")
+        count = time / self.h
+        if self.phases is not None and abs(count - round(count)) > CLOSE * max(abs(count), 1):
+            raise AnalysisError(
+                f"time is {time:g} s, which is no multiple of the substep of {self.h:g} s, so that "
+                "samples of blocks would be within substeps; choose a multiple"
+            )
+
+    def mode_of(self, state: StepperState) -> int:
+        """The mode of a saved state in this kernel.
+
+        Modes are numbered in the order of their first use, so that a state of another stepper of
+        the model may name one that is missing here.
+
+        Raises
+        ------
+        AnalysisError
+            The state does not belong to this model and integrator.
+        """
+        if not isinstance(state, StepperState):
+            raise AnalysisError(f"restore takes a StepperState of save(); got {state!r:.60}")
+        variants = self.kernel.variants
+        sizes = variants[self.start[1]].step.size, len(self.model.parameters)
+        own = np.size(state.x), np.size(state.parameters)
+        if own != sizes:
+            raise AnalysisError(
+                f"the state has {own[0]} entries and {own[1]} parameters, but this stepper has "
+                f"{sizes[0]} and {sizes[1]}; restore states of the same model and integrator"
+            )
+        if state.mode < len(variants) and type(variants[state.mode]) is Variant:
+            return state.mode
+        time = state.start + state.count * self.step
+        return self.kernel.choose(time, state.x, state.parameters)
 
     def begin_many(
         self, parameters: Mapping[str, Any], count: int, mode: int
@@ -162,6 +211,8 @@ class SteppedModel:
         for name in initial:
             if name not in names:
                 raise AnalysisError(unknown("entry of the state", name, names))
+            if not np.isfinite(initial[name]):
+                raise AnalysisError(f"{name} is {initial[name]!r}; give a finite number")
         values = {names.index(name): float(value) for name, value in initial.items()}
         x, variant = x.copy(), self.kernel.variants[mode]
         size = variant.step.state_size
@@ -226,10 +277,12 @@ class SteppedModel:
         phases = []
         for k, block in enumerate(sampling.blocks):
             counts = [block.period / self.h, block.beginning / self.h]
-            if any(abs(count - round(count)) > CLOSE * max(count, 1) for count in counts):
+            near = all(abs(count - round(count)) <= CLOSE * max(count, 1) for count in counts)
+            if not near or round(counts[0]) < 1:
                 raise AnalysisError(
-                    f"{block.name} is sampled every {block.period:g} s, which is no multiple of "
-                    f"the substep of {self.h:g} s; choose step and substeps that fit"
+                    f"{block.name} is sampled every {block.period:g} s from {block.beginning:g} s, "
+                    f"which are no multiples of the substep of {self.h:g} s; choose step and "
+                    "substeps that fit"
                 )
             phases.append((round(counts[0]), round(counts[1]), k))
         return phases
