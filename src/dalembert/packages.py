@@ -26,7 +26,6 @@ INSTALL = {
     "pymoo": "dalembert[design]",
     "sklearn": "dalembert[study]",
     "starlette": "dalembert[studio]",
-    "tomlkit": "dalembert[studio]",
     "torch": "torch",
     "trimesh": "dalembert[mesh]",
     "uvicorn": "dalembert[studio]",

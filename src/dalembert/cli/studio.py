@@ -40,7 +40,7 @@ def studio(
             webbrowser.open(address)
 
     with wrong_input():
-        for package in ("starlette", "uvicorn", "websockets", "tomlkit"):
+        for package in ("starlette", "uvicorn", "websockets"):
             optional_package(package, "the studio")
         from dalembert.studio.server import serve
 

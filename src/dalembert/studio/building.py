@@ -13,9 +13,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
 
-from dalembert.studio.pictures import Picture, Problem, pictures
+from dalembert.studio.pictures import Picture, Problem, picture_of
 
 GRACE = 1.5
 """Time after which outdated work is cancelled; earlier its process is worth more [s]."""
@@ -145,10 +144,7 @@ def work(connection: Connection, live: bool) -> None:
 
 def _picture(request: Request, live: bool) -> Picture:
     try:
-        picture: Any = None
-        for picture in pictures(request.text, request.path, live):
-            pass
-        return picture if picture is not None else Picture()
+        return picture_of(request.text, request.path, live)
     except Exception:
         message = f"internal error; please report it:\n{traceback.format_exc(limit=-3)}"
         return Picture(problems=(Problem("error", message),))

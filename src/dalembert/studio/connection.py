@@ -10,6 +10,7 @@ from typing import Any
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from dalembert.errors import DalembertError, FileError
+from dalembert.studio.drawing_edits import apply
 from dalembert.studio.session import MAX_TEXT, Session, failure
 
 
@@ -31,6 +32,7 @@ class Connection:
         self.stop = stop
         self.requests: dict[str, Callable[[dict[str, Any]], None]] = {
             "text": self.text,
+            "edit": self.edit,
             "undo": self.undo,
             "redo": self.redo,
             "save": self.save,
@@ -80,6 +82,17 @@ class Connection:
             self.session.changed(self.send)
         else:
             self.session.confirm(self.send)
+
+    def edit(self, request: dict[str, Any]) -> None:
+        """Change the text as the drawing requests."""
+        if request.get("revision") != self.session.draft.revision:
+            raise FileError("the model has changed meanwhile; draw it once more")
+        text = apply(self.session.draft.text, request.get("operations"))
+        if len(text) > MAX_TEXT:
+            raise FileError(f"the text would have more than {MAX_TEXT} characters")
+        label = request.get("label")
+        if self.session.draft.replace(text, str(label)[:60] if label else "draw"):
+            self.session.changed()
 
     def undo(self, request: dict[str, Any]) -> None:
         """Revert the last change."""

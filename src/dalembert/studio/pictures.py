@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -70,30 +70,30 @@ class Picture:
     is_live: bool = False
 
 
-def pictures(text: str, path: Path, live: bool) -> Iterator[Picture]:
-    """Picture of a text, and then the one that computes if ``live``.
+def picture_of(text: str, path: Path, live: bool) -> Picture:
+    """Picture of a text; one that cannot compute has no page if ``live``.
 
     Parameters
     ----------
     text : of the model file
     path : of the file, for relative paths and messages
+    live : whether the page computes
     """
     try:
-        yield from _pictures(text, path, live)
+        return _picture_of(text, path, live)
     except AssemblyError as error:
         from dalembert.results.files.assembly_report import assembly_payload
 
         page = "" if error.position is None else _render(assembly_payload(error))
-        yield Picture(page, tuple(problems_of(error, text, path)))
+        return Picture(page, tuple(problems_of(error, text, path)))
     except DalembertError as error:
-        yield Picture(problems=tuple(problems_of(error, text, path)))
+        return Picture(problems=tuple(problems_of(error, text, path)))
 
 
-def _pictures(text: str, path: Path, live: bool) -> Iterator[Picture]:
+def _picture_of(text: str, path: Path, live: bool) -> Picture:
     data = parse_document(path, text)
     if data.get("kind") != "structure" and not any(data.get(section) for section in PARTS):
-        yield Picture(_render(BLANK | {"title": path.stem}), summary="nothing is drawn yet")
-        return
+        return Picture(_render(BLANK | {"title": path.stem}), summary="nothing is drawn yet")
     file = check_model_data(data, path)
     model = file.model()
     summary, facts, notes = _diagnosis(model)
@@ -105,12 +105,11 @@ def _pictures(text: str, path: Path, live: bool) -> Iterator[Picture]:
         warnings.append(Problem("error", str(result.status)))
     problems = (*notes, *warnings)
     if not live:
-        yield Picture(_render(page), problems, summary, facts)
-        return
+        return Picture(_render(page), problems, summary, facts)
     responses = live_responses(file, model, page, result)
     page = result.live_page(page, file.document.report.live, responses, units=choices["units"])
     is_live = "code" in page.get("live", {})
-    yield Picture(_render(page) if is_live else "", problems, summary, facts, is_live)
+    return Picture(_render(page) if is_live else "", problems, summary, facts, is_live)
 
 
 def _result(file: ModelFile, model: Any) -> Result:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from dataclasses import asdict
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from dalembert.errors import DalembertError
+from dalembert.io.reading import parse_document
 from dalembert.studio.building import BuildingProcess, Request
 from dalembert.studio.draft import Draft
 from dalembert.studio.journal import Journal, Recovered
@@ -122,7 +124,17 @@ class Session:
             "changed": draft.is_changed,
             "undo": draft.undo_label,
             "redo": draft.redo_label,
+            "document": self._document(),
         }
+
+    def _document(self) -> dict[str, Any] | None:
+        """Contents of the text for the drawing; None if it is not valid."""
+        try:
+            data: dict[str, Any] = parse_document(Path(self.draft.name), self.draft.text)
+            json.dumps(data, allow_nan=False)
+        except (DalembertError, TypeError, ValueError):  # dates, and numbers that are not finite
+            return None
+        return data
 
     async def attach(self, send: Send) -> None:
         """Show the draft on a page."""
