@@ -86,6 +86,7 @@ def main(folder=None) -> dict[str, float]:
         subject_to=[da.Limit(peak, upper=0.0) for peak in peaks],
         vary=["stiffness", "damping", "bound"],
         analysis=sweep,
+        method="ipopt",  # the line search of SLSQP ends at 3e-8 of the damping
         tolerance=1e-12,
     )
     noise = da.RandomResponse(psd={"push": 1.0}, span=SPAN)

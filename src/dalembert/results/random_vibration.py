@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
+from dalembert.results.coherence import check_coherence
 from dalembert.results.files.contents import Contents
 from dalembert.results.harmonic import HarmonicResponse
 from dalembert.results.harmonic_measures import Transfer, output_of
@@ -27,9 +28,9 @@ FAR = 3.0
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RandomVibration(HarmonicResponse):
-    """Stationary response to independent random inputs with one-sided spectral densities.
+    """Stationary response to random inputs with one-sided spectral densities.
 
-        S_y(f) = Σ_j |H_j(f)|² S_j(f),      σ_y² = ∫ S_y df
+        S_y(f) = Σ_j |H_j|² S_j + 2 Re Σ_{j<k} H_j* S_jk H_k,      σ_y² = ∫ S_y df
 
     Measures are those of a frequency response, and ``X.psd`` of any scalar measure ``X`` of the
     model. ``da.random_rms("X")`` is the root mean square as a response with gradients.
@@ -37,6 +38,7 @@ class RandomVibration(HarmonicResponse):
     Attributes
     ----------
     densities : input → spectral density, as function of the frequency [Hz]
+    cross : two inputs → cross spectral density, likewise
 
     Examples
     --------
@@ -55,6 +57,7 @@ class RandomVibration(HarmonicResponse):
     """
 
     densities: Mapping[str, Any] = field(default_factory=dict)
+    cross: Mapping[tuple[str, str], Any] = field(default_factory=dict)
 
     def expression(self, measure: str | Expression) -> Expression:
         if isinstance(measure, str) and measure.endswith(".psd"):
@@ -68,9 +71,15 @@ class RandomVibration(HarmonicResponse):
         symbols = self._symbols.setdefault(base, {})
         if not symbols:
             total = ca.SX(0)
-            for source in self.inputs:
-                real, imag = (Transfer(base, source, part).symbol for part in ("real", "imag"))
+            parts = {
+                source: [Transfer(base, source, part).symbol for part in ("real", "imag")]
+                for source in self.inputs
+            }
+            for source, (real, imag) in parts.items():
                 total += (real**2 + imag**2) * self.spectra_symbols[source]
+            for (one, other), (p, q) in self.cross_symbols.items():
+                (a, b), (c, d) = parts[one], parts[other]
+                total += 2 * ((a * c + b * d) * p - (a * d - b * c) * q)
             symbols[name] = Expression(total, name, density_unit(unit))
         return symbols[name]
 
@@ -83,13 +92,24 @@ class RandomVibration(HarmonicResponse):
         """Input → symbol of its spectral density."""
         return {name: ca.SX.sym(f"density of {name}") for name in self.inputs}
 
+    @cached_property
+    def cross_symbols(self) -> dict[tuple[str, str], tuple[ca.SX, ca.SX]]:
+        """Two inputs → symbols of the parts of their cross spectral density."""
+        return {
+            pair: tuple(ca.SX.sym(f"{part} of {', '.join(pair)}") for part in ("real", "imag"))  # type: ignore[misc]
+            for pair in self.cross
+        }
+
     @property
     def spectra(self) -> list[tuple[ca.SX, np.ndarray]]:
         """Symbols of spectral densities and their values (K,)."""
-        return [
-            (symbol, self.densities[name](self.frequencies))
-            for name, symbol in self.spectra_symbols.items()
-        ]
+        own = {name: self.densities[name](self.frequencies) for name in self.inputs}
+        cross = {pair: density(self.frequencies) for pair, density in self.cross.items()}
+        check_coherence(self.inputs, own, cross, self.frequencies)
+        spectra = [(self.spectra_symbols[name], values) for name, values in own.items()]
+        for pair, (p, q) in self.cross_symbols.items():
+            spectra += [(p, cross[pair].real), (q, cross[pair].imag)]
+        return spectra
 
     @property
     def density_curves(self) -> list[dict[str, Any]]:
@@ -147,6 +167,7 @@ class RandomVibration(HarmonicResponse):
         harmonic = super().at(frequencies)
         copied = replace(harmonic)
         vars(copied)["spectra_symbols"] = self.spectra_symbols
+        vars(copied)["cross_symbols"] = self.cross_symbols
         vars(copied)["_symbols"] = self._symbols
         return copied  # type: ignore[return-value]
 

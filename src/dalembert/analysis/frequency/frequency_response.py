@@ -16,6 +16,7 @@ from dalembert.analysis.frequency.linear_analysis import (
     output_measures,
 )
 from dalembert.analysis.frequency.modal_motions import superposed
+from dalembert.analysis.frequency.requested import requested
 from dalembert.analysis.frequency.structure_inputs import structural_inputs
 from dalembert.analysis.rayleigh import Rayleigh
 from dalembert.errors import AnalysisError, UnsupportedError
@@ -106,6 +107,10 @@ class FrequencyResponse(LinearAnalysis[HarmonicResponse]):
 
     def __post_init__(self) -> None:
         self.checked_about()
+        kind = type(self).__name__
+        for option in ("inputs", "outputs"):
+            if (items := getattr(self, option)) is not None:
+                requested(items, option, kind)
         if self.method not in METHODS:
             raise UnsupportedError(unknown("method", self.method, METHODS))
         if self.frequencies is not None:
