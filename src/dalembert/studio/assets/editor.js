@@ -82,6 +82,13 @@ export class Editor {
     this.view.dispatch(CodeMirror.setDiagnostics(this.view.state, marks));
   }
 
+  /** Show an entry of the file. @param {string} section @param {string} name */
+  reveal(section, name) {
+    const { text } = this, header = text.search(new RegExp(`^\\s*\\[${section}\\.${name}\\]`, "m"));
+    const at = header >= 0 ? header : text.search(new RegExp(`^\\s*${name}\\s*=`, "m"));
+    if (at >= 0) this.view.dispatch({ selection: { anchor: text.indexOf(text.slice(at).trimStart(), at) }, effects: EditorView.scrollIntoView(at, { y: "center" }) });
+  }
+
   /** Select a place. @param {number} start @param {number} end */
   select(start, end) {
     const { length } = this.view.state.doc, at = Math.min(start, length);

@@ -1,8 +1,9 @@
 // Page of the studio: the drawing beside the text, with undo, saving and problems.
 
-/** @import { Message, Problem, TextMessage } from "./types.d.ts" */
+/** @import { Message, PictureMessage, Problem, TextMessage } from "./types.d.ts" */
 
 import { ask } from "./ask.js";
+import { Drawing, TOOLS } from "./drawing.js";
 import { button, byId, el } from "./dom.js";
 import { Editor } from "./editor.js";
 import { Link } from "./link.js";
@@ -15,7 +16,7 @@ const MODIFIER = /Mac|iPhone|iPad/.test(navigator.platform) ? "⌘" : "Ctrl+";
 class Studio {
   constructor() {
     /** State of the file. @type {TextMessage} */
-    this.file = { kind: "text", revision: -1, text: null, name: "", path: "", changed: false, undo: "", redo: "" };
+    this.file = { kind: "text", revision: -1, text: null, name: "", path: "", changed: false, undo: "", redo: "", document: null };
     /** Revisions sent and not yet confirmed. */
     this.pending = 0;
     /** Text that was typed while there was no connection. @type {string | null} */
@@ -37,11 +38,21 @@ class Studio {
     this.setTheme(localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light"));
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.timer = undefined;
+    this.drawing = new Drawing(this.pictures, {
+      change: ({ label, operations }) => this.request("edit", { label, operations, revision: this.file.revision + this.pending }),
+      hint: (text) => { byId("hint").textContent = text; },
+      select: (section, name) => this.editor.reveal(section, name),
+      refuse: (text) => this.say(text, true),
+      onTool: (name) => { for (const node of byId("palette").children) node.setAttribute("aria-pressed", String(/** @type {HTMLElement} */ (node).dataset.tool === name)); },
+    });
+    byId("palette").append(...TOOLS.map(({ name, title, key, hint }) =>
+      el("button", { type: "button", class: "button", "data-tool": name, "aria-pressed": name === "select", title: hint.join("; then "), onclick: () => this.drawing.choose(name) }, title, el("kbd", {}, key.toUpperCase()))));
     this.link = new Link((message) => this.receive(message), (connected) => this.connected(connected));
     this.bind();
   }
 
   bind() {
+    document.addEventListener("keydown", (event) => this.drawing.key(event));
     document.addEventListener("keydown", (event) => {
       if (!(event.ctrlKey || event.metaKey) || event.defaultPrevented) return;
       const act = { s: () => (event.shiftKey ? this.saveAs() : this.save()), z: () => (event.shiftKey ? this.redo() : this.undo()), y: () => this.redo() }[event.key.toLowerCase()];
@@ -72,7 +83,7 @@ class Studio {
       case "text": return this.showFile(message);
       case "picture":
         if (message.problems) this.showProblems(message.problems);
-        if (message.summary !== undefined) byId("summary").textContent = message.summary;
+        if (message.summary !== undefined) this.showSummary(message);
         return this.pictures.receive(message);
       case "notice": return this.say(message.text);
       case "failure": return this.say(message.text, true);
@@ -89,6 +100,7 @@ class Studio {
       this.editor.show(text);
     }
     this.file = file;
+    this.drawing.document = file.document;
     if (this.unsent !== null) {
       const { unsent } = this;
       this.unsent = null;
@@ -164,6 +176,12 @@ class Studio {
     byId("problems").replaceChildren(...problems.map(({ level, message, start, end, line }) =>
       el("li", { class: level }, el("button", { type: "button", onclick: () => start !== null && this.editor.select(start, end ?? start) },
         el("span", { class: "mark" }), el("span", { class: "line" }, line ? `line ${line}` : ""), el("span", {}, message)))));
+  }
+
+  /** @param {PictureMessage} message */
+  showSummary({ summary = "", facts = {} }) {
+    byId("summary").textContent = summary;
+    byId("freedom").textContent = facts.redundant ? `${facts.redundant} redundant constraint${facts.redundant > 1 ? "s" : ""}` : "";
   }
 
   /** @param {string} text @param {boolean} [failed] */

@@ -2,7 +2,9 @@
 
 export interface Problem { level: "error" | "warning" | "info" | "note"; message: string; start: number | null; end: number | null; line: number }
 /** The text and the state of its file; `text` is null where the page has it already. */
-export interface TextMessage { kind: "text"; revision: number; text: string | null; name: string; path: string; changed: boolean; undo: string; redo: string }
+export interface TextMessage { kind: "text"; revision: number; text: string | null; name: string; path: string; changed: boolean; undo: string; redo: string; document: Document | null }
+/** Contents of the file: section → name → entry. */
+export type Document = Record<string, Record<string, any> | undefined>;
 /** A picture; `page` is its address, empty if there is none. */
 export interface PictureMessage { kind: "picture"; number: number; live: boolean; page: string; problems?: Problem[]; summary?: string; facts?: Facts }
 export interface Facts { degrees_of_freedom?: number; free?: number; redundant?: number }
