@@ -60,9 +60,10 @@ class Connection:
         """Carry out one request."""
         try:
             request = json.loads(data)
-            if not isinstance(request, dict) or request.get("kind") not in self.requests:
+            kind = request.get("kind") if isinstance(request, dict) else None
+            if not isinstance(kind, str) or kind not in self.requests:
                 raise FileError("unknown request; reload the page")
-            self.requests[request["kind"]](request)
+            self.requests[kind](request)
         except (ValueError, RecursionError):
             await self.send({"kind": "failure", "text": "unreadable request; reload the page"})
         except Conflict as conflict:

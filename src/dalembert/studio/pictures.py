@@ -98,16 +98,21 @@ def _picture_of(text: str, path: Path, live: bool) -> Picture:
     model = file.model()
     summary, facts, notes = _diagnosis(model)
     result = _result(file, model)
-    choices = report_choices(file, model)
+    wrong_choices: list[Problem] = []
+    choices: dict[str, Any] = {}
+    try:
+        choices = report_choices(file, model)
+    except DalembertError as error:  # such as a plot of an element that was deleted
+        wrong_choices = problems_of(error, text, path)
     page = result.page(**choices)
     warnings = [Problem("warning", str(warning)) for warning in result.warnings]
     if not result.status.success:
         warnings.append(Problem("error", str(result.status)))
-    problems = (*notes, *warnings)
+    problems = (*notes, *warnings, *wrong_choices)
     if not live:
         return Picture(_render(page), problems, summary, facts)
     responses = live_responses(file, model, page, result)
-    page = result.live_page(page, file.document.report.live, responses, units=choices["units"])
+    page = result.live_page(page, file.document.report.live, responses, units=choices.get("units", ()))
     is_live = "code" in page.get("live", {})
     return Picture(_render(page) if is_live else "", problems, summary, facts, is_live)
 

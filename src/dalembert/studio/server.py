@@ -36,6 +36,7 @@ def serve(path: Path | None, port: int, ready: Callable[[str], None]) -> None:
     listener = socket.socket()
     try:
         listener.bind(("127.0.0.1", port))
+        listener.listen()
     except (OSError, OverflowError) as error:
         reason = getattr(error, "strerror", None) or error
         raise FileError(f"port {port}: {reason}; choose another with --port") from None

@@ -48,6 +48,7 @@ class Session:
         self.pages: dict[int, str] = {}
         """Number of a picture → its page."""
         self.number = 0
+        self._revision = 0
         self.latest: dict[str, dict[str, Any]] = {}
         """Kind of picture → the last message about it."""
         self._clients: list[Send] = []
@@ -90,6 +91,7 @@ class Session:
     def build(self) -> None:
         """Make pictures of the present text."""
         self.number += 1
+        self._revision = self.draft.revision
         path = self.draft.path or Path.cwd() / self.draft.name
         for builder in self._builders.values():
             builder.request(Request(self.number, self.draft.text, path))
@@ -99,6 +101,7 @@ class Session:
         if number != self.number:
             return
         message: dict[str, Any] = {"kind": "picture", "number": number, "live": kind == "live"}
+        message["revision"] = self._revision
         if kind == "still":
             message["problems"] = [asdict(problem) for problem in picture.problems]
             message |= {"summary": picture.summary, "facts": picture.facts}
@@ -155,7 +158,7 @@ class Session:
     def broadcast(self, message: dict[str, Any], but: Send | None = None) -> None:
         """Send a message to all pages."""
         for send in self._clients:
-            if send is not but:
+            if send != but:  # bound methods are equal, not identical
                 self._deliver(send, message)
 
     def _deliver(self, send: Send, message: dict[str, Any]) -> None:

@@ -88,7 +88,7 @@ class TextEdits:
         else:
             rows = "".join(f"{key} = {as_toml(value)}\n" for key, value in fields.items())
             entry = f"[{section}.{name}]\n{rows}"
-        at = self._end_of(section)
+        at = self._end_of(section, inline)
         before = self.text[:at].rstrip("\n")
         after = self.text[at:].lstrip("\n")
         heading = f"[{section}]\n" if inline and section not in self.data else ""
@@ -108,9 +108,19 @@ class TextEdits:
             for keys, place in self.places.items()
         )
 
-    def _end_of(self, section: str) -> int:
-        """Character behind a section, or where it begins if it is new."""
-        ends = [place.end for keys, place in self.places.items() if keys[0] == section]
+    def _end_of(self, section: str, inline: bool) -> int:
+        """Character behind a section, or where it begins if it is new.
+
+        Parameters
+        ----------
+        inline : behind the entries in one line, which tables of the section may follow
+        """
+        ends = [
+            place.end
+            for keys, place in self.places.items()
+            if keys[0] == section
+            and (not inline or (len(keys) == 2 and place.value > place.start) or len(keys) == 1)
+        ]
         if ends:
             return self._line_end(max(ends))
         rank = ORDER.index(section)

@@ -14,8 +14,8 @@ const STIFFNESS = 200, FORCE = 10, TURN = 2;
 /** @typedef {Record<string, unknown>} Operation */
 /** @typedef {{ label: string, operations: Operation[] }} Change */
 
-/** Number of few digits. @param {number} value */
-export const neat = (value) => Number(value.toPrecision(9)) || 0;
+/** Number without noise in its last digits. @param {number} value */
+export const neat = (value) => (Math.abs(value) < 1e-12 ? 0 : Number(value.toPrecision(9)));
 
 /** Reference to a place: a point with a name, a point of a body, or a point of the ground. @param {Place} place @param {string | null} [body] */
 function reference({ x, y, names, local }, body = null) {

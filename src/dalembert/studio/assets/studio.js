@@ -19,6 +19,8 @@ class Studio {
     this.file = { kind: "text", revision: -1, text: null, name: "", path: "", changed: false, undo: "", redo: "", document: null };
     /** Revisions sent and not yet confirmed. */
     this.pending = 0;
+    /** The last message about a still picture. @type {PictureMessage | null} */
+    this.described = null;
     /** Text that was typed while there was no connection. @type {string | null} */
     this.unsent = null;
     this.pictures = new Pictures(byId("canvas"));
@@ -82,6 +84,7 @@ class Studio {
     switch (message.kind) {
       case "text": return this.showFile(message);
       case "picture":
+        if (!message.live) this.described = message;
         if (message.problems) this.showProblems(message.problems);
         if (message.summary !== undefined) this.showSummary(message);
         return this.pictures.receive(message);
@@ -175,7 +178,7 @@ class Studio {
     this.editor.mark(problems);
     byId("problems").replaceChildren(...problems.map(({ level, message, start, end, line }) =>
       el("li", { class: level }, el("button", { type: "button", onclick: () => start !== null && this.editor.select(start, end ?? start) },
-        el("span", { class: "mark" }), el("span", { class: "line" }, line ? `line ${line}` : ""), el("span", {}, message)))));
+        el("span", { class: "level" }), el("span", { class: "place" }, line ? `line ${line}` : ""), el("span", {}, message)))));
   }
 
   /** @param {PictureMessage} message */
