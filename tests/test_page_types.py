@@ -29,6 +29,7 @@ from dalembert.report.scripts import (
 )
 
 ASSETS = Path(__file__).parents[1] / "src/dalembert/report/assets"
+STUDIO = Path(__file__).parents[1] / "src/dalembert/studio/assets"
 TYPESCRIPT = "7.0.2"
 """Version of the compiler, installed by npm into the cache of the tests."""
 CACHE = Path(__file__).parents[1] / ".pytest_cache" / f"typescript-{TYPESCRIPT}"
@@ -56,8 +57,9 @@ def type_errors(compiler: Path, folder: Path) -> str:
     return run.stdout
 
 
-def test_scripts_have_types(compiler: Path) -> None:
-    assert type_errors(compiler, ASSETS) == ""
+@pytest.mark.parametrize("folder", [ASSETS, STUDIO], ids=["report", "studio"])
+def test_scripts_have_types(compiler: Path, folder: Path) -> None:
+    assert type_errors(compiler, folder) == ""
 
 
 @pytest.fixture

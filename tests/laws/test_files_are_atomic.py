@@ -14,7 +14,6 @@ WRITERS = {
 """Methods and functions that write a file, but for ``open`` and ``save`` of a film."""
 OTHERS = {
     "files.py": "the one place",
-    "design/studies/folder.py:open": "the lock of a study, which is empty",
     "design/optimize/evaluation_log.py:open": "a log, which grows by lines; half a line is skipped",
     "results/files/store.py:File": "writes to the temporary path of the same module",
     "results/files/inspection.py:open": "appends the checksum to a file that `store` writes",
