@@ -10,7 +10,6 @@ import numpy as np
 
 import dalembert as da
 
-
 DETERMINED = 1e-6
 """Threshold of the share of a coordinate in motions without mass below which it has none."""
 SINGULAR = 1e-12
@@ -60,7 +59,10 @@ def accelerations(
     if moving.shape[1] == len(reduced):
         solved = np.linalg.solve(reduced, force)
         return scale * (particular + free @ solved), np.full(len(bias), True)
-    if np.abs(force - moving @ (moving.T @ force)).max(initial=0.0) > SINGULAR * np.abs(force).max():
+    if (
+        np.abs(force - moving @ (moving.T @ force)).max(initial=0.0)
+        > SINGULAR * np.abs(force).max()
+    ):
         return None
     solved = moving @ np.linalg.solve(moving.T @ reduced @ moving, moving.T @ force)
     idle = free @ axes[:, moments <= SINGULAR * moments[-1]]

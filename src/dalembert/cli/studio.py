@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 import webbrowser
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from dalembert.cli.console import DONE, print_line, wrong_input
+from dalembert.cli.console import DONE, AsJson, print_json, print_line, wrong_input
 
 
 def studio(
@@ -17,6 +18,7 @@ def studio(
     *,
     port: int = 0,
     open_page: Annotated[bool, Parameter(name="--open")] = True,
+    as_json: AsJson = False,
 ) -> int:
     """Draw and write a model in the browser, with a live picture of it.
 
@@ -35,7 +37,11 @@ def studio(
     from dalembert.packages import optional_package
 
     def ready(address: str) -> None:
-        print_line(f"studio: {address}\nCtrl-C stops it")
+        if as_json:
+            print_json({"ok": True, "address": address})
+        else:
+            print_line(f"studio: {address}\nCtrl-C stops it")
+        sys.stdout.flush()
         if open_page:
             webbrowser.open(address)
 

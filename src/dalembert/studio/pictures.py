@@ -112,7 +112,9 @@ def _picture_of(text: str, path: Path, live: bool) -> Picture:
     if not live:
         return Picture(_render(page), problems, summary, facts)
     responses = live_responses(file, model, page, result)
-    page = result.live_page(page, file.document.report.live, responses, units=choices.get("units", ()))
+    page = result.live_page(
+        page, file.document.report.live, responses, units=choices.get("units", ())
+    )
     is_live = "code" in page.get("live", {})
     return Picture(_render(page) if is_live else "", problems, summary, facts, is_live)
 
