@@ -9,6 +9,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar, spatial, structures
+from dalembert.report.packing import pack, unpack
 
 
 def carts() -> da.Model:
@@ -83,6 +84,21 @@ def test_a_click_chooses_a_frequency(show: Any) -> None:
     assert page.js("dalembert.motion.chosen") == max(seen) - 1
 
 
+def test_small_values_keep_their_digits() -> None:
+    """Amplitudes over eleven decades and densities over many more, after packing."""
+    response = da.RandomResponse(psd={"push": 1.0}, outputs=["m0.x"], span=(0.01, 1e4)).run(carts())
+    payload = unpack(pack(response.page()))
+    densities, bode, _ = payload["views"]
+    at = response.at(np.asarray(bode["x"], dtype=float))
+    for chart, exact in (
+        (densities, at.psd("m0.x")),
+        (bode, np.abs(at.complex_values("m0.x")[:, 0])),
+    ):
+        (line,) = chart["lines"]
+        assert np.ptp(np.log10(exact)) > 10
+        np.testing.assert_allclose(10 ** np.asarray(line["level"], float), exact, rtol=1e-3)
+
+
 def test_shapes_have_the_phases_of_the_motion() -> None:
     """At each drawn frequency the parts move like the complex amplitudes."""
     response = RESPONSES["planar"]()
@@ -91,6 +107,6 @@ def test_shapes_have_the_phases_of_the_motion() -> None:
     lines = payload["views"][0]["lines"]
     first, second = (np.reshape(body["x"], (6, -1)) for body in payload["scene"]["bodies"][:2])
     shapes = [body[1] + 1j * body[2] for body in (first, second)]
-    amplitudes = [np.asarray(line["re"]) + 1j * np.asarray(line["im"]) for line in lines]
+    amplitudes = [10 ** line["level"] * np.exp(1j * line["phase"]) for line in lines]
     ratio = amplitudes[0][states] / amplitudes[1][states]
     np.testing.assert_allclose(shapes[0] / shapes[1], ratio, rtol=1e-6)

@@ -42,8 +42,8 @@ def inertial_axes(model: Model) -> InertialAxes | None:
         spin = getattr(body, "spin", None)
         if spin is None or not getattr(body, "rotates", False):
             continue
-        rows = [place.get(spin[k].element_hash()) for k in range(3)]
-        if None not in rows:
+        rows = [place[h] for k in range(3) if (h := spin[k].element_hash()) in place]
+        if len(rows) == 3:
             rotating = True
             turned[rows, rows] = body.axes.T
     if not rotating:

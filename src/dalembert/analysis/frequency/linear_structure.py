@@ -217,7 +217,7 @@ class LinearStructure(CacheOwner):
     # modes ---------------------------------------------------------------------------------
     def modes(self, count: int) -> tuple[np.ndarray, np.ndarray]:
         """(m,) ``ω²`` and (f, m) shapes of the lowest modes."""
-        stored: dict[int, Any] = self.cache.setdefault("modes", {})  # type: ignore[call-overload]
+        stored: dict[int, Any] = self.cache.setdefault(self.modes.__func__, {})  # type: ignore[attr-defined]
         if count not in stored:
             stored[count] = lowest_modes(*self.free_matrices, count)
         return stored[count]  # type: ignore[no-any-return]
