@@ -53,7 +53,8 @@ class ResponseChart extends Chart {
   /** @param {ResponseView} view @param {number} height */
   constructor(view, height) {
     super(view, height);
-    this.view = { ...view, x: Array.from(view.x), states: Array.from(view.states), lines: view.lines.map(curveOf) };
+    const x = Array.from(view.x, (value) => (view.log ? 10 ** value : value));
+    this.view = { ...view, x, states: Array.from(view.states), lines: view.lines.map(curveOf) };
     /** @type {Motion | null} */
     this.motion = null;
     this.marks = shape("g", { class: "cursor" });
@@ -98,7 +99,7 @@ export class BodeChart extends ResponseChart {
   /** @param {ResponseView} view */
   constructor(view) {
     super(view, view.lines.every(({ phase }) => !phase) ? 250 : 360);
-    this.logarithmic = view.x[0] > 0;
+    this.logarithmic = view.log;
     /** @type {{ left: number, right: number, x: Scale } | null} */
     this.span = null;
     /** @type {{ py: Map1, values: number[][], box: Box }[]} */

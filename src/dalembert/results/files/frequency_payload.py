@@ -112,7 +112,9 @@ def _views(response: Any, states: np.ndarray) -> list[dict[str, Any]]:
     lines = _curves(response)
     heights = np.nan_to_num(lines[0]["level"][states], nan=-np.inf)
     first = int(np.argmax(heights))
-    common = {"x": response.frequencies, "states": states, "place": "board", "first": first}
+    positive = bool(np.all(response.frequencies > 0))
+    x = levels(response.frequencies) if positive else response.frequencies
+    common = {"x": x, "log": positive, "states": states, "place": "board", "first": first}
     bode = {"kind": "bode", "title": "Bode plot", "y": _label("amplitude", lines), "lines": lines}
     alike = [line for line in lines if line["unit"] == lines[0]["unit"]]
     nyquist = {"kind": "nyquist", "title": "Nyquist plot", "y": "", "lines": alike}
