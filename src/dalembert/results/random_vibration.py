@@ -113,9 +113,7 @@ class RandomVibration(HarmonicResponse):
             {
                 "name": f"{name}, σ = {self.rms(name):.4g} {measure.unit}".rstrip(),
                 "unit": density_unit(measure.unit),
-                "re": np.zeros(0),
-                "im": np.zeros(0),
-                "y": self.psd(name),
+                "values": self.psd(name),
             }
             for name, measure in self.outputs.items()
         ]

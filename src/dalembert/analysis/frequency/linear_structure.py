@@ -217,8 +217,7 @@ class LinearStructure(CacheOwner):
     # modes ---------------------------------------------------------------------------------
     def modes(self, count: int) -> tuple[np.ndarray, np.ndarray]:
         """(m,) ``ω²`` and (f, m) shapes of the lowest modes."""
-        cache: Any = self.cache
-        stored: dict[int, Any] = cache.setdefault("modes", {})
+        stored: dict[int, Any] = self.cache.setdefault(self.modes.__func__, {})  # type: ignore[attr-defined]
         if count not in stored:
             stored[count] = lowest_modes(*self.free_matrices, count)
         return stored[count]  # type: ignore[no-any-return]
