@@ -60,7 +60,10 @@ def accelerations(
     if moving.shape[1] == len(reduced):
         solved = np.linalg.solve(reduced, force)
         return scale * (particular + free @ solved), np.full(len(bias), True)
-    if np.abs(force - moving @ (moving.T @ force)).max(initial=0.0) > SINGULAR * np.abs(force).max():
+    if (
+        np.abs(force - moving @ (moving.T @ force)).max(initial=0.0)
+        > SINGULAR * np.abs(force).max()
+    ):
         return None
     solved = moving @ np.linalg.solve(moving.T @ reduced @ moving, moving.T @ force)
     idle = free @ axes[:, moments <= SINGULAR * moments[-1]]
@@ -145,7 +148,7 @@ class Ours:
 def _relative(pair: tuple[np.ndarray, np.ndarray]) -> float:
     """Largest difference over the largest value."""
     ours, peer = pair
-    return float(np.abs(ours - peer).max() / max(np.abs(peer).max(), 1e-6))
+    return float(np.abs(ours - peer).max(initial=0.0) / max(np.abs(peer).max(initial=0.0), 1e-6))
 
 
 def free_body(q: np.ndarray, t: np.ndarray, drift: np.ndarray, body: Any) -> None:

@@ -12,7 +12,7 @@ from dalembert.io.imports.imported import Imported
 from dalembert.io.imports.robots.parts import FREE, Closure, Dependence, Joint, Link, Robot
 from dalembert.io.imports.robots.pose import Pose, axes_about
 from dalembert.io.imports.robots.reader import Omissions, imported_robot
-from dalembert.io.imports.robots.sdf.frames import MODEL, WORLD, Frames, local_pose
+from dalembert.io.imports.robots.sdf.frames import MODEL, SCOPE, WORLD, Frames, local_pose
 from dalembert.io.imports.robots.sdf.joints import KINDS, NOT_CONVERTED, SdfJoint, omit, read_joint
 from dalembert.io.imports.robots.sdf.links import SdfShapes, link_inertia
 from dalembert.io.imports.robots.sdf.values import flag, number, text
@@ -86,6 +86,7 @@ class SdfReader:
         self.poses: dict[str | None, Pose] = {None: Pose()}
         self.joints: list[SdfJoint] = []
         self.static: set[str] = set()
+        self.attached: dict[str, str] = {}
         self._included: list[Path] = []
 
     def robot(self) -> Robot:
@@ -156,17 +157,24 @@ class SdfReader:
     def _model(self, model: XmlElement, prefix: str, pose: Pose, is_static: bool) -> Frames:
         """Links and joints of a model and of the models in it."""
         model.visited = True
-        model.ignore("name", "canonical_link", "xmlns:xacro")
+        model.ignore("name", "xmlns:xacro")
         is_static = flag(model, "static") or is_static
         frames = Frames(model, pose)
         links = model.all("link")
         for element in links:
             frames.add(element, MODEL)
         for frame in model.all("frame"):
-            frames.add(frame, frame.text("attached_to", "") or MODEL)
+            owner = frame.text("attached_to", "") or MODEL
+            frames.add(frame, owner)
+            self.attached[prefix + frame.text("name")] = prefix + owner.replace(SCOPE, "_")
+        if links:
+            first = model.text("canonical_link", links[0].text("name"))
+            self.attached[prefix + MODEL] = prefix + first.replace(SCOPE, "_")
         joints = [j for j in model.all("joint") if not self._is_omitted(j)]
         for joint in joints:
             frames.add(joint, text(joint, "child"))
+            child = text(joint, "child").replace(SCOPE, "_")
+            self.attached[prefix + joint.text("name")] = prefix + child
         for inner in [*model.all("model"), *self._includes(model)]:
             name = inner.text("name")
             place = frames.pose(inner, MODEL)
@@ -196,9 +204,12 @@ class SdfReader:
         name = text(joint, tag)
         if name == WORLD:
             return None
-        full = prefix + name.replace("::", "_")
+        full, visited = prefix + name.replace(SCOPE, "_"), set()
+        while full in self.attached and full not in visited:
+            visited.add(full)
+            full = self.attached[full]
         if full not in self.links:
-            raise joint.error(f"{tag} is {name!r}, which is no link of this model")
+            raise joint.error(f"{tag} is {name!r}, which is no link or frame of this model")
         return full
 
     # tree -------------------------------------------------------------------------------------
