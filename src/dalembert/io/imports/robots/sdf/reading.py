@@ -29,6 +29,7 @@ CLOSURES = {
     "fixed": "Weld",
 }
 """Type of a joint → class of a joint that closes a loop."""
+AXES = ("axis", "axis2")
 GRAVITY = (0.0, 0.0, -9.8)
 """Default gravity of the format [m/s²]."""
 REASONS = {
@@ -270,11 +271,10 @@ class SdfReader:
 
 def _mimic(joint: Joint, mimic: XmlElement, motions: dict[str, Joint]) -> Dependence:
     """``s = multiplier (s_i − reference) + offset``."""
-    name = mimic.text("joint")
-    first = motions.get(name)
+    name, axis = mimic.text("joint"), mimic.choice("axis", AXES, AXES[0])
+    first = motions.get(name) or motions.get(f"{name}_{1 + AXES.index(axis)}")
     if first is None or first is joint:
         raise mimic.error(f"joint is {name!r}, expected another joint of this file")
-    mimic.ignore("axis")
     multiplier, offset = number(mimic, "multiplier", 1.0), number(mimic, "offset", 0.0)
     constant = offset - multiplier * number(mimic, "reference", 0.0)
     joint.start = constant + multiplier * first.start
