@@ -54,9 +54,7 @@ def sdf(style: str) -> str:
         place, turn = places[parent] + turns[parent].apply(xyz), turns[parent] * own
         places.append(place)
         turns.append(turn)
-        moments = "".join(
-            f"<i{a}{a}>{m}</i{a}{a}>" for a, m in zip("xyz", MOMENTS, strict=True)
-        )
+        moments = "".join(f"<i{a}{a}>{m}</i{a}{a}>" for a, m in zip("xyz", MOMENTS, strict=True))
         inertial = (
             f"<inertial>{pose(center, Rotation.identity())}<mass>{k}</mass>"
             f"<inertia>{moments}</inertia></inertial>"
@@ -94,7 +92,9 @@ def sdf(style: str) -> str:
     fixed = '<joint name="mount" type="fixed"><parent>world</parent><child>l0</child></joint>'
     body = "".join([*joints, *frames, *links, *inner, fixed])
     gravity = "<gravity>0 0 -9.81</gravity>"
-    return f'<sdf version="1.9"><world name="w">{gravity}<model name="m">{body}</model></world></sdf>'
+    return (
+        f'<sdf version="1.9"><world name="w">{gravity}<model name="m">{body}</model></world></sdf>'
+    )
 
 
 def terms(model, seed: int) -> list[np.ndarray]:

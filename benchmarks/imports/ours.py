@@ -10,7 +10,6 @@ import numpy as np
 
 import dalembert as da
 
-
 DETERMINED = 1e-6
 """Threshold of the share of a coordinate in motions without mass below which it has none."""
 SINGULAR = 1e-12

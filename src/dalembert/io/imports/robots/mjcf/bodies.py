@@ -119,7 +119,10 @@ class MjcfBodies:
         step = np.array(element.numbers("offset", 3, default=(0.0, 0.0, 0.0)))
         separator, at = element.text("sep", ""), np.zeros(3)
         for k in range(count):
-            number, pose = f"{k:0{len(str(count - 1))}d}", Pose(at, self.source.euler(k * angles))
+            number, pose = (
+                f"{k:0{len(str(count - 1))}d}",
+                Pose(at, self.source.euler((k * angles).tolist())),
+            )
             self._read(element, self._inside(element, place, pose, f"{separator}{number}"))
             at = pose.at(step)
 
