@@ -117,7 +117,7 @@ def _refuse_template(root: XmlElement) -> None:
         if element.tag.startswith(XACRO) or marked:
             raise element.error(
                 "the file is a template; convert it first, for example with: xacro "
-                f"{root.file.name} > model.urdf"
+                f"{root.file.name} > converted.urdf"
             )
 
 
