@@ -7,6 +7,7 @@ Mass matrix, bias forces and accelerations of every file with joints are compare
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -22,6 +23,10 @@ LIMIT = 1e-9
 OWN_TENSORS = "MuJoCo with exact principal axes"
 STATES = 20
 """Number of random states."""
+COMMON = ("urdf", "robots", "assets", "xml", "mjcf")
+"""Names of folders that do not distinguish files."""
+PLACE = re.compile(r"(its mass properties are needed by )?[\w./-]+:\d+: <[^>]*>: ")
+"""File, line and element in a message."""
 LONGEST = 200
 """Upper limit of the length of a message."""
 WITHOUT_JOINTS = ("has no joint", "has no <link>", "cannot be free")
@@ -79,16 +84,24 @@ def row(path: Path, peers: list[Callable[[], PinocchioPeer | MujocoPeer]]) -> tu
                 condition = max(condition, condition_number(terms[0]))
             first = first or peer
         except (da.DalembertError, ValueError) as error:
-            text = (
-                str(error).replace(str(path.parent) + "/", "").replace("|", "/").replace("\n", " ")
-            )
-            reason = reason or text.partition(";")[0][:LONGEST]
+            reason = reason or _reason(error, path)
     if first is None:
-        return path.stem, "—", f"not compared: {reason}", "", "", "", ""
+        return _title(path), "—", f"not compared: {reason}", "", "", "", ""
     counts = str(len(first.ours.model.bodies)), str(first.ours.loops)
     differences = ("–" if np.isnan(d) else f"{d:.0e}" for d in worst)
-    name = path.stem if not worst[2] > LIMIT / 2 else f"{path.stem} (condition {condition:.0e})"
+    name = _title(path) + (f" (condition {condition:.0e})" if worst[2] > LIMIT / 2 else "")
     return name, first.name, *counts, *differences
+
+
+def _title(path: Path) -> str:
+    """Folder and name of a file."""
+    return f"{next(p.name for p in path.parents if p.name not in COMMON)}/{path.stem}"
+
+
+def _reason(error: Exception, path: Path) -> str:
+    """The message without places and remedies."""
+    text = str(error).replace(f"{path.parent}/", "").replace("|", "/").replace("\n", " ")
+    return PLACE.sub("", text).partition(";")[0][:LONGEST]
 
 
 def condition_number(mass: np.ndarray) -> float:

@@ -37,7 +37,10 @@ class MujocoPeer:
         import mujoco
 
         imported = da.import_model(path, root=root)
-        self.model: Any = mujoco.MjModel.from_xml_path(str(path))
+        try:
+            self.model: Any = mujoco.MjModel.from_xml_path(str(path))
+        except ValueError as error:
+            raise ValueError(f"MuJoCo refuses the file: {error}") from None
         self.data: Any = mujoco.MjData(self.model)
         self.actuators = len(imported.document.get("inputs", {})) == self.model.nu
         self.model.actuator_forcelimited[:] = 0

@@ -147,7 +147,7 @@ class Ours:
 def _relative(pair: tuple[np.ndarray, np.ndarray]) -> float:
     """Largest difference over the largest value."""
     ours, peer = pair
-    return float(np.abs(ours - peer).max() / max(np.abs(peer).max(), 1e-6))
+    return float(np.abs(ours - peer).max(initial=0.0) / max(np.abs(peer).max(initial=0.0), 1e-6))
 
 
 def free_body(q: np.ndarray, t: np.ndarray, drift: np.ndarray, body: Any) -> None:

@@ -51,6 +51,7 @@ CLOSURES = {
     "planar": "Planar",
 }
 """Type of a constraint → class of the joint that closes the loop."""
+ONE_COORDINATE = "is converted for joints with one limited coordinate only"
 XACRO = "xacro:"
 """Start of the tags of templates."""
 GRAVITY = (0.0, 0.0, -9.81)
@@ -116,7 +117,7 @@ def _refuse_template(root: XmlElement) -> None:
         if element.tag.startswith(XACRO) or marked:
             raise element.error(
                 "the file is a template; convert it first, for example with: xacro "
-                f"{root.file.name} > model.urdf"
+                f"{root.file.name} > converted.urdf"
             )
 
 
@@ -242,6 +243,9 @@ class UrdfReader:
             lower, upper = limit.number("lower", 0.0), limit.number("upper", 0.0)
             if element.text("type") in ("revolute", "prismatic"):
                 joint.range = lower, upper
+            else:
+                for side in [s for s in ("lower", "upper") if s in limit.attributes]:
+                    self.omissions.add(limit, f"limit {side}", ONE_COORDINATE)
         dynamics = element.only("dynamics")
         if dynamics is None:
             return
@@ -250,6 +254,8 @@ class UrdfReader:
         for name, value in (("damping", joint.damping), ("friction", joint.friction)):
             if value < 0:
                 raise dynamics.error(f"{name} is {value:g}; it is not negative")
+            if value and not joint.has_angle:
+                self.omissions.add(dynamics, f"dynamics {name}", ONE_COORDINATE)
 
     def mimic(self, element: XmlElement, mimic: XmlElement) -> list[Dependence]:
         """The dependence of a joint; none if the other joint does not exist."""

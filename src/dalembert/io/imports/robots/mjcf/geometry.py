@@ -49,7 +49,7 @@ class Geom:
         self.mesh: XmlElement | None = None
         default = "mesh" if element.has("mesh") else "sphere"
         self.type = element.choice("type", TYPES, default)
-        element.ignore("name", "class", "contype", "conaffinity")
+        element.ignore("name", "class")
         if self.type in ("mesh", "sdf") or (element.has("mesh") and self.type != "mesh"):
             name = element.text("mesh")
             if name not in meshes:
@@ -141,6 +141,9 @@ class Geom:
         """Shape for pictures."""
         self.element.ignore("rgba", "material")
         if self.group not in DRAWN_GROUPS or self.type in WITHOUT_MASS:
+            kind = f"of group {self.group}" if self.group not in DRAWN_GROUPS else f"a {self.type}"
+            reason = f"{kind} is not drawn, and contacts are not created; add a Collisions element"
+            self.source.omissions.add(self.element, "geom", reason)
             return None
         if self.type in ("mesh", "sdf"):
             return self._mesh_shape()
