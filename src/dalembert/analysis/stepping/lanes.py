@@ -90,9 +90,7 @@ class StepperLanes:
         )
 
     def _check_samples(self) -> None:
-        if self.plant.phases is not None and any(
-            period > 1 or begin > 0 for period, begin, _ in self.plant.phases
-        ):
+        if self.plant.phases is not None and not self.plant.phases.always:
             raise UnsupportedError(
                 "lanes need samples of blocks before every substep, so that lanes may be reset at "
                 "different steps; use a step and substeps of the sample time"
