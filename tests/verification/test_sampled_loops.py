@@ -6,7 +6,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import dalembert as da
-from dalembert import planar
+from dalembert import planar, spatial
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.symbolic.formulas.expression import Expression
 
@@ -104,6 +104,33 @@ def test_stepper_of_two_rates():
     for _ in range(round(END / 0.01)):
         y = plant.step()
     assert np.allclose(y, two_rates_by_hand(), rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"integrator": da.Radau()},
+        {"integrator": da.GeneralizedAlpha(), "step": 0.02},
+        {"integrator": da.Trapezoidal(), "step": 0.03},
+        {"step": 0.013, "formulation": da.NullSpace()},
+    ],
+    ids=["automatic", "Radau", "GeneralizedAlpha", "Trapezoidal", "NullSpace"],
+)
+def test_spatial_body_under_a_held_force(options):
+    """A spinning body above a sampled spring, whose height is a parabola between samples."""
+    system = da.System("hover", gravity=(0, 0, -G))
+    motion = {"position": (0, 0, 0.3), "angular_velocity": (1, 2, 3)}
+    body = system.add(spatial.Body("body", mass=1.0, inertia=(0.1, 0.2, 0.3), **motion))
+    timing = {"sample_time": 0.1, "first_sample": 0.05}
+    hold = system.add(da.blocks.ZeroOrderHold("hold", body.position[2], **timing))
+    system.add(spatial.Force("force", body.center, (0, 0, G - 50 * hold.output)))
+    result = da.solve_dynamics(system.build(), 1.0, **options)
+    x, v, time = 0.3, 0.0, 0.05
+    for _ in range(10):
+        force, wait = -50 * x, min(0.1, 1.0 - time)
+        x, v, time = x + v * wait + force * wait**2 / 2, v + force * wait, time + wait
+    assert result["body.position"][-1, 2].item() == pytest.approx(x, abs=1e-12)
 
 
 # linear systems and equilibria -----------------------------------------------------------

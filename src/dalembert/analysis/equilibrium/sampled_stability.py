@@ -12,7 +12,6 @@ from math import lcm
 
 import casadi as ca
 import numpy as np
-from scipy.linalg import expm
 
 from dalembert.analysis.modes.linearized import Linearized
 from dalembert.elements.blocks.sampled import Sampled
@@ -41,6 +40,8 @@ def sampled_growth(linear: Linearized) -> np.ndarray:
     UnsupportedError
         The sample times have no common period of a moderate number of samples.
     """
+    from scipy.linalg import expm
+
     instants = _instants(sampled_blocks(linear.model))
     basis, scale = linear.basis, linear.sizes[0]
     samples = dict.fromkeys(blocks for _, blocks in instants)
