@@ -90,9 +90,7 @@ class StepperLanes:
         )
 
     def _check_samples(self) -> None:
-        if self.plant.phases is not None and any(
-            period > 1 or begin > 0 for period, begin, _ in self.plant.phases
-        ):
+        if self.plant.phases is not None and not self.plant.phases.always:
             raise UnsupportedError(
                 "lanes need samples of blocks before every substep, so that lanes may be reset at "
                 "different steps; use a step and substeps of the sample time"
@@ -221,7 +219,11 @@ class StepperLanes:
             worst = shares[groups]
             for k in range(steps):
                 self._put(u, inputs[k, lanes])
-                calls[(side + k) % 2]()
+                now = (side + k) % 2
+                calls[now]()
+                if self.map.timed:
+                    time = (self._steps[lanes] + k + 1) * self.plant.step
+                    self._put(self._z[1 - now][groups, -1:], time[:, None])
                 own = y.transpose(0, 2, 1).reshape(-1, rows)
                 outputs[k, lanes] = own[: lanes.stop - lanes.start]
                 np.maximum(worst, share, out=worst)  # NaN where one is

@@ -16,6 +16,7 @@ from dalembert.analysis.stepping.stepper_state import StepperState
 from dalembert.errors import SingularityError, StepFailure, UnsupportedError
 from dalembert.model.graph.model import Model
 from dalembert.results.motion import Motion
+from dalembert.results.state_space import StateSpace
 from dalembert.text.arguments import check_arguments
 
 SHORTER = "use a shorter step, more substeps or another integrator"
@@ -80,13 +81,8 @@ class Stepper:
         self.model, self.length = model, self.plant.step
         self.input_names, self.output_names = self.plant.input_names, self.plant.output_names
         self._several = len(self.input_names) != 1
-        self._allocate()
+        self._arrays, self._steps = self._fresh()
         self.reset()
-
-    def _allocate(self) -> None:
-        size = self.plant.start[0].size
-        self._arrays = StepArrays.of(size, len(self.input_names), self.plant.output_count)
-        self._steps: dict[tuple[int, tuple[int, ...]], BoundStep] = {}
 
     # starts ----------------------------------------------------------------------------
     @check_arguments
@@ -96,6 +92,7 @@ class Stepper:
         *,
         initial: Mapping[str, float] | None = None,
         time: float = 0.0,
+        motion: Motion | None = None,
     ) -> np.ndarray:
         """Return to the start of the model; returns the outputs there.
 
@@ -104,20 +101,20 @@ class Stepper:
         parameters : new values, on which the start may depend; others are those of the stepper
         initial : values of entries of the state by ``state_names``, instead of those of the start
         time : of the start [s]
+        motion : of the model, at whose last instant the stepper starts, with its parameters; for
+            example an equilibrium
 
         Raises
         ------
         AnalysisError
-            Unknown names, a time that is not finite, or at which no block can be sampled.
+            Unknown names, a motion of another model, or a time at which no step can begin.
         AssemblyError
             The mechanism cannot be assembled with these parameters, or entries contradict the
             joints.
         """
         plant = self.plant
         plant.check_time(time)
-        p = plant.model.values({**plant.parameters, **(parameters or {})})
-        usual = not parameters and not initial and time == 0.0
-        x, mode = plant.start if usual else plant.begin(p, time, initial)
+        x, p, mode = plant.begin_at(motion, parameters or {}, time, initial or {})
         self.restore(StepperState(0, time, x, p, mode))
         return self.outputs
 
@@ -196,13 +193,7 @@ class Stepper:
         return self.plant.snapshot(self._mode, self.time, self.state, self._parameters())
 
     def _parameters(self, inputs: Any = None) -> np.ndarray:
-        """Values of all parameters, with the last inputs or others.
-
-        Raises
-        ------
-        AnalysisError
-            Inputs of another number, or not finite.
-        """
+        """Values of all parameters, with the last inputs or others, which are checked."""
         p = self._p.copy()
         last = self._arrays.u[1 - self._side]
         p[self.plant.inputs] = last if inputs is None else input_values(self.input_names, inputs)
@@ -213,7 +204,7 @@ class Stepper:
         other = object.__new__(type(self))
         other.__dict__ |= {k: v for k, v in vars(self).items() if not k.startswith("_")}
         other._several = self._several
-        other._allocate()
+        other._arrays, other._steps = self._fresh()
         other.restore(self.save())
         return other
 
@@ -222,8 +213,8 @@ class Stepper:
 
     def __reduce__(self) -> Any:
         raise UnsupportedError(
-            "a Stepper contains machine code and is not written to files or sent to processes; "
-            "send its save(), and restore it in a stepper that is made there"
+            "a Stepper is machine code, which is not written to files or sent to processes; send "
+            "its save(), and restore it in a stepper that is made there"
         )
 
     @property
@@ -255,11 +246,27 @@ class Stepper:
         return StepperLanes(self.plant, count, parameters, workers)
 
     def jacobians(self, inputs: Any = None) -> StepJacobians:
-        """Exact derivatives of the next step, without taking it.
+        """Exact derivatives of the next step by the last inputs or others, without taking it."""
+        step_map = self.plant.map(self._mode, self.plant.due(self._count, self._start))
+        p = self._parameters(inputs)
+        return StepJacobians.at(step_map, self.plant, self.time, self.state, p)
+
+    def state_space(self, inputs: Any = None) -> StateSpace:
+        """Linear system ``x[k+1] = A x[k] + B u[k]``, ``y[k] = C x[k] + D u[k]`` of a step.
+
+        The exact derivatives of a step at the present state, samples of blocks included, in
+        independent entries of the state. About a fixed point, such as ``reset(motion=...)`` with an
+        equilibrium, it is the sampled plant with held inputs, and its poles are those of the
+        sampled loop.
 
         Parameters
         ----------
         inputs : values of the inputs; by default the last ones
+
+        Raises
+        ------
+        AnalysisError
+            Samples of blocks differ between steps.
 
         Examples
         --------
@@ -270,15 +277,18 @@ class Stepper:
         >>> rail = planar.PinInSlot("rail", system.ground.center, sled.center)
         >>> joint, thrust = system.add(rail), system.input("thrust", unit="N")
         >>> drive = system.add(planar.Force("drive", sled.center, (thrust, 0)))
-        >>> jacobians = da.Stepper(system.build(), step=0.1, outputs=["sled.x"]).jacobians()
-        >>> jacobians.state.round(9).tolist()
-        [[1.0, 0.1], [0.0, 1.0]]
-        >>> jacobians.input.round(9).ravel().tolist(), jacobians.output_input.round(9).item()
-        ([0.0025, 0.05], 0.0025)
+        >>> space = da.Stepper(system.build(), step=0.1, outputs=["sled.x"]).state_space()
+        >>> space.dt, space.A.round(9).tolist(), space.B.round(9).tolist()
+        (0.1, [[1.0, 0.1], [0.0, 1.0]], [[0.0025], [0.05]])
         """
-        step_map = self.plant.map(self._mode, self.plant.due(self._count, self._start))
-        p = self._parameters(inputs)
-        return StepJacobians.at(step_map, self.plant, self.time, self.state, p)
+        if self.plant.phases is not None:
+            self.plant.phases.check_repeated(self._count, self._start)
+        return self.jacobians(inputs).state_space
+
+    def _fresh(self) -> tuple[StepArrays, dict[tuple[int, tuple[int, ...]], BoundStep]]:
+        """Arrays, and steps by mode and samples before substeps."""
+        size = self.plant.start[0].size
+        return StepArrays.of(size, len(self.input_names), self.plant.output_count), {}
 
     def _bound_step(self, mode: int, due: tuple[int, ...]) -> BoundStep:
         """The step of a mode with samples before its substeps."""
