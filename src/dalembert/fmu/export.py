@@ -22,6 +22,7 @@ from dalembert.fmu.model_description import Description
 from dalembert.fmu.unit_functions import EXCHANGE, STEPS, UnitFunctions
 from dalembert.fmu.variables import Variables, variables_of
 from dalembert.model.graph.model import Model
+from dalembert.model.system import System
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import counted, unknown
@@ -165,6 +166,8 @@ def export_fmu(
         raise UnsupportedError(f"fmi={fmi}: versions 3 and 2 are supported")
     if not isinstance(model, Model):
         text = f"{model.name!r} cannot be exported: it is a structure; only mechanisms are"
+        if isinstance(model, System):
+            text = f"export_fmu takes a model; got {model!r}; build() it first"
         raise UnsupportedError(text)
     targets = check_platforms(_listed(platforms), fmi)
     run = _with_step(analysis, step)

@@ -18,7 +18,6 @@ from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.evaluation.columns import compiled_form
 from dalembert.symbolic.formulas.expression import Expression, stack
 
-
 MOST_RATES = 4
 """Upper limit of different sample rates: each set of them that is due has its own function."""
 
