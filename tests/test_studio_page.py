@@ -185,3 +185,42 @@ def test_a_page_shows_changes_of_another(desk: tuple[Desk, Studio], browser: Any
         time.sleep(0.02)
     assert other.evaluate("studio.editor.text") == visit.text
     other.close()
+
+
+def test_sliders_write_their_values_into_the_text(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    visit.draw("b", (0, 0), (0.5, 0))
+    visit.draw("o", (0, 0))
+    text = visit.text
+    visit.js("""(() => {
+        const { view } = studio.editor, at = studio.editor.text.indexOf("length = 0.5") + 10;
+        view.dispatch({ selection: { anchor: at } });
+    })()""")
+    visit.page.click("text=Parameter")
+    visit.until("studio.pictures.page?.design?.parameters.length === 1", 60)
+    assert 'length = "bar1_length"' in visit.text
+    frame = visit.js("studio.pictures.frame.src")
+    visit.js("studio.pictures.page.design.set(0, 0.625)")
+    visit.until("studio.file.document.parameters.bar1_length.value === 0.625", 20)
+    visit.until("studio.described.revision === studio.file.revision", 20)
+    assert visit.js("studio.pictures.frame.src") == frame  # the picture that computes stays
+    visit.press("Control+z")
+    visit.press("Control+z")
+    assert visit.text == text
+
+
+def test_files_and_examples_are_opened(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
+    visit, _ = desk
+    (tmp_path / "beside.toml").write_text(UNTITLED.replace("untitled", "beside"))
+    visit.draw("b", (0, 0), (0.5, 0))
+    for value, name in (("beside.toml", "beside"), ("example: slider_crank", "slider")):
+        visit.page.click("text=Open…")
+        visit.page.locator("#ask input").fill(value)
+        visit.page.keyboard.press("Enter")
+        visit.until(f"studio.editor.text.includes({name!r})", 20)
+    visit.until("studio.described?.summary.includes('driven')", 30)
+    visit.page.click("text=Open…")
+    visit.page.locator("#ask input").fill("nothing.toml")
+    visit.page.keyboard.press("Enter")
+    visit.until("document.getElementById('notice').textContent.includes('no such file')", 20)
+    assert "slider" in visit.text

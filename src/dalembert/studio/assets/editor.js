@@ -47,6 +47,9 @@ export class Editor {
 
   get text() { return /** @type {string} */ (this.view.state.doc.toString()); }
 
+  /** Character at the cursor. @returns {number} */
+  get cursor() { return this.view.state.selection.main.head; }
+
   /** Whether typed characters have not been sent yet. */
   get waits() { return this.timer !== undefined; }
 
