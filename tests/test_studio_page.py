@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import time
 from collections.abc import Iterator
@@ -224,3 +225,38 @@ def test_files_and_examples_are_opened(desk: tuple[Desk, Studio], tmp_path: Path
     visit.page.keyboard.press("Enter")
     visit.until("document.getElementById('notice').textContent.includes('no such file')", 20)
     assert "slider" in visit.text
+
+
+COMPLETED = {
+    "[jo": {"joints"},
+    '[bodies.new]\ntype = "B': {"Bar", "Body"},
+    "[bodies.rod]\nangle = 1\nma": {"mass"},
+    '[joints.A]\ntype = "Revolute"\nconnect = ["ro': {"rod", "rod.start", "rod.end"},
+    '[joints]\nA = { type = "Revo': {"Revolute"},
+    "[joints]\nA = { co": {"connect"},
+    '[analysis]\ntype = "Dynamics"\ninteg': {"integrator"},
+    '[analysis]\nintegrator = "Dorm': {"DormandPrince", "DormandPrince853"},
+    "gra": {"gravity"},
+}
+"""End of a text → some of the completions there."""
+
+
+def test_completion(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    text = 'format = 1\n[bodies.rod]\ntype = "Bar"\nlength = 0.4\nmass = 1\n'
+    visit.page.click(".cm-content")
+    visit.page.keyboard.press("Control+a")
+    visit.page.keyboard.insert_text(text)
+    visit.settle(1)
+    visit.until("studio.completion !== null")
+    for end, offered in COMPLETED.items():
+        whole = end if end == "gra" else f"{text}{end}"
+        script = f"studio.completion.options({json.dumps(whole)}, {len(whole)}, true)"
+        options = {option["label"].strip('"') for option in visit.js(script)["options"]}
+        assert offered <= options, end
+        assert not {"Prismatic"} & options or "joints" in end
+    visit.page.keyboard.press("Control+End")
+    visit.page.keyboard.type("ine")
+    visit.page.wait_for_selector(".cm-tooltip-autocomplete")
+    visit.page.keyboard.press("Enter")
+    visit.until(f"studio.editor.text === {json.dumps(text + 'inertia')}", 10)

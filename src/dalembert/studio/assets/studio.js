@@ -1,9 +1,10 @@
 // Page of the studio: the drawing beside the text, with undo, saving and problems.
 
 /** @import { Page } from "./pictures.js" */
-/** @import { FilesMessage, Message, PictureMessage, Problem, TextMessage } from "./types.d.ts" */
+/** @import { Document, FilesMessage, Message, PictureMessage, Problem, TextMessage } from "./types.d.ts" */
 
 import { ask } from "./ask.js";
+import { Completion } from "./completion.js";
 import { Drawing, TOOLS } from "./drawing.js";
 import { button, byId, el } from "./dom.js";
 import { Editor } from "./editor.js";
@@ -33,7 +34,12 @@ class Studio {
       { key: "Mod-e", run: () => this.extract() },
       { key: "Mod-z", run: () => this.undo() }, { key: "Mod-y", run: () => this.redo() }, { key: "Mod-Shift-z", run: () => this.redo() },
     ];
-    this.editor = new Editor(byId("text"), (text) => this.sendText(text), keys);
+    this.editor = new Editor(byId("text"), (text) => this.sendText(text), keys, (text, at, explicit) => this.completion?.options(text, at, explicit) ?? null);
+    /** Completion, when its schema has been read. @type {Completion | null} */
+    this.completion = null;
+    fetch("assets/schema.json").then((reply) => reply.json()).then((schema) => { this.completion = new Completion(schema, () => this.known, () => this.names()); });
+    /** Contents of the last valid text. @type {Document | null} */
+    this.known = null;
     this.buttons = {
       open: button("Open…", () => this.request("files"), { title: "Open a file, an example or a new model" }),
       save: button("Save", () => this.save(), { title: `Save the file (${MODIFIER}S)` }),
@@ -112,6 +118,7 @@ class Studio {
     }
     this.file = file;
     this.drawing.document = file.document;
+    this.known = file.document ?? this.known;
     if (this.unsent !== null) {
       const { unsent } = this;
       this.unsent = null;
@@ -175,6 +182,13 @@ class Studio {
     if (reply?.answer === "fresh") this.request("open");
     else if (example) this.request("open", { example });
     else if (value) this.request("open", { path: value.includes("/") || value.includes("\\") ? value : `${folder}/${value}` });
+  }
+
+  /** Names for references and formulas: parameters, elements, points. */
+  names() {
+    const { known } = this, sections = ["parameters", "derived", "inputs", "outputs", "bodies", "joints", "drivers", "forces", "blocks"];
+    const points = this.pictures.page?.motion.points?.map((/** @type {{ name: string }} */ { name }) => name) ?? [];
+    return [...new Set([...sections.flatMap((section) => Object.keys(known?.[section] ?? {})), ...points, ...Object.keys(known?.ground?.points ?? {}).map((name) => `ground.${name}`)])];
   }
 
   /** Turn the number at the cursor into a parameter. */
