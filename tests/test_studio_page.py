@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import time
 from collections.abc import Iterator
@@ -185,3 +186,77 @@ def test_a_page_shows_changes_of_another(desk: tuple[Desk, Studio], browser: Any
         time.sleep(0.02)
     assert other.evaluate("studio.editor.text") == visit.text
     other.close()
+
+
+def test_sliders_write_their_values_into_the_text(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    visit.draw("b", (0, 0), (0.5, 0))
+    visit.draw("o", (0, 0))
+    text = visit.text
+    visit.js("""(() => {
+        const { view } = studio.editor, at = studio.editor.text.indexOf("length = 0.5") + 10;
+        view.dispatch({ selection: { anchor: at } });
+    })()""")
+    visit.page.click("text=Parameter")
+    visit.until("studio.pictures.page?.design?.parameters.length === 1", 60)
+    assert 'length = "bar1_length"' in visit.text
+    frame = visit.js("studio.pictures.frame.src")
+    visit.js("studio.pictures.page.design.set(0, 0.625)")
+    visit.until("studio.file.document.parameters.bar1_length.value === 0.625", 20)
+    visit.until("studio.described.revision === studio.file.revision", 20)
+    assert visit.js("studio.pictures.frame.src") == frame  # the picture that computes stays
+    visit.press("Control+z")
+    visit.press("Control+z")
+    assert visit.text == text
+
+
+def test_files_and_examples_are_opened(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
+    visit, _ = desk
+    (tmp_path / "beside.toml").write_text(UNTITLED.replace("untitled", "beside"))
+    visit.draw("b", (0, 0), (0.5, 0))
+    for value, name in (("beside.toml", "beside"), ("example: slider_crank", "slider")):
+        visit.page.click("text=Open…")
+        visit.page.locator("#ask input").fill(value)
+        visit.page.keyboard.press("Enter")
+        visit.until(f"studio.editor.text.includes({name!r})", 20)
+    visit.until("studio.described?.summary.includes('driven')", 30)
+    visit.page.click("text=Open…")
+    visit.page.locator("#ask input").fill("nothing.toml")
+    visit.page.keyboard.press("Enter")
+    visit.until("document.getElementById('notice').textContent.includes('no such file')", 20)
+    assert "slider" in visit.text
+
+
+COMPLETED = {
+    "[jo": {"joints"},
+    '[bodies.new]\ntype = "B': {"Bar", "Body"},
+    "[bodies.rod]\nangle = 1\nma": {"mass"},
+    '[joints.A]\ntype = "Revolute"\nconnect = ["ro': {"rod", "rod.start", "rod.end"},
+    '[joints]\nA = { type = "Revo': {"Revolute"},
+    "[joints]\nA = { co": {"connect"},
+    '[analysis]\ntype = "Dynamics"\ninteg': {"integrator"},
+    '[analysis]\nintegrator = "Dorm': {"DormandPrince", "DormandPrince853"},
+    "gra": {"gravity"},
+}
+"""End of a text → some of the completions there."""
+
+
+def test_completion(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    text = 'format = 1\n[bodies.rod]\ntype = "Bar"\nlength = 0.4\nmass = 1\n'
+    visit.page.click(".cm-content")
+    visit.page.keyboard.press("Control+a")
+    visit.page.keyboard.insert_text(text)
+    visit.settle(1)
+    visit.until("studio.completion !== null")
+    for end, offered in COMPLETED.items():
+        whole = end if end == "gra" else f"{text}{end}"
+        script = f"studio.completion.options({json.dumps(whole)}, {len(whole)}, true)"
+        options = {option["label"].strip('"') for option in visit.js(script)["options"]}
+        assert offered <= options, end
+        assert not {"Prismatic"} & options or "joints" in end
+    visit.page.keyboard.press("Control+End")
+    visit.page.keyboard.type("ine")
+    visit.page.wait_for_selector(".cm-tooltip-autocomplete")
+    visit.page.keyboard.press("Enter")
+    visit.until(f"studio.editor.text === {json.dumps(text + 'inertia')}", 10)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import random
 import subprocess
@@ -19,7 +20,8 @@ from dalembert.io.toml_places import line_and_column, parse_keys, toml_places
 from dalembert.studio.draft import PAUSE, Draft
 from dalembert.studio.drawing_edits import apply
 from dalembert.studio.journal import Journal
-from dalembert.studio.text_edits import TextEdits, as_toml
+from dalembert.studio.text_edits import TextEdits
+from dalembert.studio.toml_values import as_toml
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
 FOUR_BAR = (Path(__file__).parents[1] / "examples" / "four_bar.toml").read_text("utf-8")
@@ -350,3 +352,38 @@ def random_operation(rng: random.Random, kind: str, bodies: list[str], data: Any
     section = rng.choice(["bodies", "joints"])
     names = [name for name in data.get(section, {}) if len(data[section]) > 2]
     return {"op": "remove", "section": section, "name": rng.choice(names or ["none"])}
+
+
+PARAMETERS = """format = 1
+[parameters]
+a = { value = 300, unit = "mm" }  # kept
+b = "45 deg"
+c = 2
+d = "2*pi"
+[bodies]
+bar = { type = "Bar", length = "a", angle = "30 deg", position = [0.25, 1.5] }
+"""
+
+
+def test_values_keep_their_units() -> None:
+    edits = TextEdits(PARAMETERS)
+    edits.set_value(("bodies", "bar", "length"), 0.4)
+    edits.set_value(("bodies", "bar", "angle"), math.radians(12))
+    edits.set_parameter("b", math.radians(50))
+    edits.set_parameter("c", 5.5)
+    wanted = PARAMETERS.replace("300", "400.0").replace("30 deg", "12.0 deg")
+    assert edits.text == wanted.replace("45 deg", "50.0 deg").replace("c = 2", "c = 5.5")
+    for name in ("d", "unknown"):
+        with pytest.raises(da.ModelError, match="no number to replace"):
+            edits.set_parameter(name, 1.0)
+
+
+def test_a_number_becomes_a_parameter() -> None:
+    text = apply(PARAMETERS, [{"op": "extract", "at": PARAMETERS.index("0.25") + 1}])
+    data = tomllib.loads(text)
+    assert data["bodies"]["bar"]["position"] == ["bar_position_0", 1.5]
+    assert data["parameters"]["bar_position_0"] == {"value": 0.25, "bounds": [0.125, 0.375]}
+    assert "# kept" in text
+    for at in (0, PARAMETERS.index("Bar"), PARAMETERS.index("30 deg"), 10_000):
+        with pytest.raises(da.ModelError):
+            apply(PARAMETERS, [{"op": "extract", "at": at}])

@@ -7,7 +7,9 @@ and ``Origin``; the pages load nothing from elsewhere.
 from __future__ import annotations
 
 import hmac
+import json
 from collections.abc import Awaitable, Callable, MutableMapping
+from functools import cache
 from importlib import resources
 from typing import Any
 
@@ -17,6 +19,7 @@ from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
+from dalembert.io.documents import json_schema
 from dalembert.studio.connection import Connection
 from dalembert.studio.session import Session
 
@@ -63,6 +66,9 @@ def make_application(session: Session, token: str, port: int, stop: Callable[[],
     async def asset(request: Request) -> Response:
         return _asset(request.path_params["name"])
 
+    async def schema(request: Request) -> Response:
+        return Response(_schema(), 200, HEADERS, "application/json")
+
     async def picture(request: Request) -> Response:
         page = session.pages.get(request.path_params["number"])
         if page is None:
@@ -75,6 +81,7 @@ def make_application(session: Session, token: str, port: int, stop: Callable[[],
     routes = [
         Route("/", index),
         Route("/picture/{number:int}", picture),
+        Route("/assets/schema.json", schema),
         Route("/assets/{name}", asset),
         WebSocketRoute("/socket", socket),
     ]
@@ -130,6 +137,12 @@ async def _refuse(scope: Scope, receive: Receive, send: Send, reason: str) -> No
         await send({"type": "websocket.close", "code": 1008, "reason": ""})
         return
     await PlainTextResponse(reason, 403, HEADERS)(scope, receive, send)
+
+
+@cache
+def _schema() -> str:
+    """JSON Schema of model files, for completion."""
+    return json.dumps(json_schema())
 
 
 def _asset(name: str, headers: dict[str, str] | None = None) -> Response:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,8 @@ from typing import Any
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from dalembert.errors import DalembertError, FileError
+from dalembert.files import read_text
+from dalembert.io.example_files import example_folder
 from dalembert.studio.drawing_edits import apply
 from dalembert.studio.session import MAX_TEXT, Session, failure
 
@@ -37,6 +40,8 @@ class Connection:
             "redo": self.redo,
             "save": self.save,
             "reload": self.reload,
+            "open": self.open,
+            "files": lambda _: session.reply(self.send, session.files()),
             "stop": lambda _: stop(),
         }
 
@@ -122,6 +127,16 @@ class Connection:
         """Read the file again."""
         if self.session.draft.reload():
             self.session.changed()
+
+    def open(self, request: dict[str, Any]) -> None:
+        """Edit another file, an example, or a new model."""
+        path, example = request.get("path"), request.get("example")
+        if isinstance(example, str) and re.fullmatch(r"\w+", example):
+            text = read_text(example_folder() / f"{example}.toml")
+            self.session.open(None, text)
+        else:
+            target = Path(path).expanduser() if isinstance(path, str) and path else None
+            self.session.open(target)
 
 
 class Conflict(DalembertError):

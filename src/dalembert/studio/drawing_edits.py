@@ -24,7 +24,8 @@ def apply(text: str, operations: Any) -> str:
     operations : list of tables with ``op``. ``add`` has ``section``, ``fields`` and ``name`` or
         ``base``, to which a number is appended; ``as`` is a placeholder such as ``$bar`` for the
         name in later operations. ``set`` has ``keys`` and ``value``, ``remove`` and ``rename``
-        have ``section`` and ``name``; the new name is ``to``.
+        have ``section`` and ``name``; the new name is ``to``. ``parameter`` has ``name`` and
+        ``value``, ``extract`` has ``keys``, or the character ``at`` in the text.
 
     Raises
     ------
@@ -88,11 +89,27 @@ def _rename(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) 
     edits.rename(_text(operation, "section"), _text(operation, "name"), _text(operation, "to"))
 
 
+def _parameter(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    edits.set_parameter(_text(operation, "name"), operation.get("value"))  # type: ignore[arg-type]
+
+
+def _extract(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    keys, at = operation.get("keys"), operation.get("at")
+    if isinstance(at, int):
+        keys = edits.keys_at(at)
+    if not (isinstance(keys, (list, tuple)) and keys):
+        raise ModelError("place the cursor in a number of an element")
+    parts = [str(key) for key in keys[1:]]
+    edits.extract(keys, re.sub(r"\W", "_", "_".join(parts)) or "parameter")
+
+
 OPERATIONS: dict[str, Callable[[TextEdits, dict[str, Any], dict[str, str]], None]] = {
     "add": _add,
     "set": _set,
     "remove": _remove,
     "rename": _rename,
+    "parameter": _parameter,
+    "extract": _extract,
 }
 
 

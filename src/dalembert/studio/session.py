@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from dalembert.errors import DalembertError
+from dalembert.io.example_files import example_folder
 from dalembert.io.reading import parse_document
 from dalembert.studio.building import BuildingProcess, Request
 from dalembert.studio.draft import Draft
@@ -21,6 +22,9 @@ Send = Callable[[dict[str, Any]], Awaitable[None]]
 
 UNTITLED = 'format = 1\nname = "untitled"\ngravity = [0.0, -9.81]\n'
 """Text of a new model."""
+RESTORED = "unsaved changes were restored; undo returns to the file"
+MAX_FILES = 500
+"""Upper limit of listed files."""
 MAX_TEXT = 2_000_000
 """Upper limit of the length of a text [characters]."""
 KINDS = ("still", "live")
@@ -63,6 +67,37 @@ class Session:
             self._builders[kind] = BuildingProcess(kind == "live", self._receiver(kind))
         self.recovered = self._recover()
         self.build()
+
+    def open(self, path: Path | None, text: str = UNTITLED) -> None:
+        """Edit another model; unsaved changes of the former one remain in the journal.
+
+        Parameters
+        ----------
+        path : of the model file; None for a new model
+        text : of the new model
+
+        Raises
+        ------
+        FileError, BudgetError
+            The file cannot be read; the former model stays.
+        """
+        draft = Draft(path, text)
+        revision = self.draft.revision + 1
+        self.journal.close()
+        self.draft, self.journal = draft, Journal(draft.path, self._journals)
+        draft.revision = revision  # pages compare revisions
+        self.recovered = self._recover() if path is not None else None
+        self.broadcast(self.state())
+        if self.recovered is not None:
+            self.broadcast({"kind": "notice", "text": RESTORED})
+        self.build()
+
+    def files(self) -> dict[str, Any]:
+        """Model files beside the present one, and the examples, as a message."""
+        folder = self.draft.path.parent if self.draft.path is not None else Path.cwd()
+        beside = sorted(str(path) for path in folder.glob("*.toml"))[:MAX_FILES]
+        examples = sorted(path.stem for path in example_folder().glob("*.toml"))
+        return {"kind": "files", "folder": str(folder), "files": beside, "examples": examples}
 
     def close(self) -> None:
         """End the processes; a draft with unsaved changes remains in the journal."""
@@ -144,8 +179,7 @@ class Session:
         self._clients.append(send)
         await send(self.state())
         if self.recovered is not None:
-            text = "unsaved changes of an earlier session were restored; undo returns to the file"
-            await send({"kind": "notice", "text": text})
+            await send({"kind": "notice", "text": RESTORED})
         for kind in KINDS:
             message = self.latest.get(kind)
             if message is not None and message["number"] == self.number:
@@ -159,9 +193,10 @@ class Session:
         """Send a message to all pages."""
         for send in self._clients:
             if send != but:  # bound methods are equal, not identical
-                self._deliver(send, message)
+                self.reply(send, message)
 
-    def _deliver(self, send: Send, message: dict[str, Any]) -> None:
+    def reply(self, send: Send, message: dict[str, Any]) -> None:
+        """Send a message to one page."""
         task = asyncio.ensure_future(_delivery(send, message))
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
@@ -184,7 +219,7 @@ class Session:
 
     def confirm(self, origin: Send) -> None:
         """Send a page the state of the file, without the text that it has."""
-        self._deliver(origin, self.state() | {"text": None})
+        self.reply(origin, self.state() | {"text": None})
 
     def save(self, path: Path | None, replace: bool) -> Path:
         """Write the draft to its file, or to another one.

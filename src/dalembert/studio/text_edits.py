@@ -6,7 +6,6 @@ formulas remain byte for byte. A TOML library that writes whole documents does n
 
 from __future__ import annotations
 
-import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -14,17 +13,14 @@ from typing import Any
 from dalembert.errors import ModelError
 from dalembert.io.messages import key_path
 from dalembert.io.toml_places import Keys, Place, toml_places
+from dalembert.studio.toml_values import NAME, as_toml, in_unit, is_number, with_unit
+from dalembert.studio.uses import VALUES, uses_of
 
 ORDER = (
     *("parameters", "derived", "inputs", "outputs", "ground"),
     *("bodies", "beams", "joints", "drivers", "forces", "blocks", "analysis"),
 )
 """Order of the sections of a file, for new ones."""
-VALUES = ("parameters", "derived", "inputs", "outputs")
-"""Sections whose names formulas use without a dot."""
-MAX_TEXT = 400
-"""Upper limit of the length of a text value [characters]."""
-NAME = re.compile(r"[A-Za-z_]\w{0,79}", re.ASCII)
 
 
 class TextEdits:
@@ -55,6 +51,15 @@ class TextEdits:
         """Names of all elements, parameters and other entries."""
         tables = (self.data.get(section) for section in ORDER)
         return {name for table in tables if isinstance(table, dict) for name in table}
+
+    def keys_at(self, at: int) -> Keys:
+        """Keys of the innermost value at a character; empty if there is none."""
+        inside = [
+            (place.end - place.value, keys)
+            for keys, place in self.places.items()
+            if place.start <= at <= place.end and keys
+        ]
+        return min(inside, default=(0, ()))[1]
 
     def free_name(self, base: str, first: str = "") -> str:
         """A name that no entry has.
@@ -194,9 +199,10 @@ class TextEdits:
         return self.text[start] == "[" and not self.text[line:start].strip()
 
     def set_value(self, keys: Sequence[str | int], value: Any) -> None:
-        """Replace a value, or add a key to a table.
+        """Replace a value, or add a key to a table; numbers are in SI units.
 
-        A value that is the name of a parameter stays; the parameter gets the new one.
+        A number keeps its unit. A value that is the name of a parameter stays; the parameter gets
+        the number.
 
         Raises
         ------
@@ -209,22 +215,61 @@ class TextEdits:
             self._add_key(path, value)
             return
         old = tomllib.loads(f"k = {self.text[place.value : place.end]}")["k"]
-        if isinstance(old, str) and isinstance(value, (int, float)):
-            target = self._parameter(old)
-            if target is None:
+        if isinstance(old, str) and is_number(value):
+            if old in self.data.get("parameters", {}):
+                self.set_parameter(old, value)
+                return
+            value = with_unit(old, value)
+            if value is None:
                 message = f"is the formula {old!r}; change it in the text"
                 raise ModelError(message, key_path(*path))
-            place = self.places[target]
+        self._replace(place, value)
+
+    def _replace(self, place: Place, value: Any) -> None:
         self._set(self.text[: place.value] + as_toml(value) + self.text[place.end :])
 
-    def _parameter(self, name: str) -> Keys | None:
-        """Place of the number of a parameter without a unit of its own."""
-        entry = self.data.get("parameters", {}).get(name)
-        if isinstance(entry, (int, float)):
-            return ("parameters", name)
-        if isinstance(entry, dict) and isinstance(entry.get("value"), (int, float)):
-            return ("parameters", name, "value")
-        return None
+    def set_parameter(self, name: str, value: float) -> None:
+        """Give a parameter or input a value in SI units, written in its own unit.
+
+        Raises
+        ------
+        ModelError
+            There is none of this name, or its value is a formula.
+        """
+        section = next((s for s in VALUES if name in self.data.get(s, {})), "parameters")
+        entry = self.data.get(section, {}).get(name)
+        is_table = isinstance(entry, dict)
+        keys: Keys = (section, name, "value") if is_table else (section, name)
+        old: Any = entry.get("value") if isinstance(entry, dict) else entry
+        written: Any = value
+        if isinstance(old, str):
+            written = with_unit(old, value)
+        elif isinstance(entry, dict) and isinstance(entry.get("unit"), str):
+            written = in_unit(value, entry["unit"])
+        if not is_number(value) or old is None or written is None or keys not in self.places:
+            raise ModelError("has no number to replace; change it in the text", key_path(*keys))
+        self._replace(self.places[keys], written)
+
+    def extract(self, keys: Sequence[str | int], base: str) -> str:
+        """Replace a number by a new parameter with bounds around it; returns its name.
+
+        Raises
+        ------
+        ModelError
+            There is no number.
+        """
+        path = tuple(keys)
+        place = self.places.get(path)
+        text = self.text[place.value : place.end] if place is not None else '""'
+        value = tomllib.loads(f"k = {text}")["k"]
+        if place is None or not is_number(value) or path[0] in ("format", *VALUES):
+            raise ModelError("is no number of an element", key_path(*path))
+        name = base if NAME.fullmatch(base) and base not in self.names() else self.free_name(base)
+        spread = 0.5 * abs(value) or 1.0
+        bounds = [float(f"{value - spread:.9g}"), float(f"{value + spread:.9g}")]
+        self._replace(place, name)
+        self.add("parameters", name, {"value": value, "bounds": bounds})
+        return name
 
     def _add_key(self, path: Keys, value: Any) -> None:
         table = self.places.get(path[:-1])
@@ -256,65 +301,7 @@ class TextEdits:
             raise ModelError("the name is already used; choose another", new)
         if old not in self.data.get(section, {}):
             raise ModelError("there is no such entry", key_path(section, old))
-        word = re.compile(rf"(?<![\w.]){re.escape(old)}(?!\w)")
-        is_value = section in VALUES
-        spans: set[tuple[int, int]] = set()
-        for keys, place in self.places.items():
-            if keys[:2] == (section, old):
-                end = place.value if place.value > place.start else place.end
-                spans |= self._own_name(old, section, place.start, end, len(keys) == 2)
-            value = self.text[place.value : place.end]
-            if value[:1] in ('"', "'"):
-                spans |= _uses(word, value, place.value, is_value)
         text = self.text
-        for start, end in sorted(spans, reverse=True):
+        for start, end in sorted(uses_of(text, self.places, section, old), reverse=True):
             text = text[:start] + new + text[end:]
         self._set(text)
-
-    def _own_name(
-        self, name: str, section: str, start: int, end: int, is_entry: bool
-    ) -> set[tuple[int, int]]:
-        """Place of the name of an entry in its key or in a header."""
-        key = self.text[start:end]
-        if key.startswith("["):
-            match = re.search(rf"{section}\s*\.\s*(\"?{re.escape(name)}\"?)(?=\s*[.\]])", key)
-        else:
-            match = (
-                re.match(rf"((?<![\w.])\"?{re.escape(name)}\"?)\s*[.=]", key) if is_entry else None
-            )
-        return {(start + match.start(1), start + match.end(1))} if match else set()
-
-
-def _uses(word: re.Pattern[str], value: str, at: int, is_value: bool) -> set[tuple[int, int]]:
-    """Places of a name in a text value: of an element as a whole or before a dot."""
-    spans = set()
-    for match in word.finditer(value):
-        whole = value[1:-1] == match[0]
-        dotted = value[match.end() : match.end() + 1] == "."
-        if whole or dotted != is_value:
-            spans.add((at + match.start(), at + match.end()))
-    return spans
-
-
-def as_toml(value: Any) -> str:
-    """A value as TOML.
-
-    Raises
-    ------
-    ModelError
-        Not a finite number, a short text, or a list or table of such values.
-    """
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, int):
-        return str(value)
-    if isinstance(value, float) and abs(value) < 1e300:
-        return repr(value)
-    if isinstance(value, str) and len(value) <= MAX_TEXT and value.isprintable():
-        return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
-    if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(map(as_toml, value)) + "]"
-    if isinstance(value, dict) and all(NAME.fullmatch(key) for key in value):
-        entries = ", ".join(f"{key} = {as_toml(item)}" for key, item in value.items())
-        return f"{{ {entries} }}" if entries else "{}"
-    raise ModelError(f"{str(value)[:60]!r} is no value of a model file")

@@ -25,8 +25,8 @@ export function difference(before, after) {
 }
 
 export class Editor {
-  /** @param {HTMLElement} parent @param {(text: string) => void} onEdit @param {{ key: string, run: () => boolean }[]} keys */
-  constructor(parent, onEdit, keys) {
+  /** @param {HTMLElement} parent @param {(text: string) => void} onEdit @param {{ key: string, run: () => boolean }[]} keys @param {(text: string, at: number, explicit: boolean) => unknown} complete */
+  constructor(parent, onEdit, keys, complete) {
     this.onEdit = onEdit;
     /** The text of the server is being shown. */
     this.showing = false;
@@ -37,7 +37,8 @@ export class Editor {
       CodeMirror.bracketMatching(), CodeMirror.closeBrackets(), CodeMirror.indentOnInput(), CodeMirror.highlightSelectionMatches(),
       StreamLanguage.define(CodeMirror.toml), CodeMirror.syntaxHighlighting(COLOURS), EditorView.lineWrapping,
       EditorView.contentAttributes.of({ "aria-label": "Text of the model file" }),
-      keymap.of([...keys, ...CodeMirror.closeBracketsKeymap, ...CodeMirror.defaultKeymap, ...CodeMirror.searchKeymap]),
+      CodeMirror.autocompletion({ override: [(/** @type {any} */ { state, pos, explicit }) => complete(state.doc.toString(), pos, explicit)] }),
+      keymap.of([...keys, ...CodeMirror.completionKeymap, ...CodeMirror.closeBracketsKeymap, ...CodeMirror.defaultKeymap, ...CodeMirror.searchKeymap]),
       EditorView.updateListener.of((/** @type {any} */ update) => {
         if (update.docChanged && !this.showing) this.edited();
       }),
@@ -46,6 +47,9 @@ export class Editor {
   }
 
   get text() { return /** @type {string} */ (this.view.state.doc.toString()); }
+
+  /** Character at the cursor. @returns {number} */
+  get cursor() { return this.view.state.selection.main.head; }
 
   /** Whether typed characters have not been sent yet. */
   get waits() { return this.timer !== undefined; }

@@ -4,7 +4,7 @@
 
 import { el } from "./dom.js";
 
-/** Parts of a page of the report. @typedef {{ player: any, motion: any, scene: any }} Page */
+/** Parts of a page of the report. @typedef {{ player: any, motion: any, scene: any, design?: any }} Page */
 
 export class Pictures {
   /** @param {HTMLElement} stage */
@@ -17,6 +17,8 @@ export class Pictures {
     /** Listeners to a new picture. @type {((page: Page) => void)[]} */
     this.onShow = [];
     this.shown = -1;
+    /** Revision of the text that the shown page has made itself. */
+    this.own = -1;
     this.live = false;
   }
 
@@ -24,7 +26,11 @@ export class Pictures {
   get page() { return partsOf(this.frame); }
 
   /** @param {PictureMessage} message */
-  receive({ number, page, live }) {
+  receive({ number, page, live, revision }) {
+    if (revision === this.own) {
+      this.shown = number;
+      return;
+    }
     this.stage.classList.toggle("outdated", !page && !live && this.frame !== null);
     if (!page || number < this.shown || (number === this.shown && this.live)) return;
     this.next?.remove();

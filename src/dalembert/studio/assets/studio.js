@@ -1,8 +1,10 @@
 // Page of the studio: the drawing beside the text, with undo, saving and problems.
 
-/** @import { Message, PictureMessage, Problem, TextMessage } from "./types.d.ts" */
+/** @import { Page } from "./pictures.js" */
+/** @import { Document, FilesMessage, Message, PictureMessage, Problem, TextMessage } from "./types.d.ts" */
 
 import { ask } from "./ask.js";
+import { Completion } from "./completion.js";
 import { Drawing, TOOLS } from "./drawing.js";
 import { button, byId, el } from "./dom.js";
 import { Editor } from "./editor.js";
@@ -11,6 +13,8 @@ import { Pictures } from "./pictures.js";
 
 /** Time for which a notice is shown [ms]. */
 const SHOWN = 6000;
+/** Time without a change after which values of sliders are written into the text [ms]. */
+const REST = 250;
 const MODIFIER = /Mac|iPhone|iPad/.test(navigator.platform) ? "⌘" : "Ctrl+";
 
 class Studio {
@@ -24,16 +28,25 @@ class Studio {
     /** Text that was typed while there was no connection. @type {string | null} */
     this.unsent = null;
     this.pictures = new Pictures(byId("canvas"));
+    this.pictures.onShow.push((page) => this.follow(page));
     const keys = [
       { key: "Mod-s", run: () => this.save() }, { key: "Mod-Shift-s", run: () => this.saveAs() },
+      { key: "Mod-e", run: () => this.extract() },
       { key: "Mod-z", run: () => this.undo() }, { key: "Mod-y", run: () => this.redo() }, { key: "Mod-Shift-z", run: () => this.redo() },
     ];
-    this.editor = new Editor(byId("text"), (text) => this.sendText(text), keys);
+    this.editor = new Editor(byId("text"), (text) => this.sendText(text), keys, (text, at, explicit) => this.completion?.options(text, at, explicit) ?? null);
+    /** Completion, when its schema has been read. @type {Completion | null} */
+    this.completion = null;
+    fetch("assets/schema.json").then((reply) => reply.json()).then((schema) => { this.completion = new Completion(schema, () => this.known, () => this.names()); });
+    /** Contents of the last valid text. @type {Document | null} */
+    this.known = null;
     this.buttons = {
+      open: button("Open…", () => this.request("files"), { title: "Open a file, an example or a new model" }),
       save: button("Save", () => this.save(), { title: `Save the file (${MODIFIER}S)` }),
       saveAs: button("Save as…", () => this.saveAs()),
       undo: button("Undo", () => this.undo()),
       redo: button("Redo", () => this.redo()),
+      parameter: button("Parameter", () => this.extract(), { title: `Turn the number at the cursor into a parameter with a slider (${MODIFIER}E)` }),
     };
     byId("actions").append(...Object.values(this.buttons));
     byId("more").append(button("Theme", () => this.turnTheme(), { id: "theme", title: "Light or dark" }), button("Stop", () => this.stop(), { title: "Stop the program; unsaved changes are kept" }));
@@ -41,7 +54,7 @@ class Studio {
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.timer = undefined;
     this.drawing = new Drawing(this.pictures, {
-      change: ({ label, operations }) => this.request("edit", { label, operations, revision: this.file.revision + this.pending }),
+      change: ({ label, operations }) => this.edit(label, operations),
       hint: (text) => { byId("hint").textContent = text; },
       select: (section, name) => this.editor.reveal(section, name),
       refuse: (text) => this.say(text, true),
@@ -88,6 +101,7 @@ class Studio {
         if (message.problems) this.showProblems(message.problems);
         if (message.summary !== undefined) this.showSummary(message);
         return this.pictures.receive(message);
+      case "files": return void this.open(message);
       case "notice": return this.say(message.text);
       case "failure": return this.say(message.text, true);
       case "conflict": return void this.resolve(message.text, message.path);
@@ -104,6 +118,7 @@ class Studio {
     }
     this.file = file;
     this.drawing.document = file.document;
+    this.known = file.document ?? this.known;
     if (this.unsent !== null) {
       const { unsent } = this;
       this.unsent = null;
@@ -157,6 +172,53 @@ class Studio {
     if (reply?.answer === "replace") this.request("save", { path, replace: true });
     if (reply?.answer === "reload") this.request("reload");
     if (reply?.answer === "other") this.saveAs();
+  }
+
+  /** @param {FilesMessage} listed */
+  async open({ folder, files, examples }) {
+    const choices = [...files.map((path) => ({ text: path.slice(folder.length + 1), value: path })), ...examples.map((name) => ({ text: `example: ${name}`, value: `example: ${name}` }))];
+    const reply = await ask("Open", `A file of ${folder}, a path, or an example. Unsaved changes of this model are kept.`, { open: "Open", fresh: "New model" }, { name: "File", value: "", choices });
+    const value = reply?.value.trim() ?? "", example = /^example: (\w+)$/.exec(value)?.[1];
+    if (reply?.answer === "fresh") this.request("open");
+    else if (example) this.request("open", { example });
+    else if (value) this.request("open", { path: value.includes("/") || value.includes("\\") ? value : `${folder}/${value}` });
+  }
+
+  /** Names for references and formulas: parameters, elements, points. */
+  names() {
+    const { known } = this, sections = ["parameters", "derived", "inputs", "outputs", "bodies", "joints", "drivers", "forces", "blocks"];
+    const points = this.pictures.page?.motion.points?.map((/** @type {{ name: string }} */ { name }) => name) ?? [];
+    return [...new Set([...sections.flatMap((section) => Object.keys(known?.[section] ?? {})), ...points, ...Object.keys(known?.ground?.points ?? {}).map((name) => `ground.${name}`)])];
+  }
+
+  /** Turn the number at the cursor into a parameter. */
+  extract() {
+    this.editor.flush();
+    return this.edit("add parameter", [{ op: "extract", at: this.editor.cursor }]);
+  }
+
+  /** @param {string} label @param {Record<string, unknown>[]} operations */
+  edit(label, operations) {
+    return this.request("edit", { label, operations, revision: this.file.revision + this.pending });
+  }
+
+  /** Write the values of the sliders of a live picture into the text. @param {Page} page */
+  follow({ design }) {
+    if (!design) return;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    let waiting;
+    let written = [...design.values];
+    design.onChange.on(() => {
+      clearTimeout(waiting);
+      waiting = setTimeout(() => {
+        if (this.pictures.page?.design !== design) return;
+        const operations = design.parameters.flatMap((/** @type {{ name: string }} */ { name }, /** @type {number} */ k) => (design.values[k] === written[k] ? [] : [{ op: "parameter", name, value: design.values[k] }]));
+        written = [...design.values];
+        if (!operations.length) return;
+        this.pictures.own = this.file.revision + this.pending + 1;
+        this.edit(`set ${operations.map((/** @type {{ name: string }} */ { name }) => name).slice(0, 3).join(", ")}`, operations);
+      }, REST);
+    });
   }
 
   stop() {

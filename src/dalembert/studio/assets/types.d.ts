@@ -10,6 +10,7 @@ export interface PictureMessage { kind: "picture"; number: number; revision: num
 export interface Facts { degrees_of_freedom?: number; free?: number; redundant?: number }
 export interface NoticeMessage { kind: "notice" | "failure"; text: string }
 export interface ConflictMessage { kind: "conflict"; text: string; path: string }
-export type Message = TextMessage | PictureMessage | NoticeMessage | ConflictMessage;
+export interface FilesMessage { kind: "files"; folder: string; files: string[]; examples: string[] }
+export type Message = FilesMessage | TextMessage | PictureMessage | NoticeMessage | ConflictMessage;
 export type Attributes = Record<string, string | boolean | number | ((event: Event) => void) | null | undefined>;
 export type Child = Node | string | null | undefined | false;
