@@ -230,7 +230,7 @@ def test_files_and_examples_are_opened(desk: tuple[Desk, Studio], tmp_path: Path
 COMPLETED = {
     "[jo": {"joints"},
     '[bodies.new]\ntype = "B': {"Bar", "Body"},
-    "[bodies.rod]\nangle = 1\nma": {"mass"},
+    "[bodies.rod]\nangle = 1\nin": {"inertia"},
     '[joints.A]\ntype = "Revolute"\nconnect = ["ro': {"rod", "rod.start", "rod.end"},
     '[joints]\nA = { type = "Revo': {"Revolute"},
     "[joints]\nA = { co": {"connect"},
