@@ -1,6 +1,6 @@
 """A pole balanced on a cart by a linear quadratic regulator, sampled fifty times a second.
 
-The plant of the regulator are the exact Jacobians of one step of a ``Stepper``; python-control
+The plant of the regulator is the state-space model of one step of a ``Stepper``; python-control
 solves the Riccati equation. The controller is a Python function of the outputs, called once per
 sample, with the exact inertia of the tilted pole in between.
 """
@@ -42,10 +42,11 @@ def build() -> da.System:
 
 
 def gains(model: da.Model) -> np.ndarray:
-    """Feedback of the outputs, which are the states of the upright plant."""
-    plant = da.Stepper(model, step=SAMPLE, substeps=4).jacobians()
-    feedback, _, _ = control.dlqr(plant.state, plant.input, np.diag(WEIGHTS), [[EFFORT]])
-    return np.asarray(feedback[0])
+    """Feedback of the outputs, which determine the state of the upright plant."""
+    plant = da.Stepper(model, step=SAMPLE, substeps=4).state_space()
+    weights = plant.C.T @ np.diag(WEIGHTS) @ plant.C
+    feedback, _, _ = control.dlqr(plant.control, weights, [[EFFORT]])
+    return np.asarray(feedback @ np.linalg.inv(plant.C))[0]
 
 
 def main(folder=None) -> dict[str, float]:

@@ -86,7 +86,8 @@ def main(folder=None) -> dict[str, float]:
         subject_to=[da.Limit(peak, upper=0.0) for peak in peaks],
         vary=["stiffness", "damping", "bound"],
         analysis=sweep,
-        tolerance=1e-12,
+        method="ipopt",
+        tolerance=1e-10,
     )
     noise = da.RandomResponse(psd={"push": 1.0}, span=SPAN)
     quiet = da.optimize(

@@ -295,7 +295,10 @@ def test_help_has_an_example(task, capsys):
 
 def test_files_of_examples_are_there():
     expected = {path.name for path in (Path(__file__).parents[1] / "examples").glob("*.toml")}
-    assert {text.split()[0] for text in EXAMPLES.values()} <= expected | {"model.toml"}
+    assert {text.split()[0] for text in EXAMPLES.values()} <= expected | {
+        "model.toml",
+        "robot.urdf",
+    }
 
 
 def test_a_front_without_points_is_told(capsys):

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import shutil
 import subprocess
+import tempfile
+import threading
 import zipfile
 from pathlib import Path
 
@@ -15,8 +17,6 @@ import dalembert as da
 from dalembert import planar
 from dalembert.cli import main
 from dalembert.errors import UnsupportedError
-from dalembert.io.analyses import make_analysis
-from dalembert.io.model_file import load_model_file
 
 fmpy = pytest.importorskip("fmpy")
 from fmpy.fmi1 import FMICallException  # noqa: E402
@@ -99,15 +99,39 @@ def test_description_is_valid(unit, unit2, model):
         assert text.count(f'{ability}="true"') == 2
 
 
+def contents(path, binaries=True):
+    archive = zipfile.ZipFile(path)
+    names = [n for n in archive.namelist() if binaries or not n.startswith("binaries/")]
+    return {name: archive.read(name) for name in names}
+
+
+def stone(name: str = "stone") -> da.Model:
+    """A free particle, compiled quickly."""
+    system = da.System(name, gravity=(0, -10))
+    system.add(planar.Particle("stone", mass=1.0))
+    return system.build()
+
+
 def test_equal_models_give_equal_files(unit, tmp_path):
+    """Also their libraries, without paths of the machine, and with any name of the model."""
+    hostile = '*\\\n/ <&>" ?? ü'
+    for place in ("a", "b"):
+        (tmp_path / place).mkdir()
+        da.export_fmu(stone(hostile), tmp_path / place / "x.fmu", kind="both")
+    first, second = (tmp_path / place / "x.fmu" for place in ("a", "b"))
+    assert first.read_bytes() == second.read_bytes() and validate_fmu(str(first)) == []
+    for name, data in contents(first).items():
+        for folder in (tempfile.gettempdir(), str(Path(__file__).parents[1])):
+            assert folder.encode() not in data, name
     again = da.export_fmu(
         four_bar(),
         tmp_path / "a.fmu",
         da.Dynamics(duration=1.0, step=STEP),
         kind="both",
         outputs=OUTPUTS,
+        platforms=(),
     )
-    assert again.path.read_bytes() == unit.path.read_bytes()
+    assert contents(again.path) == contents(unit.path, binaries=False)
 
 
 @pytest.mark.parametrize("version", [3, 2])
@@ -177,6 +201,7 @@ def test_derivatives_while_running(kind, unit):
         unknowns += [f"der({name})" for name in unit.states]
         knowns += unit.states
         one.set_states(one.states() + np.array([0.4, -0.3, 0.2]))
+        one.unit.enterEventMode()  # in which tunable parameters can be set
     else:
         one.step(0.0, 10 * STEP)
     matrix = np.array([one.directional(unknowns, knowns, e) for e in np.eye(len(knowns))]).T
@@ -243,13 +268,18 @@ def test_saved_states(version, kind, unit, unit2):
 
     def move(instance):
         if kind == "ModelExchange":
+            values = instance.get("time", *OUTPUTS)
             instance.set_states(instance.states() + np.array([0.1, -0.2, 0.3]))
+            return np.concatenate([values, instance.get("time", *OUTPUTS)])
         else:
             instance.step(0.1, 0.1)
         return instance.get("time", *OUTPUTS)
 
     if kind == "CoSimulation":
         one.step(0.0, 0.1)
+    else:
+        one.set_states(one.states() + np.array([0.2, 0.1, -0.3]))
+        one.unit.completedIntegratorStep()
     state = save()
     first = move(one)
     restore(state)
@@ -294,28 +324,170 @@ def test_errors_name_the_joint(unit, unit2):
 
 
 def test_instances_are_independent(unit):
+    """Each in a thread of its own, freed in another order than created."""
     folder = fmpy.extract(str(unit.path))
-    several = [Instance(unit.path, "CoSimulation", folder).begin(torque=float(k)) for k in range(3)]
-    for k in range(5):
-        for one in several:
-            one.step(k * 0.02, 0.02)
-    for k, one in enumerate(several):
-        alone = Instance(unit.path, "CoSimulation", folder).begin(torque=float(k))
+    several, values = [Instance(unit.path, "CoSimulation", folder) for _ in range(4)], {}
+
+    def run(k, one):
+        one.begin(torque=float(k // 2))
         for i in range(5):
-            alone.step(i * 0.02, 0.02)
-        assert np.array_equal(alone.get(*OUTPUTS), one.get(*OUTPUTS))
-        alone.free()
-        one.free()
+            one.step(i * 0.02, 0.02)
+        values[k] = one.get(*OUTPUTS)
+
+    threads = [threading.Thread(target=run, args=pair) for pair in enumerate(several)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert np.array_equal(values[0], values[1]) and np.array_equal(values[2], values[3])
+    assert not np.array_equal(values[0], values[2])
+    for k in (2, 0, 3, 1):
+        several[k].free()
 
 
-def test_full_turns(tmp_path):
+def refused(one, call, text, *arguments):
+    """The call returns an error whose message contains the text."""
+    with pytest.raises(FMICallException, match=r"status 3 \(error\)"):
+        call(*arguments)
+    assert text in one.messages[-1]
+
+
+def test_modes(unit):
+    """Calls outside of their modes are errors, after which the instance works as before."""
+    one = Instance(unit.path, "ModelExchange")
+    u, first = one.unit, list(one.references.values())
+    refused(one, u.terminate, "fmi3Terminate is not possible")
+    refused(one, u.updateDiscreteStates, "fmi3UpdateDiscreteStates is not possible")
+    refused(one, u.enterConfigurationMode, "not supported")
+    refused(one, one.directional, "after the start", ["crank.angle"], ["torque"], [1.0])
+    refused(one, one.states, "fmi3GetContinuousStates is not possible")
+    refused(one, u.setFloat64, "cannot be set here", first[:1], [1.0])  # time
+    u.enterInitializationMode()
+    refused(one, u.enterContinuousTimeMode, "fmi3EnterContinuousTimeMode is not possible")
+    refused(one, u.setTime, "fmi3SetTime is not possible", 1.0)
+    u.exitInitializationMode()
+    one.settle()
+    u.enterContinuousTimeMode()
+    before = one.get(*OUTPUTS)
+    with pytest.raises(FMICallException):
+        one.set(torque=1.0, density=3.0)
+    assert "density is tunable: set it in event mode" in one.messages[-1]
+    refused(one, u.updateDiscreteStates, "fmi3UpdateDiscreteStates is not possible")
+    refused(one, u.setTime, "the time is not a finite number", float("nan"))
+    assert np.array_equal(one.get(*OUTPUTS), before)  # neither of both was set
+    u.enterEventMode()
+    one.set(density=3.0)
+    one.free()
+
+
+def test_steps_that_are_refused(unit, unit2):
+    one = Instance(unit.path, "CoSimulation")
+    one.unit.enterInitializationMode(startTime=0.0, stopTime=0.5)
+    one.unit.exitInitializationMode()
+    one.step(0.0, 0.1)
+    before = one.get("time", *OUTPUTS)
+    text = "a step of length"
+    for length in (0.0, -0.1, float("nan"), float("inf"), 1e300):
+        with pytest.raises(FMICallException):
+            one.step(0.1, length)
+        assert text in one.messages[-1] or "passes the stop time" in one.messages[-1]
+    refused(one, one.step, "passes the stop time, 0.5", 0.1, 0.5)
+    refused(one, one.step, "but 0.1 s is reached", 0.2, 0.1)
+    for name, value, message in (
+        ("torque", float("nan"), "torque: the value is not a finite number"),
+        ("density", -1.0, "not valid"),
+        ("length", 0.3, "length is fixed"),
+    ):
+        with pytest.raises(FMICallException):
+            one.set(**{name: value})
+        assert message in one.messages[-1]
+    assert np.array_equal(one.get("time", *OUTPUTS), before)
+    one.step(0.1, 0.4)  # exactly to the stop time
+    assert one.get("time")[0] == 0.5
+    one.free()
+    two = Instance(unit2.path, "CoSimulation")
+    two.unit.setupExperiment(startTime=0.0, stopTime=0.2)
+    two.unit.enterInitializationMode()
+    two.unit.exitInitializationMode()
+    two.step(0.0, 0.0)  # iterations of events in FMI 2.0
+    refused(two, two.step, "passes the stop time, 0.2", 0.0, 0.3)
+    two.free()
+
+
+def test_dependencies(tmp_path):
+    """Outputs list the time, and in FMI 3.0 parameters, that they depend on."""
+    system = da.System("forced", gravity=(0, -10))
+    mass, gain = system.parameter("mass", 2.0, "kg"), system.parameter("gain", 3.0, "N")
+    push = system.input("push", unit="N")
+    body = system.add(planar.Particle("body", mass=mass))
+    force = gain * da.sin(da.t) + push
+    system.add(planar.Force("force", body.center, (force, 0)))
+    system.output("force", force)
+    system.output("x", body.x)
+    model = system.build()
+    motion = {"rate of body.x"}
+    expected = {
+        3: {"force": {"time", "gain", "push"}, "rate": {"time", "gain", "push", "mass"}},
+        2: {"force": {"time", "push"}, "rate": {"time", "push"}},
+    }
+    for fmi in (3, 2):
+        path = tmp_path / "x.fmu"
+        unit = da.export_fmu(model, path, kind="model_exchange", fmi=fmi, platforms=())
+        position, speed = unit.states[0], "rate of body.x"
+        description = fmpy.read_model_description(str(path))
+        lists = {
+            u.variable.name: {v.name for v in u.dependencies}
+            for u in (*description.outputs, *description.derivatives)
+        }
+        assert lists["force"] == expected[fmi]["force"]
+        assert lists[f"der({speed})"] == expected[fmi]["rate"]
+        assert lists["x"] == {position} and lists[f"der({position})"] == motion
+
+
+def sampled_arm(first: float) -> da.Model:
+    """An arm with a sampled controller and a slower sample-and-hold of its speed."""
+    system = da.System("sampled arm", gravity=(0, -10))
+    push = system.input("push", unit="N m")
+    arm = system.add(planar.Bar("arm", length=1.0, mass=2.0, angle=0.3))
+    system.add(planar.Revolute("O", system.ground.center, arm.start))
+    gains = {"proportional": 60.0, "integral": 20.0, "derivative": 8.0}
+    timing = {"sample_time": 0.02, "first_sample": first}
+    pid = system.add(da.blocks.SampledPID("pid", 0.5, arm.angle, **gains, **timing))
+    slow = da.blocks.ZeroOrderHold("hold", arm.angular_velocity, sample_time=0.05)
+    hold = system.add(slow)
+    system.add(planar.Torque("motor", arm, pid.output - 0.5 * hold.output + push))
+    system.output("angle", arm.angle)
+    system.output("torque", pid.output)
+    return system.build()
+
+
+def test_sampled_blocks(tmp_path):
+    """Samples of co-simulation are those of a run, at any communication step and start time."""
+    model = sampled_arm(0.01)
+    unit = da.export_fmu(model, tmp_path / "s.fmu", step=5e-3)
+    motion = da.solve_dynamics(model, 1.0, step=5e-3, parameters={"push": 2.0})
+    for interval, every in ((0.005, 1), (0.1, 20)):
+        result = fmpy.simulate_fmu(
+            str(unit.path), stop_time=1.0, output_interval=interval, start_values={"push": 2.0}
+        )
+        assert np.abs(result["angle"] - motion["angle"].values[::every]).max() < 1e-12
+        assert result["torque"][-1] == pytest.approx(motion["torque"][-1].item(), abs=1e-10)
+    one = Instance(unit.path, "CoSimulation").begin(push=2.0)
+    one.step(0.0, 0.513)
+    state = one.unit.getFMUState()
+    ends = []
+    for _ in range(2):
+        one.step(0.513, 0.487)
+        ends.append(one.get("angle", "torque"))
+        one.unit.setFMUState(state)
+    assert np.array_equal(*ends)
+    assert ends[0][0] == pytest.approx(motion["angle"][-1].item(), abs=1e-6)
+    one.unit.freeFMUState(state)
+    one.free()
+
+
+def test_full_turns(unit):
     """A driven crank passes the positions in which its rocker turns back."""
-    unit = da.export_fmu(
-        four_bar("turning"),
-        tmp_path / "turning.fmu",
-        kind="model_exchange",
-        outputs=["crank.angle", "rocker.angle"],
-    )
     result = fmpy.simulate_fmu(
         str(unit.path),
         fmi_type="ModelExchange",
@@ -333,8 +505,13 @@ def test_refusals(model, tmp_path):
         da.export_fmu(model, path, inputs=["length"])
     system = da.System("sampled")
     system.add(da.blocks.SampledPID("control", 1.0, system.input("y"), sample_time=0.1))
-    with pytest.raises(UnsupportedError, match="control: sampled blocks"):
-        da.export_fmu(system.build(), path)
+    with pytest.raises(UnsupportedError, match="control: sampled blocks are not available in mod"):
+        da.export_fmu(system.build(), path, kind="model_exchange")
+    with pytest.raises(UnsupportedError, match=r"takes a model; got .*; build\(\) it first"):
+        da.export_fmu(system, path)
+    for step in (0.0, -0.1, float("nan")):
+        with pytest.raises(UnsupportedError, match=r"step=.* is a positive number"):
+            da.export_fmu(model, path, step=step)
     with pytest.raises(UnsupportedError, match=r"no coordinate 'crank\.angel'"):
         da.export_fmu(model, path, kind="model_exchange", states=["crank.angel"])
     with pytest.raises(UnsupportedError, match="controls the error; give a step"):
@@ -366,9 +543,7 @@ def test_switches_are_events(tmp_path):
     push = da.where(ball.y < 0, -1e4 * ball.y, 0 * ball.y)
     system.add(planar.Force("floor", ball.center, (0, push)))
     model = system.build()
-    unit = da.export_fmu(
-        model, tmp_path / "ball.fmu", kind="model_exchange", outputs=["ball.y", "ball.vy"]
-    )
+    unit = da.export_fmu(model, tmp_path / "ball.fmu", kind="both", outputs=["ball.y", "ball.vy"])
     assert len(fmpy.read_model_description(str(unit.path)).eventIndicators) == 1
     result = fmpy.simulate_fmu(
         str(unit.path), fmi_type="ModelExchange", stop_time=2.0, relative_tolerance=1e-8
@@ -378,6 +553,11 @@ def test_switches_are_events(tmp_path):
     assert np.abs(energy - energy[0]).max() < 2e-5 * abs(energy[0])
     motion = da.solve_dynamics(model, 2.0, outputs=[2.0])
     assert result["ball.y"][-1] == pytest.approx(motion["ball.y"][-1].item(), abs=1e-4)
+    one = Instance(unit.path, "CoSimulation").begin()
+    for time, length, below in ((0.0, 0.1, False), (0.1, 0.11, True), (0.21, 0.09, False)):
+        one.step(time, length)
+        assert (one.get("switch 1")[0] > 0) == (one.get("ball.y")[0] < 0) == below
+    one.free()
 
 
 def test_controller_alone(tmp_path):
@@ -401,9 +581,7 @@ MAGIC = {"x86_64-windows": b"MZ", "aarch64-darwin": b"\xcf\xfa\xed\xfe\x0c\x00\x
 def test_other_platforms(platform, tmp_path):
     """Compiled here by ziglang; the header of the file is that of the platform."""
     pytest.importorskip("ziglang")
-    system = da.System("stone", gravity=(0, -10))
-    system.add(planar.Particle("stone", mass=1.0))
-    unit = da.export_fmu(system.build(), tmp_path / "s.fmu", platforms=[platform])
+    unit = da.export_fmu(stone(), tmp_path / "s.fmu", platforms=platform)
     archive = zipfile.ZipFile(unit.path)
     (library,) = (name for name in archive.namelist() if name.startswith("binaries/"))
     assert library.startswith(f"binaries/{platform}/stone.")
@@ -427,20 +605,39 @@ def test_memory(unit, tmp_path):
     assert process.stdout.endswith("done\n")
 
 
+ARM = """
+format = 1
+name = "arm"
+gravity = [0.0, -9.81]
+
+[bodies]
+arm = { mass = 2.0, inertia = 0.2, angle = 0.5, points = { hinge = [0.0, 0.5] } }
+
+[joints]
+hinge = { type = "Revolute", connect = ["ground", "arm.hinge"] }
+
+[analysis]
+type = "Dynamics"
+duration = 0.7
+step = 0.01
+"""
+
+
 def test_registry_of_formats_and_command(model, unit, tmp_path, capsys):
     """``da.export`` by the suffix, and ``dalembert export --to fmu``."""
     analysis = da.Dynamics(duration=1.0, step=STEP)
     motion = analysis.run(model)
-    written = da.export(motion, tmp_path / "a.fmu", kind="both", outputs=OUTPUTS)
-    assert written.files[0].read_bytes() == unit.path.read_bytes()
-    source = str(Path(__file__).parents[1] / "examples" / "four_bar.toml")
-    arguments = ["export", source, "--to", "fmu", "-o", str(tmp_path), "--measure", "crank.angle"]
+    options = {"kind": "both", "outputs": OUTPUTS, "platforms": ()}
+    written = da.export(motion, tmp_path / "a.fmu", **options)
+    assert contents(written.files[0]) == contents(unit.path, binaries=False)
+    source = str(tmp_path / "arm.toml")
+    Path(source).write_text(ARM)
+    arguments = ["export", source, "--to", "fmu", "-o", str(tmp_path), "--measure", "arm.angle"]
     assert main([*arguments, "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
-    assert answer["files"] == [str(tmp_path / "four_bar.fmu")]
-    assert answer["measures"] == ["crank.angle"]
+    assert answer["files"] == [str(tmp_path / "arm.fmu")]
+    assert answer["measures"] == ["arm.angle"]
     result = fmpy.simulate_fmu(answer["files"][0])
-    expected = make_analysis(load_model_file(source), load_model_file(source).model()).duration
-    assert result["time"][-1] == pytest.approx(expected)
+    assert result["time"][-1] == pytest.approx(0.7)
     assert main([*arguments, "--kind", "bth"]) == 2
     assert "unknown kind 'bth' (did you mean 'both'?)" in capsys.readouterr().err

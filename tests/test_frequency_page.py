@@ -9,6 +9,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar, spatial, structures
+from dalembert.report.packing import pack, unpack
 
 
 def carts() -> da.Model:
@@ -83,6 +84,21 @@ def test_a_click_chooses_a_frequency(show: Any) -> None:
     assert page.js("dalembert.motion.chosen") == max(seen) - 1
 
 
+def test_small_values_keep_their_digits() -> None:
+    """Amplitudes over eleven decades and densities over many more, after packing."""
+    response = da.RandomResponse(psd={"push": 1.0}, outputs=["m0.x"], span=(0.01, 1e4)).run(carts())
+    exact = response.page()["views"]
+    shown = unpack(pack(response.page()))["views"]
+    for before, after in zip(exact, shown, strict=True):
+        np.testing.assert_allclose(
+            10 ** np.asarray(after["x"], float), 10 ** before["x"], rtol=5e-5
+        )
+        (one,), (other,) = before["lines"], after["lines"]
+        assert np.ptp(one["level"]) > 10
+        level = np.asarray(other["level"], dtype=float)
+        np.testing.assert_allclose(10**level, 10 ** one["level"], rtol=5e-4)
+
+
 def test_shapes_have_the_phases_of_the_motion() -> None:
     """At each drawn frequency the parts move like the complex amplitudes."""
     response = RESPONSES["planar"]()
@@ -91,6 +107,6 @@ def test_shapes_have_the_phases_of_the_motion() -> None:
     lines = payload["views"][0]["lines"]
     first, second = (np.reshape(body["x"], (6, -1)) for body in payload["scene"]["bodies"][:2])
     shapes = [body[1] + 1j * body[2] for body in (first, second)]
-    amplitudes = [np.asarray(line["re"]) + 1j * np.asarray(line["im"]) for line in lines]
+    amplitudes = [10 ** line["level"] * np.exp(1j * line["phase"]) for line in lines]
     ratio = amplitudes[0][states] / amplitudes[1][states]
     np.testing.assert_allclose(shapes[0] / shapes[1], ratio, rtol=1e-6)

@@ -41,6 +41,11 @@ URDF = {
     "words": (changed('value="2"', 'value="two"'), "finite number"),
     "underscore": (changed('value="2"', 'value="1_0"'), "finite number"),
     "template": (changed('value="2"', 'value="${mass}"'), "xacro"),
+    "unprocessed template": (
+        changed("</robot>", '<xacro:leg xmlns:xacro="x" side="left"/></robot>'),
+        "xacro model.urdf > converted.urdf",
+    ),
+    "template name": (changed('link="base"', 'link="$(arg base)"'), "template"),
     "two numbers": (changed('value="2"', 'value="1 2"'), "expected 1 number"),
     "negative mass": (changed('value="2"', 'value="-2"'), "not negative"),
     "inertia": (changed('izz="0.25"', 'izz="2.5"'), "--repair-inertia"),
@@ -90,6 +95,25 @@ MJCF = {
     "no size": (
         "<mujoco><worldbody><body><joint/><geom/></body></worldbody></mujoco>",
         "size",
+    ),
+    "global coordinates": (
+        '<mujoco><compiler coordinate="global"/><worldbody/></mujoco>',
+        "coordinate 'global'",
+    ),
+    "two orientations": (
+        '<mujoco><worldbody><body><joint/><geom size="1" quat="1 0 0 0" euler="0 0 1"/></body>'
+        "</worldbody></mujoco>",
+        "keep one orientation",
+    ),
+    "fitted geom": (
+        '<mujoco><asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset><worldbody><body>'
+        '<joint/><geom type="box" mesh="m"/></body></worldbody></mujoco>',
+        "fitted to a mesh",
+    ),
+    "second inertia": (
+        '<mujoco><worldbody><body><joint/><inertial pos="0 0 0" mass="1"/><frame>'
+        '<inertial pos="0 0 0" mass="1"/></frame></body></worldbody></mujoco>',
+        "the first <inertial>",
     ),
     "copies": (
         '<mujoco><worldbody><replicate count="1000000000"><body/></replicate></worldbody></mujoco>',

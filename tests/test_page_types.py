@@ -17,9 +17,19 @@ from browser import missing
 from report_payload import four_bar
 
 from dalembert.report import scripts
-from dalembert.report.scripts import IMPORT, PAGES, RUNS, asset, joined, page_script, worker_script
+from dalembert.report.scripts import (
+    CHARTS,
+    IMPORT,
+    PAGES,
+    RUNS,
+    asset,
+    joined,
+    page_script,
+    worker_script,
+)
 
 ASSETS = Path(__file__).parents[1] / "src/dalembert/report/assets"
+STUDIO = Path(__file__).parents[1] / "src/dalembert/studio/assets"
 TYPESCRIPT = "7.0.2"
 """Version of the compiler, installed by npm into the cache of the tests."""
 CACHE = Path(__file__).parents[1] / ".pytest_cache" / f"typescript-{TYPESCRIPT}"
@@ -47,8 +57,9 @@ def type_errors(compiler: Path, folder: Path) -> str:
     return run.stdout
 
 
-def test_scripts_have_types(compiler: Path) -> None:
-    assert type_errors(compiler, ASSETS) == ""
+@pytest.mark.parametrize("folder", [ASSETS, STUDIO], ids=["report", "studio"])
+def test_scripts_have_types(compiler: Path, folder: Path) -> None:
+    assert type_errors(compiler, folder) == ""
 
 
 @pytest.fixture
@@ -61,12 +72,13 @@ def own_assets(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path
     page_script.cache_clear()
 
 
-def test_the_recipe_of_a_card(compiler: Path, own_assets: Path, show: Any) -> None:
+def test_the_recipe_of_a_card(
+    compiler: Path, own_assets: Path, show: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The blocks of docs/extending.md, put where it says, have types and draw."""
     recipe = (DOCS / "extending.md").read_text(encoding="utf-8").split("## A plot of the page")[1]
     (interface,) = re.findall(r"^```ts\n(.*?)^```", recipe, re.DOTALL | re.MULTILINE)
-    chart, lines = re.findall(r"^```js\n(.*?)^```", recipe, re.DOTALL | re.MULTILINE)
-    imported, case = lines.splitlines(keepends=True)
+    (chart,) = re.findall(r"^```js\n(.*?)^```", recipe, re.DOTALL | re.MULTILINE)
 
     def put(name: str, before: str, text: str) -> None:
         old = (own_assets / name).read_text(encoding="utf-8")
@@ -76,8 +88,7 @@ def test_the_recipe_of_a_card(compiler: Path, own_assets: Path, show: Any) -> No
     (own_assets / "hodograph.js").write_text(chart, encoding="utf-8")
     put("types.d.ts", "export type View =", interface)
     put("types.d.ts", " | DesignView;", " | HodographView")
-    put("cards.js", "import { list, tidy }", imported)
-    put("cards.js", '    case "ellipses":', case)
+    monkeypatch.setitem(CHARTS, "hodograph", "hodograph.js")
     assert type_errors(compiler, own_assets) == ""
     turn = np.linspace(0, 2 * np.pi, 300)
     view = {"kind": "hodograph", "title": "Circle", "x": np.cos(turn), "y": np.sin(turn)}
@@ -104,7 +115,7 @@ def test_imports_have_no_cycles(name: str) -> None:
 def script_of(kind: str) -> str:
     """Script of a page, a worker or an exported module."""
     if kind in PAGES:
-        return page_script(kind)
+        return page_script(kind, tuple(sorted(set(CHARTS.values()))))
     return worker_script(kind) if kind in RUNS else joined("module.js")
 
 
@@ -130,7 +141,7 @@ def test_the_joined_scripts_of_a_page_are_valid(kind: str, tmp_path: Path) -> No
 
 def test_every_script_is_part_of_a_page() -> None:
     runs = [module for module, _ in RUNS.values()]
-    waiting = [*PAGES.values(), "live_worker.js", *runs, "module.js"]
+    waiting = [*PAGES.values(), *CHARTS.values(), "live_worker.js", *runs, "module.js"]
     reached = set(waiting)
     while waiting:
         for module in set(imports(waiting.pop())) - reached:

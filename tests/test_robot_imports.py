@@ -168,6 +168,46 @@ def test_free_base_falls(tmp_path):
     assert motion["base.az"][0].item() == pytest.approx(-9.81)
 
 
+def test_floating_links_start_at_their_joint(tmp_path):
+    text = """<robot name="m"><link name="base"/><link name="stand"/><link name="box"><inertial>
+      <mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>
+      <joint name="a" type="fixed"><parent link="base"/><child link="stand"/>
+        <origin xyz="1 0 0" rpy="0 0 1.5707963267948966"/></joint>
+      <joint name="b" type="floating"><parent link="stand"/><child link="box"/>
+        <origin xyz="2 0 3"/></joint></robot>"""
+    model = imported(tmp_path, text).build()
+    np.testing.assert_allclose(at_start(model, "box.position"), [1, 2, 3], atol=1e-14)
+
+
+def test_universal_joints_of_sdf_are_two_hinges(tmp_path):
+    """Two hinges with a massless link between them, the second one coupled to a slide."""
+    moments = "<ixx>0.2</ixx><iyy>0.3</iyy><izz>0.4</izz>"
+    sdf = f"""<sdf version="1.9"><world name="w"><gravity>0 0 -9.81</gravity><model name="m">
+      <link name="b"><inertial><pose>0.1 0.2 0.3 0 0 0</pose><mass>2</mass>
+        <inertia>{moments}</inertia></inertial></link>
+      <link name="c"><inertial><mass>1</mass><inertia>{moments}</inertia></inertial></link>
+      <joint name="u" type="universal"><parent>world</parent><child>b</child>
+        <axis><xyz>1 0.2 0</xyz></axis><axis2><xyz>0 1 0.4</xyz></axis2></joint>
+      <joint name="s" type="prismatic"><parent>b</parent><child>c</child><axis><xyz>0 0 1</xyz>
+        <mimic joint="u" axis="axis2"><multiplier>0.5</multiplier></mimic></axis></joint>
+      </model></world></sdf>"""
+    mass = '<mass value="{}"/><inertia ixx="0.2" iyy="0.3" izz="0.4"/>'
+    urdf = f"""<robot name="m"><link name="w"/><link name="a"/>
+      <link name="b"><inertial><origin xyz="0.1 0.2 0.3"/>{mass.format(2)}</inertial></link>
+      <link name="c"><inertial>{mass.format(1)}</inertial></link>
+      <joint name="u1" type="continuous"><parent link="w"/><child link="a"/>
+        <axis xyz="1 0.2 0"/></joint>
+      <joint name="u2" type="continuous"><parent link="a"/><child link="b"/>
+        <axis xyz="0 1 0.4"/></joint>
+      <joint name="s" type="prismatic"><parent link="b"/><child link="c"/><axis xyz="0 0 1"/>
+        <mimic joint="u2" multiplier="0.5"/></joint></robot>"""
+    models = [imported(tmp_path, sdf, "sdf").build(), imported(tmp_path, urdf).build()]
+    first, second = (da.solve_dynamics(model, 0.3, step=0.01) for model in models)
+    assert models[0].diagnosis.degrees_of_freedom == 2
+    for name in ("b.position", "c.position", "b.angular_velocity"):
+        np.testing.assert_allclose(first[name].values, second[name].values, atol=1e-9)
+
+
 def test_mjcf_defaults_frames_copies_and_keyframes(tmp_path):
     text = """<mujoco model="m"><compiler angle="radian" eulerseq="XYZ"/>
       <default><geom density="500"/><default class="big"><geom size="0.2"/>

@@ -85,17 +85,27 @@ OPTIONS = {
     "Buckling": "count = 1",
     "Dynamics": 'duration = 0.01\nstep = 1e-3\ndamping = { stiffness = "k*1e-4" }\n'
     'integrator = "HHT"',
+    "FrequencyResponse": 'outputs = ["b.uy"]\nspan = [1, 50]\nloss_factor = 0.02',
+    "RandomResponse": 'outputs = ["b.uy"]\nband = [1, 50]\nloss_factor = 0.02\npsd = { push = 2 }',
 }
+LAW = {
+    "Modal": "frequency",
+    "Buckling": "load_factor",
+    "FrequencyResponse": "b.uy.amplitude",
+    "RandomResponse": "b.uy.amplitude",
+}
+"""Measures of results that are no displacements."""
 
 
 @pytest.mark.parametrize("name", list(STRUCTURAL_ANALYSES))
 def test_every_analysis_can_be_asked_for(name: str, tmp_path: Path, schema, capsys) -> None:
-    text = f'{HEAD}[analysis]\ntype = "{name}"\n{OPTIONS[name]}\n'
+    head = HEAD.replace('nodes = "b"\nfy', 'case = "push"\nnodes = "b"\nfy')
+    head = head if name == "RandomResponse" else HEAD
+    text = f'{head}[analysis]\ntype = "{name}"\n{OPTIONS[name]}\n'
     file, model = loaded(tmp_path, text, schema)
     analysis = make_analysis(file, model)
     assert type(analysis) is STRUCTURAL_ANALYSES[name]
-    if name in ("Modal", "Buckling"):
-        text = text.replace("-b.uy", "frequency" if name == "Modal" else "load_factor")
+    text = text.replace("-b.uy", LAW.get(name, "-b.uy"))
     path = written(tmp_path, text)
     assert main(["check", str(path)]) == 0
     assert main(["run", str(path), "--output", str(tmp_path), "--json"]) == 0

@@ -7,6 +7,7 @@ Mass matrix, bias forces and accelerations of every file with joints are compare
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -17,8 +18,15 @@ import dalembert as da
 from benchmarks.imports.mujoco_peer import MujocoPeer
 from benchmarks.imports.pinocchio_peer import PinocchioPeer
 
+LIMIT = 1e-9
+"""Difference above which a file is compared a second time, with the same inertia tensors."""
+OWN_TENSORS = "MuJoCo with exact principal axes"
 STATES = 20
 """Number of random states."""
+COMMON = ("urdf", "robots", "assets", "xml", "mjcf")
+"""Names of folders that do not distinguish files."""
+PLACE = re.compile(r"(its mass properties are needed by )?[\w./-]+:\d+: <[^>]*>: ")
+"""File, line and element in a message."""
 LONGEST = 200
 """Upper limit of the length of a message."""
 WITHOUT_JOINTS = ("has no joint", "has no <link>", "cannot be free")
@@ -53,28 +61,53 @@ def rows(path: Path, folder: Path) -> Iterator[tuple[str, ...]]:
     if b"<robot" in head:
         yield row(path, [partial(PinocchioPeer, path, base) for base in ("fixed", "free")])
     elif b"<mujoco" in head and b"<mujocoinclude" not in head:
-        yield row(path, [partial(MujocoPeer, path, folder)])
+        line = row(path, [partial(MujocoPeer, path, folder)])
+        yield line
+        if any(difference > LIMIT / 2 for difference in map(_number, line[4:])):
+            name, *rest = row(path, [partial(MujocoPeer, path, folder, own_tensors=True)])
+            yield f"{name}, {OWN_TENSORS}", *rest
+
+
+def _number(text: str) -> float:
+    """A difference in a row; NaN for none."""
+    return float(text) if text[:1].isdigit() else float("nan")
 
 
 def row(path: Path, peers: list[Callable[[], PinocchioPeer | MujocoPeer]]) -> tuple[str, ...]:
     """The largest differences of a file with all of its bases, or the reason why there are none."""
-    worst, first, reason = np.zeros(3), None, ""
+    worst, first, reason, condition = np.zeros(3), None, "", 1.0
     for make in peers:
         try:
             peer = make()
             for state, terms in peer.states(STATES):
                 worst = np.maximum(worst, peer.ours.difference(state, terms))
+                condition = max(condition, condition_number(terms[0]))
             first = first or peer
         except (da.DalembertError, ValueError) as error:
-            text = (
-                str(error).replace(str(path.parent) + "/", "").replace("|", "/").replace("\n", " ")
-            )
-            reason = reason or (text if len(text) < LONGEST else f"{text[:LONGEST]} …")
+            reason = reason or _reason(error, path)
     if first is None:
-        return path.stem, "—", reason, "", "", "", ""
+        return _title(path), "—", f"not compared: {reason}", "", "", "", ""
     counts = str(len(first.ours.model.bodies)), str(first.ours.loops)
     differences = ("–" if np.isnan(d) else f"{d:.0e}" for d in worst)
-    return path.stem, first.name, *counts, *differences
+    name = _title(path) + (f" (condition {condition:.0e})" if worst[2] > LIMIT / 2 else "")
+    return name, first.name, *counts, *differences
+
+
+def _title(path: Path) -> str:
+    """Folder and name of a file."""
+    return f"{next(p.name for p in path.parents if p.name not in COMMON)}/{path.stem}"
+
+
+def _reason(error: Exception, path: Path) -> str:
+    """The message without places and remedies."""
+    text = str(error).replace(f"{path.parent}/", "").replace("|", "/").replace("\n", " ")
+    return PLACE.sub("", text).partition(";")[0][:LONGEST]
+
+
+def condition_number(mass: np.ndarray) -> float:
+    """Of a mass matrix whose diagonal is scaled to one."""
+    scale = 1 / np.sqrt(np.maximum(np.diag(mass), 1e-300))
+    return float(np.linalg.cond(mass * np.outer(scale, scale)))
 
 
 if __name__ == "__main__":

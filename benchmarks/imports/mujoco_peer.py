@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 import dalembert as da
+from benchmarks.imports.mesh_axes import enter_tensors
 from benchmarks.imports.ours import Ours, State, free_body
 
 ZERO = (
@@ -27,15 +28,19 @@ class MujocoPeer:
     ----------
     path : Path
     root : folder inside which its meshes are
+    own_tensors : whether MuJoCo computes with the inertia tensors of dalembert
     """
 
     name = "MuJoCo"
 
-    def __init__(self, path: Path, root: Path):
+    def __init__(self, path: Path, root: Path, own_tensors: bool = False):
         import mujoco
 
         imported = da.import_model(path, root=root)
-        self.model: Any = mujoco.MjModel.from_xml_path(str(path))
+        try:
+            self.model: Any = mujoco.MjModel.from_xml_path(str(path))
+        except ValueError as error:
+            raise ValueError(f"MuJoCo refuses the file: {error}") from None
         self.data: Any = mujoco.MjData(self.model)
         self.actuators = len(imported.document.get("inputs", {})) == self.model.nu
         self.model.actuator_forcelimited[:] = 0
@@ -45,9 +50,11 @@ class MujocoPeer:
         for field in fields:
             getattr(self.model, field)[:] = 0.0
         if SPRINGS in omitted:
-            forces = imported.document["forces"]
+            forces = imported.document.get("forces", {})
             for name in [n for n in forces if n.endswith(("_spring", "_friction"))]:
                 del forces[name]
+        if own_tensors:
+            enter_tensors(self.model, path, root)
         self.ours = Ours(imported, self.actuators)
         bits = mujoco.mjtDisableBit
         self.model.opt.disableflags |= bits.mjDSBL_CONSTRAINT
@@ -103,20 +110,13 @@ class MujocoPeer:
         return State(q, t @ d.qvel, t, drift)
 
     def _ball(self, name: str, j: int, q: np.ndarray) -> tuple[int, int]:
-        """Enter the orientation of a body in its carrier; places in q and v."""
-        import mujoco
-
-        m, d, ours = self.model, self.data, self.ours
-        body = m.jnt_bodyid[j]
-        base = m.body_weldid[m.body_parentid[body]]
-        inverse, relative = np.zeros(4), np.zeros(4)
-        mujoco.mju_negQuat(inverse, d.xquat[base])
-        mujoco.mju_mulQuat(relative, inverse, d.xquat[body])
+        """Enter the orientation behind a ball joint relative to that before it; places in q, v."""
+        start = self.model.jnt_qposadr[j]
         at, row = (
             next(k for k, entry in enumerate(listed) if entry.startswith(f"{name}."))
-            for listed in (ours.names, ours.speeds)
+            for listed in (self.ours.names, self.ours.speeds)
         )
-        q[at : at + 4] = relative
+        q[at : at + 4] = self.data.qpos[start : start + 4]
         return at, row
 
     def _constraints(self) -> tuple[np.ndarray | None, np.ndarray | None]:

@@ -10,6 +10,11 @@ import numpy as np
 
 import dalembert as da
 
+DETERMINED = 1e-6
+"""Threshold of the share of a coordinate in motions without mass below which it has none."""
+SINGULAR = 1e-12
+"""Threshold of eigenvalues and singular values relative to the largest one."""
+
 
 @dataclass(frozen=True, eq=False)
 class State:
@@ -30,17 +35,38 @@ class State:
 
 def accelerations(
     mass: np.ndarray, bias: np.ndarray, jacobian: np.ndarray, xi: np.ndarray
-) -> np.ndarray:
-    """``v̇`` of ``M v̇ + h = −Cᵀ λ``, ``C v̇ = ξ``; the system is scaled, C may be redundant."""
-    n, m = len(bias), len(xi)
-    scale = np.ones(n)
-    diagonal = np.diag(mass)
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """``v̇`` of ``M v̇ + h = −Cᵀ λ``, ``C v̇ = ξ``, in the null space of C, which may be redundant.
+
+    Returns also which entries are determined: not all if M is singular in this space and no force
+    acts on massless links. None if one does, or if nothing has a mass.
+    """
+    scale, diagonal = np.ones(len(bias)), np.diag(mass)
     scale[diagonal > 0] = 1 / np.sqrt(diagonal[diagonal > 0])
-    c = jacobian * scale
-    system = np.block([[mass * np.outer(scale, scale), c.T], [c, np.zeros((m, m))]])
-    right = np.concatenate([-bias * scale, xi])
-    solution: np.ndarray = np.linalg.lstsq(system, right, rcond=1e-13)[0][:n]
-    return solution * scale
+    scaled, side = mass * np.outer(scale, scale), -bias * scale
+    particular, free = np.zeros(len(bias)), np.eye(len(bias))
+    if len(xi):
+        left, sizes, right = np.linalg.svd(jacobian * scale)
+        rank = int((sizes > SINGULAR * sizes[0]).sum())
+        particular = right[:rank].T @ (left[:, :rank].T @ xi / sizes[:rank])
+        free = right[rank:].T
+    reduced = free.T @ scaled @ free
+    force = free.T @ (side - scaled @ particular)
+    moments, axes = np.linalg.eigh(reduced)
+    if not moments.max(initial=0.0) > SINGULAR:
+        return None
+    moving = axes[:, moments > SINGULAR * moments[-1]]
+    if moving.shape[1] == len(reduced):
+        solved = np.linalg.solve(reduced, force)
+        return scale * (particular + free @ solved), np.full(len(bias), True)
+    if (
+        np.abs(force - moving @ (moving.T @ force)).max(initial=0.0)
+        > SINGULAR * np.abs(force).max()
+    ):
+        return None
+    solved = moving @ np.linalg.solve(moving.T @ reduced @ moving, moving.T @ force)
+    idle = free @ axes[:, moments <= SINGULAR * moments[-1]]
+    return scale * (particular + free @ solved), np.abs(idle).max(axis=1, initial=0.0) < DETERMINED
 
 
 class Ours:
@@ -108,18 +134,20 @@ class Ours:
         mass, bias, jacobian, xi = self.terms(state)
         t = state.map
         inertial = [(t.T @ mass @ t, peer[0]), (t.T @ (bias + mass @ state.drift), peer[1])]
-        if peer[2] is None or np.linalg.matrix_rank(peer[0], hermitian=True) < len(peer[0]):
-            return np.array([*map(_relative, inertial), np.nan])
-        expected = t @ accelerations(*peer) + state.drift
+        reference = None if peer[2] is None else accelerations(*peer)
         computed = accelerations(mass, bias, jacobian, xi)
-        rows = np.abs(t).max(axis=1, initial=0.0) > 0
+        if reference is None or computed is None:
+            return np.array([*map(_relative, inertial), np.nan])
+        (reference, _), (computed, rows) = reference, computed
+        expected = t @ reference + state.drift
+        rows = rows & (np.abs(t).max(axis=1, initial=0.0) > 0)
         return np.array([*map(_relative, inertial), _relative((computed[rows], expected[rows]))])
 
 
 def _relative(pair: tuple[np.ndarray, np.ndarray]) -> float:
     """Largest difference over the largest value."""
     ours, peer = pair
-    return float(np.abs(ours - peer).max() / max(np.abs(peer).max(), 1e-6))
+    return float(np.abs(ours - peer).max(initial=0.0) / max(np.abs(peer).max(initial=0.0), 1e-6))
 
 
 def free_body(q: np.ndarray, t: np.ndarray, drift: np.ndarray, body: Any) -> None:

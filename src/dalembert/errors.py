@@ -191,6 +191,20 @@ class SolverFailure(AnalysisError):
         )
 
 
+class StepFailure(SolverFailure):
+    """A step of a ``Stepper`` has no valid result; the state before it remains.
+
+    Parameters
+    ----------
+    time : start of the step [s]
+    reason, remedy : parts of the message
+    """
+
+    def __init__(self, time: float, reason: str, remedy: str):
+        self.time, self.reason = time, reason
+        AnalysisError.__init__(self, f"the step from t = {time:.6g} s failed: {reason}; {remedy}")
+
+
 class UnsolvedPart(SolverFailure):
     """A partial step, taken while locating an event, did not converge.
 

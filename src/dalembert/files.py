@@ -13,6 +13,7 @@ import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import IO
 
 from dalembert.budget import check_budget
 from dalembert.errors import FileError
@@ -144,6 +145,31 @@ def clear_left_over(folder: Path) -> None:
                     abandoned = time.time() - entry.stat().st_mtime > ABANDONED
                 if abandoned:
                     os.unlink(entry.path)
+
+
+def locked_file(path: Path) -> IO[str] | None:
+    """A file opened and locked by this process, until it is closed or the process ends.
+
+    Returns
+    -------
+    None if another process has locked it; systems without locks always open it
+    """
+    file = path.open("w")
+    try:
+        if os.name == "nt":
+            import msvcrt
+
+            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined]
+        else:
+            import fcntl
+
+            fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except ImportError:
+        pass
+    except OSError:
+        file.close()
+        return None
+    return file
 
 
 def _is_running(process: int) -> bool:

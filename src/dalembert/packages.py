@@ -25,8 +25,11 @@ INSTALL = {
     "pyarrow": "dalembert[study]",
     "pymoo": "dalembert[design]",
     "sklearn": "dalembert[study]",
+    "starlette": "dalembert[studio]",
     "torch": "torch",
     "trimesh": "dalembert[mesh]",
+    "uvicorn": "dalembert[studio]",
+    "websockets": "dalembert[studio]",
     "ziglang": "dalembert[fmu]",
 }
 """Package → what to install for it."""

@@ -1,5 +1,7 @@
 """Dimensions of formulas: a sum of two kinds is refused, all else is what it scales like."""
 
+import re
+
 import pytest
 from hypothesis import given, settings, strategies as st
 
@@ -49,13 +51,14 @@ def test_a_formula_has_the_dimension_that_arithmetic_of_amounts_gives(text):
     st.sampled_from("acdn"),
 )
 def test_plain_numbers_are_of_any_kind(text, other):
-    """What is not refused with units is not without: a plain number hides, and adds nothing."""
+    """A plain number has the unit of what it is added to, but for an amount with a unit."""
     try:
         parse_formula(f"{text} + {other}", NAMES.get)
     except da.ExpressionError:
         return
     parse_formula(f"2*{text} + {other}", NAMES.get)
-    parse_formula(f"{text} + 7", NAMES.get)
+    if any(name in NAMES for name in re.findall(r"\w+", text)):
+        parse_formula(f"{text} + 7", NAMES.get)
 
 
 @pytest.mark.parametrize(

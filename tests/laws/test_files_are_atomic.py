@@ -14,10 +14,11 @@ WRITERS = {
 """Methods and functions that write a file, but for ``open`` and ``save`` of a film."""
 OTHERS = {
     "files.py": "the one place",
-    "design/studies/folder.py:open": "the lock of a study, which is empty",
     "design/optimize/evaluation_log.py:open": "a log, which grows by lines; half a line is skipped",
     "results/files/store.py:File": "writes to the temporary path of the same module",
     "results/files/inspection.py:open": "appends the checksum to a file that `store` writes",
+    "fmu/archive.py:write_bytes": "sources for the compiler, in a temporary folder",
+    "io/exports/parquet.py:write_table": "writes to memory",
     "symbolic/native/llvm.py:write_bytes": "called by `code_cache.build`, inside `atomic_path`",
     "symbolic/native/webassembly.py:write_bytes": "called by `code_cache`, inside `atomic_path`",
     "cli/compare.py:to_csv": "the method of Comparison, which is atomic itself",
@@ -26,8 +27,10 @@ OTHERS = {
 
 
 def _writes(call: ast.Call) -> str:
-    """Name of the function, where the call writes a file."""
+    """Name of the function, where the call writes a file but to the path of ``atomic_path``."""
     function = call.func
+    if "atomic_path(" in ast.unparse(function):
+        return ""
     name = function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
     texts = [
         node.value

@@ -17,6 +17,7 @@ from dalembert.formulations.base import dynamic_equations
 
 OMEGA = 2 * np.pi * 0.37
 STEP = 3e-6
+MIXED = 2e-4
 
 
 def usable(model: da.Model) -> list[str]:
@@ -31,6 +32,18 @@ def usable(model: da.Model) -> list[str]:
     return names
 
 
+def rotations(model: da.Model, y: np.ndarray) -> np.ndarray:
+    """(n, n) body axes by inertial axes, for the rotations of spatial bodies."""
+    e, names = model.equations, model.guesses.speed_names
+    matrix = np.eye(e.speed_count)
+    for body in model.bodies:
+        if hasattr(body, "spin") and body.rotates:
+            first = names.index(f"{body.name}.{body.speed_names[3]}")
+            axes = ca.Function("axes", [e.y], [body.axes])(y).full()
+            matrix[first : first + 3, first : first + 3] = axes.T
+    return matrix
+
+
 def by_differences(system, output) -> np.ndarray:
     """Output per input, from central differences of the nonlinear equations."""
     point = system.point
@@ -41,18 +54,40 @@ def by_differences(system, output) -> np.ndarray:
     rows.append(ca.densify(e.without_dropped(output.sx)))
     function = ca.Function("residual", arguments, rows)
     states, n = list(e.states), e.speed_count
-    reading = ca.Function("reading", [e.y], [e.manifold.reading])(point.y).full()
+    rate = np.array(function(point.time, point.y, point.v, point.a, point.multiplier, point.p)[0])
+
+    def inertial(share: float) -> np.ndarray:
+        """Displacements in the coordinates of the model by those in inertial axes, on the path."""
+        return rotations(point.model, point.y + share * rate.ravel())
+
+    turned, turning = inertial(0.0), (inertial(1e-5) - inertial(-1e-5)) / 2e-5
+    reading = turned.T @ ca.Function("reading", [e.y], [e.manifold.reading])(point.y).full()
     reading = np.vstack([reading, np.eye(e.coordinate_count)[states]])
     parts = [np.zeros(n + len(states)), point.v, point.a, point.multiplier, point.p]
+
+    def placed(shift: np.ndarray, share: float) -> np.ndarray:
+        """Position displaced from the path, after a time."""
+        y = point.y + share * rate.ravel()
+        y = np.array(e.manifold.go(y, inertial(share) @ shift[:n]), dtype=float).ravel()
+        y[states] += shift[n:]
+        return y
+
+    def carried(k: int) -> np.ndarray:
+        """Rate of a fixed displacement from the path, by mixed differences."""
+        unit, h = np.eye(n + len(states))[k] * MIXED, MIXED
+        ahead, behind = placed(unit, h) - placed(-unit, h), placed(unit, -h) - placed(-unit, -h)
+        return reading @ (ahead - behind) / (4 * h * h)
 
     def residual(part: int, k: int, step: float) -> np.ndarray:
         moved = [column.copy() for column in parts]
         moved[part][k] += step
-        y = np.array(e.manifold.go(point.y, moved[0][:n]), dtype=float).ravel()
-        y[states] += moved[0][n:]
-        values = function(point.time, y, *moved[1:])
-        rate, *rest = (np.array(value).ravel() for value in values)
-        return np.concatenate([reading @ rate, *rest])
+        if part in (1, 2):  # in inertial axes; rates have accelerations of the turning axes
+            moved[part] = parts[part] + step * turned[:, k]
+        if part == 1:
+            moved[2] = parts[2] + step * turning[:, k]
+        values = function(point.time, placed(moved[0], 0.0), *moved[1:])
+        change, *rest = (np.array(value).ravel() for value in values)
+        return np.concatenate([reading @ change, *rest])
 
     def columns(part: int) -> np.ndarray:
         sides = [
@@ -64,7 +99,9 @@ def by_differences(system, output) -> np.ndarray:
 
     place, speed, acceleration, force, parameter = map(columns, range(5))
     place = place.astype(complex)
-    place[: n + len(states)] -= 1j * OMEGA * np.eye(n + len(states))
+    rows_of_rates = slice(0, n + len(states))
+    place[rows_of_rates] -= np.array([carried(k) for k in range(n + len(states))]).T
+    place[rows_of_rates] -= 1j * OMEGA * np.eye(n + len(states))
     matrix = np.hstack([place, speed + 1j * OMEGA * acceleration, force])
     inputs = parameter @ system.directions
     motion = np.linalg.solve(matrix[:-1], -inputs[:-1])

@@ -7,7 +7,8 @@ from gymnasium.utils.env_checker import check_env
 from laws.test_stepper import cart_pole
 
 import dalembert as da
-from dalembert.errors import AnalysisError
+from dalembert import planar
+from dalembert.errors import AnalysisError, UnsupportedError
 
 TASK = {
     "reward": "1 - (pole.angle - pi/2)**2 - 0.01*push**2",
@@ -72,6 +73,69 @@ def test_lanes_are_environments_and_start_again():
         ended = terminated | truncated
     again, _ = many.reset(seed=3)
     assert np.array_equal(again[:, 1], start)
+
+
+def drop(**options):
+    """A mass under an input; the episode ends below -1 m, the integration fails above 1e150 m/s."""
+    system = da.System("drop")
+    mass = system.add(planar.Particle("mass", mass=1.0))
+    system.add(planar.PinInSlot("rail", system.ground.center, mass.center))
+    push = system.input("push", unit="N")
+    blowup = system.input("blowup")
+    system.add(planar.Force("drive", mass.center, (push + blowup * mass.vx**9, 0)))
+    system.output("x", mass.x)
+    task = {"reward": "mass.x", "terminated": "-1 - mass.x", "step": 0.5, "duration": 2.3}
+    return da.gymnasium_environment(system.build(), **task, **options)
+
+
+def test_lanes_start_again_in_the_same_step():
+    many = drop(lanes=3, autoreset="SAME_STEP")
+    many.reset(seed=1)
+    actions = np.array([[0.0, 0.0], [-20.0, 0.0], [0.0, 0.0]])
+    seen, reward, terminated, truncated, infos = many.step(actions)
+    assert terminated.tolist() == [False, True, False] and not truncated.any()
+    assert np.allclose(seen, 0.0) and reward[1] == pytest.approx(-2.5)
+    assert infos["final_obs"][1] == pytest.approx(-2.5)
+    assert infos["_final_obs"].tolist() == [False, True, False]
+    for _ in range(4):  # the duration is reached after five steps of 0.5 s
+        seen, _, terminated, truncated, infos = many.step(np.zeros((3, 2)))
+    assert truncated.tolist() == [True, False, True] and not terminated.any()
+    assert infos["time"].tolist() == [2.5, 2.0, 2.5]
+
+
+def test_lanes_start_again_by_reset_alone():
+    many = drop(lanes=3, autoreset="DISABLED")
+    many.reset(seed=1)
+    _, _, terminated, _, _ = many.step(np.array([[0.0, 0.0], [-20.0, 0.0], [4.0, 0.0]]))
+    with pytest.raises(AnalysisError, match=r"lanes 1 have ended; reset them"):
+        many.step(np.zeros((3, 2)))
+    seen, _ = many.reset(options={"reset_mask": terminated})
+    assert np.allclose(seen[:, 0], [0.0, 0.0, 0.5])
+    with pytest.raises(AnalysisError, match="unknown option 'mask'"):
+        many.reset(options={"mask": terminated})
+    with pytest.raises(AnalysisError, match="autoreset is 'never'"):
+        drop(lanes=3, autoreset="never")
+    with pytest.raises(UnsupportedError, match="lanes are not drawn"):
+        drop(lanes=3, render_mode="rgb_array")
+
+
+@pytest.mark.parametrize("lanes", [None, 2])
+def test_a_failed_integration_ends_an_episode(lanes):
+    """The observation is the last finite one, the reward zero, and others go on."""
+    environment = drop(lanes=lanes)
+    environment.reset(seed=1)
+    push, failing = np.array([4.0, 0.0]), np.array([4.0, 1e200])
+    environment.step(push if lanes is None else np.array([push, push]))
+    action = failing if lanes is None else np.array([push, failing])
+    seen, reward, terminated, truncated, infos = environment.step(action)
+    if lanes is None:
+        assert seen[0] == pytest.approx(0.5) and (reward, terminated, truncated) == (0, True, False)
+        assert "would not be finite" in infos["failure"]
+        return
+    assert np.allclose(seen[:, 0], [2.0, 0.5]) and np.allclose(reward, [2.0, 0.0])
+    assert terminated.tolist() == infos["failed"].tolist() == [False, True]
+    seen, *_ = environment.step(np.array([push, push]))
+    assert np.allclose(seen[:, 0], [4.5, 0.0])
 
 
 def test_models_need_inputs_and_outputs():

@@ -12,6 +12,7 @@ from design_problems import parametric, solve
 
 import dalembert as da
 from dalembert import planar, structures
+from dalembert.design.methods.base import OptimizerResult
 from dalembert.design.methods.registry import OPTIMIZERS
 from dalembert.errors import AnalysisError, FileError, ModelError, UnsupportedError
 
@@ -312,3 +313,19 @@ def test_an_objective_without_gradient_is_told():
         solve(x, "x", start={"x": 2.0})
     root = solve(x, "x", [("10*y", None, 2.0)], vary=["x"])
     assert "g1 is 5, above 2" in root.message
+
+
+class Stalling(da.SLSQP):
+    """Reports failure at a design that violates the limit by little, after the optimum itself."""
+
+    def solve(self, program, z, stop):
+        optimum, beyond = (program.scaled(np.array([x])) for x in (2.0, 2.0 - 4e-7))
+        for design in (beyond, optimum, beyond):
+            assert program.point(design) is not None
+        return OptimizerResult(beyond, False, "line search fails")
+
+
+def test_a_violated_limit_is_no_gain_of_the_objective():
+    best = solve({"x": (3.0, 1.0, 10.0)}, "x", [("x", 2.0, None)], method=Stalling())
+    assert best.success and best.x["x"] == pytest.approx(2.0, abs=1e-15)
+    assert best.violation <= 1e-15

@@ -245,7 +245,7 @@ def test_failures_are_raised_and_the_state_remains():
     while abs(stepper.state[0]) < 1e30:
         stepper.step()
     before = stepper.save()
-    with pytest.raises(SolverFailure, match=r"the step from t = .* fails: the state would not be"):
+    with pytest.raises(SolverFailure, match=r"the step from t = .* failed: the state would not be"):
         stepper.step()
     assert np.array_equal(stepper.state, before.x)
     lanes = stepper.lanes(3)

@@ -108,7 +108,7 @@ def test_closed_loop_against_python_control():
     expected = np.sort_complex(control.minreal(loop, verbose=False).poles())
     model = modes.state_space(outputs=["body.x"])
     for poles in (model.poles, model.control.poles()):
-        np.testing.assert_allclose(np.sort_complex(poles), expected, rtol=1e-9)
+        np.testing.assert_allclose(np.sort_complex(poles), expected, rtol=1e-12)
     frequencies = np.geomspace(0.05, 20, 9)
     values = model.at(frequencies).values[:, 0, 0]
     own = model.control

@@ -33,6 +33,7 @@ COMMANDS = {
     "invert": "Find the forces and drives that explain measured motion.",
     "sweep": "Run the analysis of a model file at many designs; resumes an interrupted study.",
     "report": "Write the interactive report of a result file, or of two for comparison.",
+    "studio": "Draw and write a model in the browser, with a live picture of it.",
     "export": "Write a model file or its results for other programs: JavaScript, FMU, glTF …",
     "film": "Write the motion of a result file as an animation, GIF or MP4.",
     "cache": "Show the compiled functions cached on disk, or delete them.",
@@ -54,6 +55,7 @@ EXAMPLES = {
     "identify": "model.toml --data run_1.csv --data run_2.csv --output results",
     "invert": "model.toml --data run_3.csv --output results",
     "sweep": "four_bar.toml --workers 2 --output results",
+    "studio": "four_bar.toml",
     "export": "four_bar.toml --to js --output page",
 }
 """Command → arguments of an example; ``model.toml`` is the user's file, the others are supplied."""

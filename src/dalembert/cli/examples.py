@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 import re
 import shutil
-from importlib import resources
 from pathlib import Path
 
 from dalembert.cli.console import DONE, AsJson, print_json, print_line, wrong_input
 from dalembert.errors import FileError
+from dalembert.io.example_files import example_folder
 
 MODELS = ("*.toml", "teaching/*.toml")
 """Patterns of model files."""
@@ -56,21 +56,6 @@ def examples(
             print_line(f"written {path}")
         print_line(f"now try: {_next_command(files[0])}")
     return DONE
-
-
-def example_folder() -> Path:
-    """Folder of the examples: in the installed package, or next to ``src`` in a checkout.
-
-    Raises
-    ------
-    FileError
-        The examples are not installed.
-    """
-    package = Path(str(resources.files("dalembert")))
-    for folder in (package / "examples", package.parents[1] / "examples"):
-        if folder.is_dir():
-            return folder
-    raise FileError("the example files are missing from this installation; reinstall dalembert")
 
 
 def _examples() -> dict[str, Path]:

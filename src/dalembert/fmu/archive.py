@@ -40,7 +40,7 @@ def archive_of(description: Description, model: str, version: int, platforms: li
         write_sources(Path(folder), sources)
         for name in platforms:
             target = library_path(name, identifier, version)
-            entries[target] = compile_unit(Path(folder), main, name)
+            entries[target] = compile_unit(Path(folder), main, name, identifier)
     if version == 3:
         sources["buildDescription.xml"] = build_description(identifier, main).encode()
     entries |= {f"sources/{name}": data for name, data in sorted(sources.items())}

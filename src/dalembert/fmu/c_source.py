@@ -50,7 +50,7 @@ def c_source(functions: UnitFunctions, variables: Variables, token: str, version
             f"{functions.model.name!r} cannot be exported: CasADi cannot write its steps as C; use "
             "another integrator"
         )
-    name = functions.model.name.replace("*/", "* /")
+    name = "".join(c for c in functions.model.name if c.isprintable()).replace("*/", "* /")
     head = HEAD.format(name=name, version=version, token=quoted(token), text=text)
     lines = [*_sizes(functions, variables), *_tables(functions, variables)]
     return head + "\n".join([*lines, _absent(functions)])
@@ -95,6 +95,12 @@ def _sizes(functions: UnitFunctions, variables: Variables) -> list[str]:
         "WORK_W": max(f.sz_w() for f in every) + 1,
     }
     lines = [f"#define {key} {value}" for key, value in sizes.items()]
+    rates = functions.stepping.sample_rates if functions.stepping else []
+    lines += [
+        f"#define SAMPLE_RATES {len(rates)}",
+        _numbers("sample_time", [period for period, _ in rates]),
+        _numbers("first_sample", [first for _, first in rates]),
+    ]
     if (s := functions.stepping) is not None:
         failure = "Newton's method does not converge" if s.halves else "the state is not finite"
         assert functions.analysis.step is not None
@@ -131,6 +137,11 @@ def _tables(functions: UnitFunctions, variables: Variables) -> list[str]:
         lines += _closing("steady_states", "steady_closing", 0, model.start.y.size, names)
     for problem in functions.problems:
         lines += _problem(problem, len(variables.states))
+    if functions.stepping:
+        samples = functions.stepping.samples
+        count = 1 << len(functions.stepping.sample_rates)
+        entries = ", ".join(f"step_sample_{k}" if k in samples else "0" for k in range(count))
+        lines.append(f"static const Function samples[] = {{{entries}}};")
     if functions.step_problem:
         lines.append(_texts("step_rows", functions.step_problem.rows))
     return lines

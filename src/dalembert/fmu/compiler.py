@@ -9,7 +9,6 @@ from __future__ import annotations
 import platform
 import subprocess
 import sys
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -21,7 +20,7 @@ from dalembert.symbolic.native.c_compiler import find_compiler, require_compiler
 from dalembert.text.wording import unknown
 
 NATIVE = "native"
-FLAGS = ("-shared", "-fvisibility=hidden", "-ffp-contract=off", "-w", "-std=c99")
+FLAGS = ("-shared", "-fvisibility=hidden", "-ffp-contract=off", "-w", "-std=c99", "-g0")
 OPTIMISED = "-O1"
 """Higher levels compile long straight code several times as slowly and gain a few per cent."""
 
@@ -94,36 +93,37 @@ def check_platforms(names: Sequence[str], version: int) -> list[str]:
     return list(dict.fromkeys(resolved))
 
 
-def compile_unit(folder: Path, source: str, name: str, more: Sequence[str] = ()) -> bytes:
+def compile_unit(folder: Path, source: str, name: str, identifier: str) -> bytes:
     """Library of a unit for a platform.
+
+    The compiler runs in the folder and strips symbols, so that no path is in the library and equal
+    sources give equal libraries.
 
     Parameters
     ----------
-    folder : of the sources
+    folder : of the sources; the library is written there, too
     source : the file to compile
     name : of the platform
-    more : further flags
+    identifier : name of the library without its suffix
 
     Raises
     ------
     UnsupportedError
         There is no compiler for the platform, or it fails.
     """
-    command = _command(name)
-    with tempfile.TemporaryDirectory() as scratch:
-        target = Path(scratch) / f"unit{PLATFORMS[name].suffix}"
-        position = () if name.endswith("windows") else ("-fPIC",)
-        libraries = () if name.endswith("windows") else ("-lm",)
-        flags = [*command, OPTIMISED, *FLAGS, *position, *more, "-I", str(folder / "headers")]
-        process = subprocess.run(
-            [*flags, str(folder / source), "-o", str(target), *libraries],
-            capture_output=True,
-            text=True,
-        )
-        if process.returncode or not target.exists():
-            lines = [x for x in process.stderr.splitlines() if "error" in x] or ["no message"]
-            raise UnsupportedError(f"the unit cannot be compiled for {name}: {lines[0].strip()}")
-        return target.read_bytes()
+    target = f"{identifier}{PLATFORMS[name].suffix}"
+    command = [*_command(name), OPTIMISED, *FLAGS, "-I", "headers", source, "-o", target]
+    if not name.endswith("windows"):
+        command += ["-fPIC", "-lm"]
+    if name.endswith("darwin"):
+        command.append(f"-Wl,-install_name,@rpath/{target}")
+    if "ziglang" in command or not name.endswith("darwin"):  # obsolete in Apple's linker
+        command.append("-s")
+    process = subprocess.run(command, capture_output=True, text=True, cwd=folder)
+    if process.returncode or not (folder / target).exists():
+        lines = [x for x in process.stderr.splitlines() if "error" in x] or ["no message"]
+        raise UnsupportedError(f"the unit cannot be compiled for {name}: {lines[0].strip()}")
+    return (folder / target).read_bytes()
 
 
 def _command(name: str) -> tuple[str, ...]:

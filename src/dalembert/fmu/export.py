@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import re
 import uuid
 from collections.abc import Iterable, Mapping
@@ -21,6 +22,7 @@ from dalembert.fmu.model_description import Description
 from dalembert.fmu.unit_functions import EXCHANGE, STEPS, UnitFunctions
 from dalembert.fmu.variables import Variables, variables_of
 from dalembert.model.graph.model import Model
+from dalembert.model.system import System
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import counted, unknown
@@ -32,6 +34,8 @@ KINDS: Mapping[str, tuple[str, ...]] = {
 }
 """Name of the interface type → functions that it needs."""
 VERSIONS = (2, 3)
+LONGEST_IDENTIFIER = 64
+"""Upper limit of the length of names of libraries, which are names of files."""
 STEPS_OF_A_RUN = 1000
 """Number of steps of the duration without a step."""
 
@@ -162,15 +166,18 @@ def export_fmu(
         raise UnsupportedError(f"fmi={fmi}: versions 3 and 2 are supported")
     if not isinstance(model, Model):
         text = f"{model.name!r} cannot be exported: it is a structure; only mechanisms are"
+        if isinstance(model, System):
+            text = f"export_fmu takes a model; got {model!r}; build() it first"
         raise UnsupportedError(text)
-    targets = check_platforms(list(platforms), fmi)
-    run, named = _with_step(analysis, step), _named_outputs(model, outputs)
-    chosen = None if states is None else list(states)
+    targets = check_platforms(_listed(platforms), fmi)
+    run = _with_step(analysis, step)
+    named = _named_outputs(model, None if outputs is None else _listed(outputs))
+    chosen = None if states is None else _listed(states)
     functions = UnitFunctions(model, run, named, KINDS[kind], chosen)
     motion = functions.motion
     variables = variables_of(
         model,
-        list(model.inputs) if inputs is None else inputs,
+        list(model.inputs) if inputs is None else _listed(inputs),
         named,
         motion.names if motion else [],
         motion.e.switches.count if motion else 0,
@@ -185,6 +192,7 @@ def export_fmu(
         variables,
         functions.dependencies,
         functions.state_sizes,
+        _begin(run),
         _duration(run),
         float(run.step or 0.0),
     )
@@ -199,17 +207,28 @@ def export_fmu(
 
 def _identifier(name: str) -> str:
     """Name of a model as an identifier of C."""
-    text = re.sub(r"\W", "_", name, flags=re.ASCII) or "model"
+    text = re.sub(r"\W", "_", name, flags=re.ASCII)[:LONGEST_IDENTIFIER] or "model"
     return text if text[0].isalpha() else f"m_{text}"
 
 
 def _with_step(analysis: Dynamics | None, step: float | None) -> Dynamics:
     """The analysis with a step of fixed length."""
+    if step is not None and not (math.isfinite(step) and step > 0.0):
+        raise UnsupportedError(f"step={step:g}: the longest internal step is a positive number")
     if analysis is None:
         return Dynamics(duration=1.0, step=step or 1.0 / STEPS_OF_A_RUN)
     if step is None and analysis.step is None:
         step = _duration(analysis) / STEPS_OF_A_RUN
     return analysis if step is None else replace(analysis, step=step)
+
+
+def _listed(names: Iterable[Any]) -> list[Any]:
+    """Names as a list; a text is one name."""
+    return [names] if isinstance(names, str) else list(names)
+
+
+def _begin(analysis: Any) -> float:
+    return float((analysis.t_span or (0.0,))[0])
 
 
 def _duration(analysis: Any) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.errors import ExpressionError
 from dalembert.fmu.unit_functions import EXCHANGE, STEPS
-from dalembert.fmu.variables import Variable, Variables
+from dalembert.fmu.variables import TIME, Variable, Variables
 from dalembert.units.unit import unit
 
 BASES = ("kg", "m", "s", "A", "K", "rad")
@@ -27,9 +27,9 @@ class Description:
         program that wrote it
     kinds : interface types
     variables : Variables
-    dependencies : (rates and outputs, states) and (rates and outputs, parameters) flags
+    dependencies : flags of rates and outputs by the time, the states and the parameters
     state_sizes : natural sizes of the states
-    duration, step : of the default experiment [s]
+    begin, duration, step : of the default experiment [s]
     """
 
     name: str
@@ -39,8 +39,9 @@ class Description:
     tool: str
     kinds: Sequence[str]
     variables: Variables
-    dependencies: tuple[np.ndarray, np.ndarray]
+    dependencies: tuple[np.ndarray, ...]
     state_sizes: np.ndarray
+    begin: float
     duration: float
     step: float
 
@@ -70,22 +71,24 @@ class Description:
         categories = Xml.SubElement(root, "LogCategories")
         _element(categories, "Category", name="logStatusError", description="errors")
         _element(categories, "Category", name="logStatusWarning", description="warnings")
-        _element(
-            root, "DefaultExperiment", startTime="0", stopTime=_number(self.duration), **default
-        )
+        text = "trial steps of an integrator without a position"
+        _element(categories, "Category", name="logStatusDiscard", description=text)
+        span = {
+            "startTime": _number(self.begin),
+            "stopTime": _number(self.begin + self.duration),
+        }
+        _element(root, "DefaultExperiment", **span, **default)
 
-    def _depends(self, row: int) -> list[int]:
-        """Value references that a rate or an output depends on."""
-        by_state, by_parameter = (pattern[row] for pattern in self.dependencies)
-        states = [
-            v.reference for v, flag in zip(self.variables.states, by_state, strict=False) if flag
+    def _depends(self, row: int, causalities: Sequence[str]) -> list[int]:
+        """Value references of the time, states and parameters that determine a rate or output."""
+        by_time, by_state, by_parameter = (pattern[row] for pattern in self.dependencies)
+        pairs = zip(self.variables.parameters, by_parameter, strict=True)
+        states = zip(self.variables.states, by_state, strict=True)
+        return [
+            *([TIME] if by_time.any() else []),
+            *(v.reference for v, flag in pairs if flag and v.causality in causalities),
+            *(v.reference for v, flag in states if flag),
         ]
-        inputs = [
-            v.reference
-            for v, flag in zip(self.variables.parameters, by_parameter, strict=True)
-            if flag and v.causality == "input"
-        ]
-        return [*inputs, *states]
 
     def _row(self, variable: Variable) -> int:
         """Row of a rate or an output in ``dependencies``."""
@@ -136,7 +139,8 @@ class Description:
     def _own_dependencies(self, variable: Variable) -> dict[str, str]:
         if not self._has_dependencies:
             return {}
-        return {"dependencies": " ".join(map(str, self._depends(self._row(variable))))}
+        depends = self._depends(self._row(variable), ("input", "parameter"))
+        return {"dependencies": " ".join(map(str, depends))}
 
     @property
     def _sizes(self) -> dict[int, dict[str, str]]:
@@ -174,7 +178,7 @@ class Description:
             for v in group:
                 depends = {}
                 if self._has_dependencies:
-                    numbers = [index[r] for r in self._depends(self._row(v))]
+                    numbers = [index[r] for r in self._depends(self._row(v), ("input",))]
                     depends = {"dependencies": " ".join(numbers)}
                 _element(part, "Unknown", index=index[v.reference], **depends)
         unknowns = (*own.outputs, *own.states, *own.rates)

@@ -11,12 +11,15 @@ from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.residual_check import DRIFT, held_levels
 from dalembert.analysis.residual_check import EXACT
-from dalembert.errors import UnsupportedError
+from dalembert.errors import ModelError, UnsupportedError
 from dalembert.formulations.base import Level
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.evaluation.columns import compiled_form
 from dalembert.symbolic.formulas.expression import Expression, stack
+
+MOST_RATES = 4
+"""Upper limit of different sample rates: each set of them that is due has its own function."""
 
 
 class SteppingFunctions:
@@ -51,6 +54,11 @@ class SteppingFunctions:
     def _variant_obstacle(self) -> str:
         if self.kernel.fixed.at_once(0):
             return f"{self.kernel.integrator.name} is not compiled; give another integrator"
+        if len(self.sample_rates) > MOST_RATES:
+            return (
+                f"its blocks have {len(self.sample_rates)} different sample times and first "
+                f"samples; give at most {MOST_RATES}"
+            )
         if self.variant.formulation.conditioning(self.variant.equations) is not None:
             return (
                 "its formulation chooses other coordinates during the run; give "
@@ -82,6 +90,33 @@ class SteppingFunctions:
         """``(x, t, h, flag, q) → x⁺``; a flag of zero leaves out the correction."""
         forms = self.kernel.fixed.marched(0).forms
         return compiled_form(forms.function, forms.called)
+
+    @property
+    def sample_rates(self) -> list[tuple[float, float]]:
+        """Sample time and first sample of the sampled blocks, without repetitions."""
+        sampling = self.kernel.sampling
+        blocks = sampling.blocks if sampling else ()
+        return list(dict.fromkeys((block.period, block.beginning) for block in blocks))
+
+    @cached_property
+    def samples(self) -> dict[int, ca.Function]:
+        """Bits of the rates that are due → ``(t, 0, x, p) → x⁺`` at their sample.
+
+        Sets of blocks that depend on each other in a cycle have none.
+        """
+        sampling, functions = self.kernel.sampling, dict[int, ca.Function]()
+        if sampling is None:
+            return functions
+        rates = self.sample_rates
+        for due in range(1, 1 << len(rates)):
+            chosen = [rate for k, rate in enumerate(rates) if due >> k & 1]
+            blocks = tuple(b for b in sampling.blocks if (b.period, b.beginning) in chosen)
+            mode = sampling.mode(0, sampling.number(blocks))
+            try:
+                functions[due] = sampling.variants[mode].step.function
+            except ModelError:
+                continue
+        return functions
 
     @property
     def period(self) -> int:

@@ -76,7 +76,7 @@ class UnitFunctions:
     def __post_init__(self) -> None:
         model = self.model
         model.closure.refuse_singular_start()
-        if reason := _obstacle(model):
+        if reason := _obstacle(model, self.kinds):
             raise UnsupportedError(f"{model.name!r} cannot be exported: {reason}")
         columns = [model.at_ground(output.sx) for output in self.outputs.values()]
         object.__setattr__(self, "_columns", columns)
@@ -144,6 +144,7 @@ class UnitFunctions:
             functions["conditioning"] = s.conditioning
         if s.begin is not None:
             functions["begin"] = s.begin
+        functions |= {f"sample_{due}": function for due, function in s.samples.items()}
         if self.motion is not None:
             functions["states"] = self._states_of_step(s, self.motion)
         states = s.measured.input_sizes[2]
@@ -173,15 +174,15 @@ class UnitFunctions:
         return {name: dense(function) for name, function in named.items()}
 
     @cached_property
-    def dependencies(self) -> tuple[np.ndarray, np.ndarray]:
-        """(rates and outputs, states) and (rates and outputs, parameters): structural dependence.
+    def dependencies(self) -> tuple[np.ndarray, ...]:
+        """Structural dependence of rates and outputs on the time, the states and the parameters.
 
         By the tangent, as positions depend on states through closed loops.
         """
         function = self.motion.everything if self.motion else self._stepping.measured
         tangent = function.tangent
-        patterns = (tangent.jac_sparsity(0, k) for k in (6, 7))
-        return tuple(np.array(ca.DM(p, 1).full() != 0) for p in patterns)  # type: ignore[return-value]
+        patterns = (tangent.jac_sparsity(0, k) for k in (4, 6, 7))
+        return tuple(np.array(ca.DM(p, 1).full() != 0) for p in patterns)
 
     @property
     def _stepping(self) -> SteppingFunctions:
@@ -200,13 +201,19 @@ class UnitFunctions:
         return np.where(sizes > 0, sizes, 1.0)
 
 
-def _obstacle(model: Model) -> str:
+def _obstacle(model: Model, kinds: Sequence[str]) -> str:
     """Reason why a model cannot be a unit; empty if it can."""
     if model.equations.contacts:
         return "rigid contacts change during the run; use compliant contacts"
-    sampled = [e.name for e in model.parts.elements.values() if isinstance(e, Sampled)]
-    if sampled:
-        return f"{', '.join(sampled)}: sampled blocks are not; use continuous ones"
+    sampled = [e for e in model.parts.elements.values() if isinstance(e, Sampled)]
+    if functions := [block.name for block in sampled if block.python_law is not None]:
+        return f"{', '.join(functions)}: Python functions are not; use blocks"
+    if sampled and EXCHANGE in kinds:
+        names = ", ".join(block.name for block in sampled)
+        return (
+            f"{names}: sampled blocks are not available in model exchange; give "
+            "kind='cosimulation', or use continuous blocks"
+        )
     if len(model.nominal) > len(model.parameters):
         return (
             "shapes of flexible bodies are computed by finite elements from parameters; give "

@@ -18,6 +18,10 @@ FIXED, TUNABLE, INPUT = "f", "t", "u"
 """Kinds of parameters: constant after the start, changed at any time, input."""
 
 
+TIME = 0
+"""Value reference of the time."""
+
+
 @dataclass(frozen=True)
 class Variable:
     """A real variable of the unit.
@@ -30,7 +34,6 @@ class Variable:
     start, minimum, maximum : numbers, None without one
     display_unit : in which a user declared it
     derivative : value reference of the state whose rate it is
-    dependencies : value references of states, inputs and parameters; None if it is not computed
     """
 
     name: str
@@ -67,7 +70,7 @@ class Variables:
 
     @property
     def all(self) -> list[Variable]:
-        time = Variable("time", "s", 0, "independent", description="simulation time")
+        time = Variable("time", "s", TIME, "independent", description="simulation time")
         computed = (*self.outputs, *self.states, *self.rates, *self.indicators)
         return [time, *self.parameters, *computed]
 

@@ -13,7 +13,7 @@ from dalembert.analysis.events import Event, Events
 from dalembert.analysis.rayleigh import Rayleigh
 from dalembert.analysis.times import in_seconds
 from dalembert.errors import SingularityError, UnsupportedError
-from dalembert.io.analysis_tables import DensityTable, EventTable
+from dalembert.io.analysis_tables import CrossDensityTable, DensityTable, EventTable
 from dalembert.io.fields import Densities, Interval, Names, keyed_fields
 from dalembert.io.formulas import Formulas, ParameterNames
 from dalembert.io.model_file import ModelFile
@@ -123,9 +123,9 @@ def _option(file: ModelFile, model: Any, kind: Any, entry: Any) -> Any:
 
 
 def _density(entry: Any) -> Any:
-    if not isinstance(entry, DensityTable):
-        return entry
-    return {"frequency": entry.frequency, "density": entry.density}
+    if isinstance(entry, DensityTable):
+        return {"frequency": entry.frequency, "density": entry.density}
+    return entry.model_dump(exclude_none=True) if isinstance(entry, CrossDensityTable) else entry
 
 
 def _damping(file: ModelFile, model: StructuralModel, table: Any) -> Rayleigh:

@@ -35,8 +35,17 @@ def read_document(path: str | Path) -> dict[str, Any]:
     ModelError
         A text contains hidden characters; states its location.
     """
-    path = Path(path)
-    text = read_text(path)
+    return parse_document(Path(path), read_text(path))
+
+
+def parse_document(path: Path, text: str) -> dict[str, Any]:
+    """The table in a TOML or JSON text; ``path`` selects the format and is named in messages.
+
+    Raises
+    ------
+    FileError, ModelError
+        As ``read_document``.
+    """
     if not text.strip():
         raise FileError(f"{path}: the file is empty; 'dalembert examples' writes complete ones")
     if path.suffix.lower() == ".json":

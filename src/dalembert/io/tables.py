@@ -38,7 +38,7 @@ from dalembert.elements.registry import (
 from dalembert.elements.rotation import Orientation
 from dalembert.elements.springs import ForceLaw
 from dalembert.io import fields
-from dalembert.io.analysis_tables import DensityTable, EventTable, RayleighTable
+from dalembert.io.analysis_tables import EventTable, RayleighTable, density_type
 from dalembert.io.choices import Record, one_of, table_or
 from dalembert.io.fields import (
     FROM_FILE,
@@ -142,7 +142,7 @@ VALUES: dict[Any, Any] = {
     Events: dict[str, table_or(EventTable, Entry)],  # type: ignore[misc]
     Frequencies: list[Number],
     Amplitudes: dict[str, Number | list_of(Number, 2, "amplitude, phase [rad]")],  # type: ignore[misc]
-    Densities: dict[str, table_or(DensityTable, Entry)],  # type: ignore[misc]
+    Densities: dict[str, density_type()],  # type: ignore[misc]
 }
 """File type of a field → pydantic type."""
 

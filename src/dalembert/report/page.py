@@ -21,7 +21,14 @@ from typing import Any
 from dalembert.errors import FileError
 from dalembert.files import atomic_path
 from dalembert.report.packing import are_numbers, pack
-from dalembert.report.scripts import KINDS, asset, page_kind, page_script, worker_script
+from dalembert.report.scripts import (
+    KINDS,
+    asset,
+    page_charts,
+    page_kind,
+    page_script,
+    worker_script,
+)
 from dalembert.text.wording import visible
 
 __all__ = ["as_json", "render_page", "write_page"]
@@ -47,7 +54,7 @@ def render_page(payload: dict[str, Any]) -> str:
         "title": html.escape(title),
         "style": asset("page.css") + asset("views.css"),
         "data": _embed(payload),
-        "script": INDENT.sub("", page_script(page_kind(payload))),
+        "script": INDENT.sub("", page_script(page_kind(payload), page_charts(payload))),
         "worker": "",
         "rights": "",
     }

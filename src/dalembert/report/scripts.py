@@ -27,6 +27,14 @@ PAGES = {
     "live spatial structure": "live_spatial_structure.js",
 }
 """Kind of page, and its dimension → main module."""
+CHARTS = {
+    "bars": "distributions.js",
+    "histogram": "distributions.js",
+    "ellipses": "distributions.js",
+    "bode": "frequency.js",
+    "nyquist": "frequency.js",
+}
+"""Kind of a view → module of its chart, which only pages with such views contain."""
 RUNS = {
     "dynamics": ("live_run.js", "LiveRun"),
     "kinematics": ("live_kinematics.js", "LiveKinematics"),
@@ -62,10 +70,16 @@ def page_kind(payload: dict[str, Any]) -> str:
     return f"{live}spatial {kind}" if spatial else f"{live}{kind}"
 
 
+def page_charts(payload: dict[str, Any]) -> tuple[str, ...]:
+    """Modules of charts that the views of a payload need besides those of every page."""
+    kinds = {view.get("kind") for view in payload.get("views", ())}
+    return tuple(sorted({module for kind, module in CHARTS.items() if kind in kinds}))
+
+
 @cache
-def page_script(kind: str) -> str:
-    """Script of a kind of page."""
-    return joined(PAGES[kind])
+def page_script(kind: str, charts: tuple[str, ...] = ()) -> str:
+    """Script of a kind of page, with modules of further charts before the page is built."""
+    return joined(*charts, PAGES[kind])
 
 
 @cache

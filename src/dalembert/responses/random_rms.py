@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.options import options
 from dalembert.responses.base import Response
+from dalembert.results.harmonic_measures import part_name
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.arguments import check_arguments
@@ -43,11 +44,8 @@ class RandomRMS(Response):
 
     def adapted_to(self, motion: Result) -> Response:
         vibration = self._vibration(motion)
-        if vibration.diverging(self.measure):
-            raise AnalysisError(
-                f"response {self.label}: white noise passes through at all frequencies, so that "
-                "the mean square is infinite; give band=(first, last) in Hz, or a decaying density"
-            )
+        if reason := vibration.divergence(self.measure):
+            raise AnalysisError(f"response {self.label}: the mean square is infinite: {reason}")
         return WeightedRMS(self.measure, self.label, Nodes(vibration.quadrature[1]))
 
     def _vibration(self, motion: Any) -> Any:
@@ -116,5 +114,5 @@ def random_rms(measure: str | Expression, name: str = "") -> RandomRMS:
     """
     if isinstance(measure, Expression):
         measure = measure.name
-    text = measure if measure.endswith(".psd") else f"{measure}.psd"
+    text = measure if measure.endswith(".psd") else part_name(measure, "psd")
     return RandomRMS(text, name or f"random_rms({measure.removesuffix('.psd')})")

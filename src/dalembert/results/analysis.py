@@ -41,6 +41,11 @@ class Analysis(ABC, Generic[M, R]):
     """Remedy for a model of the other kind."""
     events: Mapping[str, Any] | None = None
     """Name → event, for analyses with events."""
+    different_samples: ClassVar[str] = (
+        "the designs have outputs at different times, as steps with error control do; give the "
+        "batch outputs, e.g. outputs=101"
+    )
+    """Error and remedy where the results of designs have no common samples."""
     at_rest: ClassVar[bool] = False
     """Whether its results are independent equilibria."""
     integrates: ClassVar[bool] = False

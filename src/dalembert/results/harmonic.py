@@ -10,10 +10,18 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
-from dalembert.errors import AnalysisError
+from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.results.analysis import Analysis
 from dalembert.results.files.contents import Contents
-from dalembert.results.harmonic_measures import FREQUENCY, PARTS, Transfer, measures_of
+from dalembert.results.harmonic_function import measure_function
+from dalembert.results.harmonic_measures import (
+    FREQUENCY,
+    PARTS,
+    Transfer,
+    consists_of,
+    measures_of,
+    part_name,
+)
 from dalembert.results.result import Instants, Result
 from dalembert.results.status import Status
 from dalembert.symbolic.formulas.expression import Expression, stack
@@ -75,6 +83,8 @@ class HarmonicResponse(Result):
 
     continuous = False
     in_sequence = False
+    needs_record = True
+    sample_dimension = "frequency"
 
     @property
     def time(self) -> np.ndarray:
@@ -95,26 +105,37 @@ class HarmonicResponse(Result):
     # measures ------------------------------------------------------------------------------
     @cached_property
     def names(self) -> Names:
-        return measures_of(self.model)
+        return measures_of(self.model, self.outputs)
 
     def expression(self, measure: str | Expression) -> Expression:
         """A measure by name, or a formula of measures and parameters."""
         expression = self.names.expression(measure)
-        for transfer in self.transfers(expression).values():
+        for _, transfer in self.transfers(expression):
             self.column(transfer)
+        if not self._is_real(expression):
+            name = expression.name or "the formula"
+            raise AnalysisError(
+                f"{name} is a measure of the model, whose amplitudes are complex: take "
+                "response[measure], or its parts by name, as in 'body.x.amplitude'"
+            )
         return expression
+
+    def _is_real(self, expression: Expression) -> bool:
+        """Whether it consists of parts of amplitudes, spectra, the frequency and parameters."""
+        own = [q.sx for q in self.model.parameters.values()]
+        return consists_of(expression, [*own, *(symbol for symbol, _ in self.spectra)])
 
     def keys(self) -> list[str]:
         single = len(self.inputs) == 1
-        sources = [""] if single else [f".{name}" for name in self.inputs]
-        names = [f"{o}{s}.{part}" for o in self.outputs for s in sources for part in PARTS]
+        sources = [""] if single else self.inputs
+        names = [part_name(o, p, s) for o in self.outputs for s in sources for p in PARTS]
         return [*names, "frequency", *self.model.parameters]
 
     @staticmethod
-    def transfers(measure: Expression) -> dict[str, Transfer]:
-        """Symbol → transfer of a formula."""
-        found = {s.name(): Transfer.of(s.name()) for s in ca.symvar(measure.sx)}
-        return {name: transfer for name, transfer in found.items() if transfer is not None}
+    def transfers(measure: Expression) -> list[tuple[ca.SX, Transfer]]:
+        """Symbols and transfers of a formula; different symbols may have the same transfer."""
+        pairs = ((s, Transfer.of(s.name())) for s in ca.symvar(measure.sx))
+        return [(symbol, transfer) for symbol, transfer in pairs if transfer is not None]
 
     def column(self, transfer: Transfer) -> int:
         """Number of the input of a transfer.
@@ -132,7 +153,7 @@ class HarmonicResponse(Result):
             raise AnalysisError(
                 f"{transfer.output}: the response has {len(self.inputs)} inputs, "
                 f"{', '.join(self.inputs)}; name one, as in "
-                f"{transfer.output}.{self.inputs[0]}.amplitude"
+                f"{part_name(transfer.output, 'amplitude', self.inputs[0])}"
             )
         return 0
 
@@ -159,29 +180,30 @@ class HarmonicResponse(Result):
         expression = self.expression(measure)
         if not self.time.size:
             return np.zeros(0)
-        function, columns = self._function([expression.sx], expression)
+        function, columns = measure_function(self, [expression.sx], expression)
         return function.map(self.time.size)(*columns).full().ravel()  # type: ignore[no-any-return]
 
     def slopes(self, measure: Expression) -> tuple[dict[Transfer, np.ndarray], np.ndarray]:
         """Transfer → (K,) derivatives by its part, and (np, K) derivatives by the parameters."""
         transfers = self.transfers(measure)
-        symbols = [t.symbol for t in transfers.values()]
-        own = {s.name(): s for s in ca.symvar(measure.sx)}
-        by = [own[name] for name in transfers]
-        sources = [ca.densify(ca.gradient(measure.sx, ca.vertcat(*by)))] if by else []
-        direct = ca.densify(ca.gradient(measure.sx, self._parameters))
-        function, columns = self._function([*sources, direct], measure)
+        by = ca.vertcat(*(symbol for symbol, _ in transfers))
+        sources = [ca.densify(ca.gradient(measure.sx, by))] if transfers else []
+        direct = ca.densify(ca.gradient(measure.sx, self.parameter_symbols))
+        function, columns = measure_function(self, [*sources, direct], measure)
         results = function.map(self.time.size)(*columns)
         tables = [part.full() for part in (results if isinstance(results, tuple) else [results])]
-        assert len(symbols) == len(by)
-        rows = dict(zip(transfers.values(), tables[0], strict=True)) if by else {}
+        rows: dict[Transfer, np.ndarray] = {}
+        for k, (_, transfer) in enumerate(transfers):
+            rows[transfer] = rows.get(transfer, 0) + tables[0][k]
         return rows, tables[-1]
 
     def frequency_slope(self, measure: str | Expression) -> np.ndarray:
         """(K,) derivative of a measure by the frequency [1/Hz]."""
         expression = self.expression(measure)
         slopes, _ = self.slopes(expression)
-        function, columns = self._function([ca.gradient(expression.sx, FREQUENCY.sx)], expression)
+        function, columns = measure_function(
+            self, [ca.gradient(expression.sx, FREQUENCY.sx)], expression
+        )
         total = function.map(self.time.size)(*columns).full().ravel()
         motions = self.record.rates(self.omega, self.motions)
         for transfer, slope in slopes.items():
@@ -192,31 +214,9 @@ class HarmonicResponse(Result):
         return total  # type: ignore[no-any-return]
 
     @property
-    def _parameters(self) -> ca.SX:
+    def parameter_symbols(self) -> ca.SX:
+        """Symbols of the parameters."""
         return stack(q.sx for q in self.model.parameters.values())
-
-    def _function(
-        self, outputs: Sequence[ca.SX], measure: Expression
-    ) -> tuple[ca.Function, list[np.ndarray]]:
-        """A function of transfers, frequency and parameters, and its arguments (…, K)."""
-        transfers, count = self.transfers(measure), self.time.size
-        own = {s.name(): s for s in ca.symvar(measure.sx)}
-        amplitudes: dict[str, np.ndarray] = {}
-        rows = []
-        for transfer in transfers.values():
-            if transfer.output not in amplitudes:
-                amplitudes[transfer.output] = self.complex_values(transfer.output)
-            column = amplitudes[transfer.output][:, self.column(transfer)]
-            rows.append(column.real if transfer.part == "real" else column.imag)
-        p = self._parameters
-        spectra = self.spectra
-        further = [FREQUENCY.sx, *(symbol for symbol, _ in spectra)]
-        symbols = [stack(own[name] for name in transfers), stack(further), p]
-        numbers = np.array(rows).reshape(len(rows), count)
-        values = np.tile(self.parameters[: p.numel(), None], count)
-        function = ca.Function("measure", symbols, [ca.densify(o) for o in outputs])
-        along = np.array([self.frequencies, *(column for _, column in spectra)])
-        return function, [numbers, along, values]
 
     @property
     def density_curves(self) -> list[dict[str, Any]]:
@@ -228,17 +228,26 @@ class HarmonicResponse(Result):
         """Further symbols of measures, and their values (K,)."""
         return []
 
+    def is_complex(self, measure: str | Expression) -> bool:
+        """Whether it is an output or a measure of the model, without a part."""
+        if isinstance(measure, str) and (measure in self.outputs or measure in self):
+            return measure in self.outputs
+        try:
+            expression = self.output(measure)
+        except ExpressionError:
+            return False
+        return len(expression) == 1 and not self._is_real(expression)
+
     def __getitem__(self, measure: str | Expression) -> xr.DataArray:
         """A measure over the frequency; of an output without part, the complex amplitudes."""
         import xarray as xr
 
-        if isinstance(measure, str) and (
-            measure in self.outputs or (measure not in self and measure in self.model)
-        ):
+        if self.is_complex(measure):
             unit = self.output(measure).unit
             coords = {"frequency": self.frequencies, "input": self.inputs}
             amplitudes = self.complex_values(measure)
-            data = xr.DataArray(amplitudes, coords, list(coords), measure, {"units": unit})
+            name = measure if isinstance(measure, str) else measure.name
+            data = xr.DataArray(amplitudes, coords, list(coords), name, {"units": unit})
             return data.isel(input=0, drop=True) if len(self.inputs) == 1 else data
         return self.labelled(measure, {"frequency": self.frequencies})
 
@@ -264,10 +273,12 @@ class HarmonicResponse(Result):
         return harmonic_frame(self)
 
     def peaks(self, output: str, source: str = "") -> list[tuple[float, float]]:
-        """Frequency [Hz] and amplitude of each local maximum of an output."""
-        name = f"{output}.{source}.amplitude" if source else f"{output}.amplitude"
-        top = self.analysis.maxima(self, name)  # type: ignore[attr-defined]
-        return list(zip(top.frequencies.tolist(), top.values(name).tolist(), strict=True))
+        """Frequency [Hz] and amplitude of each local maximum of an output; may be infinite."""
+        name = part_name(output, "amplitude", source)
+        finite, infinite = self.analysis.resonances(self, name)  # type: ignore[attr-defined]
+        heights = self.at(finite).values(name).tolist()
+        pairs = [*zip(finite.tolist(), heights, strict=True)]
+        return sorted([*pairs, *((f, float("inf")) for f in infinite.tolist())])
 
     def summary(self) -> dict[str, Any]:
         """Status, and the highest peak of each output."""

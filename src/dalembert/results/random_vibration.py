@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
+from dalembert.results.coherence import check_coherence
 from dalembert.results.files.contents import Contents
 from dalembert.results.harmonic import HarmonicResponse
-from dalembert.results.harmonic_measures import Transfer, output_of
+from dalembert.results.harmonic_measures import Transfer, part_name, with_densities
 from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.formulas.parser import Names
 from dalembert.units.powers import density_unit
 
 if TYPE_CHECKING:
@@ -27,9 +29,9 @@ FAR = 3.0
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RandomVibration(HarmonicResponse):
-    """Stationary response to independent random inputs with one-sided spectral densities.
+    """Stationary response to random inputs with one-sided spectral densities.
 
-        S_y(f) = Σ_j |H_j(f)|² S_j(f),      σ_y² = ∫ S_y df
+        S_y(f) = Σ_j |H_j|² S_j + 2 Re Σ_{j<k} H_j* S_jk H_k,      σ_y² = ∫ S_y df
 
     Measures are those of a frequency response, and ``X.psd`` of any scalar measure ``X`` of the
     model. ``da.random_rms("X")`` is the root mean square as a response with gradients.
@@ -37,6 +39,7 @@ class RandomVibration(HarmonicResponse):
     Attributes
     ----------
     densities : input → spectral density, as function of the frequency [Hz]
+    cross : two inputs → cross spectral density, likewise
 
     Examples
     --------
@@ -55,27 +58,29 @@ class RandomVibration(HarmonicResponse):
     """
 
     densities: Mapping[str, Any] = field(default_factory=dict)
-
-    def expression(self, measure: str | Expression) -> Expression:
-        if isinstance(measure, str) and measure.endswith(".psd"):
-            base = measure.removesuffix(".psd")
-            output = output_of(self.model, base)
-            if output is not None and len(output) == 1:
-                return self._density(base, measure, output.unit)
-        return super().expression(measure)
-
-    def _density(self, base: str, name: str, unit: str) -> Expression:
-        symbols = self._symbols.setdefault(base, {})
-        if not symbols:
-            total = ca.SX(0)
-            for source in self.inputs:
-                real, imag = (Transfer(base, source, part).symbol for part in ("real", "imag"))
-                total += (real**2 + imag**2) * self.spectra_symbols[source]
-            symbols[name] = Expression(total, name, density_unit(unit))
-        return symbols[name]
+    cross: Mapping[tuple[str, str], Any] = field(default_factory=dict)
 
     @cached_property
-    def _symbols(self) -> dict[str, dict[str, Expression]]:
+    def names(self) -> Names:
+        return with_densities(super().names, self.model, self._density, self.outputs)
+
+    def _density(self, base: str, unit: str) -> Expression:
+        if base not in self._symbols:
+            total = ca.SX(0)
+            parts = {
+                source: [Transfer(base, source, part).symbol for part in ("real", "imag")]
+                for source in self.inputs
+            }
+            for source, (real, imag) in parts.items():
+                total += (real**2 + imag**2) * self.spectra_symbols[source]
+            for (one, other), (p, q) in self.cross_symbols.items():
+                (a, b), (c, d) = parts[one], parts[other]
+                total += 2 * ((a * c + b * d) * p - (a * d - b * c) * q)
+            self._symbols[base] = Expression(total, part_name(base, "psd"), unit)
+        return self._symbols[base]
+
+    @cached_property
+    def _symbols(self) -> dict[str, Expression]:
         return {}
 
     @cached_property
@@ -83,13 +88,24 @@ class RandomVibration(HarmonicResponse):
         """Input → symbol of its spectral density."""
         return {name: ca.SX.sym(f"density of {name}") for name in self.inputs}
 
+    @cached_property
+    def cross_symbols(self) -> dict[tuple[str, str], tuple[ca.SX, ca.SX]]:
+        """Two inputs → symbols of the parts of their cross spectral density."""
+        return {
+            pair: tuple(ca.SX.sym(f"{part} of {', '.join(pair)}") for part in ("real", "imag"))  # type: ignore[misc]
+            for pair in self.cross
+        }
+
     @property
     def spectra(self) -> list[tuple[ca.SX, np.ndarray]]:
         """Symbols of spectral densities and their values (K,)."""
-        return [
-            (symbol, self.densities[name](self.frequencies))
-            for name, symbol in self.spectra_symbols.items()
-        ]
+        own = {name: self.densities[name](self.frequencies) for name in self.inputs}
+        cross = {pair: density(self.frequencies) for pair, density in self.cross.items()}
+        check_coherence(self.inputs, own, cross, self.frequencies)
+        spectra = [(self.spectra_symbols[name], values) for name, values in own.items()]
+        for pair, (p, q) in self.cross_symbols.items():
+            spectra += [(p, cross[pair].real), (q, cross[pair].imag)]
+        return spectra
 
     @property
     def density_curves(self) -> list[dict[str, Any]]:
@@ -97,16 +113,14 @@ class RandomVibration(HarmonicResponse):
             {
                 "name": f"{name}, σ = {self.rms(name):.4g} {measure.unit}".rstrip(),
                 "unit": density_unit(measure.unit),
-                "re": np.zeros(0),
-                "im": np.zeros(0),
-                "y": self.psd(name),
+                "values": self.psd(name),
             }
             for name, measure in self.outputs.items()
         ]
 
     def psd(self, output: str) -> np.ndarray:
         """(K,) one-sided spectral density of an output."""
-        return self.values(f"{output}.psd")
+        return self.values(part_name(output, "psd"))
 
     def rms(self, output: str) -> float:
         """Root mean square of an output over the band of the analysis; may be infinite."""
@@ -115,22 +129,30 @@ class RandomVibration(HarmonicResponse):
         return float(np.sqrt(self._mean_squares[output]))
 
     def _mean_square(self, output: str) -> float:
-        nodes, weights = self.quadrature
-        measure = f"{output}.psd"
-        if self.diverging(measure):
+        measure = part_name(output, "psd")
+        if self.divergence(measure):
             return float("inf")
+        nodes, weights = self.quadrature
         return float(weights @ nodes.values(measure))
 
-    def diverging(self, measure: str | Expression) -> bool:
-        """Whether the integral of a density over an unbounded band is infinite.
+    def divergence(self, measure: str | Expression) -> str:
+        """Reason why the integral of a density is infinite; empty if it is finite.
 
         The last nodes of an unbounded band are far beyond all resonances.
         """
+        analysis: Any = self.analysis
+        if (place := analysis.infinite_resonance(self, measure)) is not None:
+            return f"no damping acts on the resonance at {place:.6g} Hz; add damping"
         nodes, weights = self.quadrature
         f, densities = nodes.frequencies, nodes.values(measure)
         far = f[-1] > FAR * f[-2]
         flat = densities[-1] * f[-1] > densities[-2] * f[-2] * (1 - 1e-9)
-        return bool(far and flat and weights[-1] * densities[-1] > DECAY * (weights @ densities))
+        if far and flat and weights[-1] * densities[-1] > DECAY * (weights @ densities):
+            return (
+                "white noise passes through at all frequencies; give band=(first, last) in Hz, or "
+                "a decaying density"
+            )
+        return ""
 
     @cached_property
     def _mean_squares(self) -> dict[str, float]:
@@ -147,6 +169,7 @@ class RandomVibration(HarmonicResponse):
         harmonic = super().at(frequencies)
         copied = replace(harmonic)
         vars(copied)["spectra_symbols"] = self.spectra_symbols
+        vars(copied)["cross_symbols"] = self.cross_symbols
         vars(copied)["_symbols"] = self._symbols
         return copied  # type: ignore[return-value]
 

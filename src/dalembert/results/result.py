@@ -70,6 +70,7 @@ class Result(CacheOwner, Protocol):
     impacts : jumps of the speeds at rigid contacts
     continuous : whether states exist between the instants; if not, integrals are sums
     in_sequence : whether the states are consecutive; load cases and modes are not
+    needs_record : whether measures need the record, so that batches keep it
     """
 
     model: Any
@@ -83,6 +84,7 @@ class Result(CacheOwner, Protocol):
     impacts: Sequence[Any] = ()
     continuous: ClassVar[bool] = True
     in_sequence: ClassVar[bool] = True
+    needs_record: ClassVar[bool] = False
 
     if TYPE_CHECKING:  # a property or a field of the results
 

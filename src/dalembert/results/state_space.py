@@ -1,4 +1,4 @@
-"""Linear systems in first-order form, ``ẋ = A x + B u``, ``y = C x + D u``."""
+"""Linear systems in first-order form, of continuous and of discrete time."""
 
 from __future__ import annotations
 
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 class StateSpace:
     """State-space model of small motions in minimal coordinates, with names and units.
 
+    ``ẋ = A x + B u``, or ``x[k+1] = A x[k] + B u[k]`` with a sample time; ``y = C x + D u``.
+
     Attributes
     ----------
     A, B, C, D : (n, n), (n, inputs), (outputs, n), (outputs, inputs) in SI units
@@ -27,6 +29,7 @@ class StateSpace:
     units : name → unit
     sizes : (n,) natural sizes of the states, by which measures of modes are scaled
     name : of the model
+    dt : sample time [s]; zero for continuous time
 
     Examples
     --------
@@ -56,6 +59,7 @@ class StateSpace:
     units: dict[str, str] = field(default_factory=dict)
     sizes: np.ndarray = field(default_factory=lambda: np.zeros(0))
     name: str = ""
+    dt: float = 0.0
 
     @property
     def control(self) -> Any:
@@ -69,26 +73,35 @@ class StateSpace:
         control = optional_package("control", "a StateSpace of python-control", "use A, B, C, D")
         names = {"states": self.states, "inputs": self.inputs, "outputs": self.outputs}
         plain = {key: [_plain(name) for name in listed] for key, listed in names.items()}
-        return control.ss(self.A, self.B, self.C, self.D, **plain, name=_plain(self.name))
+        return control.ss(
+            self.A, self.B, self.C, self.D, **plain, name=_plain(self.name), dt=self.dt
+        )
 
     @cached_property
     def poles(self) -> np.ndarray:
-        """(n,) eigenvalues of ``A`` [1/s]."""
+        """(n,) eigenvalues of ``A`` [1/s]; of discrete time the factors of a sample."""
         values: np.ndarray = np.linalg.eigvals(self.A)
         return values
 
     @property
     def stable(self) -> bool:
         """Whether no motion grows."""
+        if self.dt:
+            return bool(np.all(np.abs(self.poles) <= 1 + 1e-9))
         size = np.abs(self.poles).max(initial=0.0)
         return bool(np.all(self.poles.real <= 1e-9 * size))
 
     def at(self, frequencies: float | Sequence[float] | np.ndarray) -> xr.DataArray:
-        """Transfer functions ``C (iω − A)⁻¹ B + D`` at frequencies [Hz]."""
+        """Transfer functions ``C (s − A)⁻¹ B + D`` at frequencies [Hz].
+
+        ``s = iω``; of discrete time ``exp(iωT)``.
+        """
         import xarray as xr
 
         f = np.atleast_1d(np.asarray(frequencies, dtype=float))
-        matrices = 2j * np.pi * f[:, None, None] * np.eye(len(self.A)) - self.A
+        along = 2j * np.pi * f
+        points = np.exp(along * self.dt) if self.dt else along
+        matrices = points[:, None, None] * np.eye(len(self.A)) - self.A
         right = np.broadcast_to(self.B, (f.size, *self.B.shape))
         values = self.C @ np.linalg.solve(matrices, right) + self.D
         coords = {"frequency": f, "output": self.outputs, "input": self.inputs}
@@ -139,7 +152,7 @@ class StateSpace:
     def __repr__(self) -> str:
         return (
             f"<StateSpace of {self.name!r}: {len(self.A)} states, {listed(self.outputs)} by "
-            f"{listed(self.inputs)}>"
+            f"{listed(self.inputs)}{f', every {self.dt:g} s' if self.dt else ''}>"
         )
 
 

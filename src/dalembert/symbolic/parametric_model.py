@@ -19,9 +19,9 @@ from dalembert.symbolic.once import CacheOwner
 from dalembert.units.amounts import check_unit
 
 MANY = (
-    "arrays for solve_dynamics, solve_kinematics, solve_inverse_dynamics, solve_equilibrium and "
-    "solve_statics, or sweep(model, DesignTable.table({name: values}), analysis=…, "
-    "responses=…)"
+    "arrays for solve_dynamics, solve_kinematics, solve_inverse_dynamics, solve_equilibrium, "
+    "solve_statics and frequency_response, or sweep(model, DesignTable.table({name: values}), "
+    "analysis=…, responses=…)"
 )
 """Functions for many designs."""
 

@@ -77,6 +77,8 @@ class IndividualRuns:
 
     def _worth_copying(self, waiting: list[int], workers: int) -> bool:
         """Whether copies of this process run the rest; all functions are compiled."""
+        if any(result.needs_record for result in self.results.values()):
+            return False
         worth = self._lasted * len(waiting) > WORTH_COPYING
         return workers > 1 and len(waiting) > 1 and worth and can_copy()
 
@@ -103,10 +105,7 @@ class IndividualRuns:
             return
         expected, times = reference.time, result.time
         if expected.shape != times.shape or np.any(match_instants(expected, times) < 0):
-            raise AnalysisError(
-                "the designs have outputs at different times, as steps with error control do; give "
-                "the batch outputs, e.g. outputs=101"
-            )
+            raise AnalysisError(self.analysis.different_samples)
 
     def _run_design(self, k: int) -> tuple[Any, Status]:
         """Result without its record, None where it could not begin, and status of a design."""
@@ -117,6 +116,8 @@ class IndividualRuns:
         except DalembertError as error:
             self.errors[k] = error
             return None, refusal(error)
+        if result.needs_record:
+            return result, result.status
         stored = copy(result)
         stored.record = None
         return stored, result.status

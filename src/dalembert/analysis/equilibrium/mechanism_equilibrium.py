@@ -15,12 +15,14 @@ import numpy as np
 from dalembert.analysis.contact.gap_checks import ignored_contacts
 from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.equilibrium.neutral_motion import neutral_warnings, unbalanced_text
+from dalembert.analysis.equilibrium.sampled_stability import sampled_growth
 from dalembert.analysis.equilibrium.stability import equilibrium_text, instability_warnings
 from dalembert.analysis.equilibrium.static_balance import (
     Forces,
     StaticBalance,
 )
 from dalembert.analysis.equilibrium.statics_kernel import StaticsKernel, statics_kernel
+from dalembert.analysis.equilibrium.unsettled import refuse_endless, unsettled_text
 from dalembert.analysis.modes.linearization_kernel import linearization_kernel
 from dalembert.analysis.modes.linearized import Linearized
 from dalembert.analysis.requirements import listed_states
@@ -28,6 +30,7 @@ from dalembert.analysis.residual_check import MOTION, ResidualCheck
 from dalembert.formulations.base import Level
 from dalembert.model.graph.coordinates import AbsoluteCoordinates
 from dalembert.model.graph.model import Model
+from dalembert.model.graph.sampled_rates import sampled_blocks
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
 from dalembert.results.status import Outcome, Status
@@ -68,6 +71,7 @@ def mechanism_equilibrium(
     if start is not None:
         moved = balance.onto_constraints(start)
         y = y if moved is None else moved
+    refuse_endless(kernel, time, y, p)
     iterations = analysis.max_iterations or MAX_ITERATIONS
     settings = NewtonSettings(tolerance=analysis.tolerance, max_iterations=iterations, slack=1.0)
     solution = solve(balance, y, settings)
@@ -86,7 +90,7 @@ def mechanism_equilibrium(
         text = equilibrium_text(residual, solution.iterations, stable, forces.conservative)
     outcome = Outcome.COMPLETED if solution.accepted else Outcome.NOT_CONVERGED
     if not solution.accepted:
-        text += unbalanced_text(model, forces)
+        text += unsettled_text(kernel) or unbalanced_text(model, forces)
     column = (-1, 1)
     trajectory = Trajectory(
         np.array([time]),
@@ -119,7 +123,11 @@ def growth_rates(model: Model, time: float, y: np.ndarray, p: np.ndarray) -> np.
     """Real parts of the eigenvalues of growing motions about an equilibrium with states [1/s]."""
     kernel = linearization_kernel(model, AbsoluteCoordinates())
     x = kernel.state(time, y, np.zeros(model.equations.speed_count), p)
-    values = Linearized(kernel, time, x, p).eigenvalues
+    linear = Linearized(kernel, time, x, p)
+    if sampled_blocks(model):
+        sampled = sampled_growth(linear)
+        return sampled[sampled > GROWING / model.scales.time]
+    values = linear.eigenvalues
     rates: np.ndarray = values.real[values.real > GROWING * np.abs(values).max(initial=0.0)]
     return rates
 
@@ -138,9 +146,10 @@ def indifferent_states(model: Model, kernel: StaticsKernel) -> list[str]:
 def _stability_warnings(model: Model, forces: Forces, growing: np.ndarray) -> list[str]:
     """Warnings about growing motions, or directions of negative stiffness and of none."""
     if growing.size:
+        advice = "Stepper.state_space" if sampled_blocks(model) else "linearize"
         return [
             f"the equilibrium is not stable: {counted(growing.size, 'motion')} of the bodies and "
-            f"states grow with rates up to {growing.max():.3g} 1/s; see linearize"
+            f"states grow with rates up to {growing.max():.3g} 1/s; see {advice}"
         ]
     if statics_kernel(model).states:
         return []

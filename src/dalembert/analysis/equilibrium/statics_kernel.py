@@ -8,6 +8,7 @@ import numpy as np
 from dalembert.model.graph.assembly.position import position_stages
 from dalembert.model.graph.displaced_states import changing_at_rest, with_displaced_states
 from dalembert.model.graph.model import Model
+from dalembert.model.graph.sampled_rates import determined, with_sampled_rates
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.formulas.expression import Expression
@@ -20,15 +21,17 @@ class StaticsKernel(CacheOwner):
     Attributes
     ----------
     model : Model
-    states : coordinates of first order that the equilibrium determines
+    states : coordinates of first order that the equilibrium determines, sampled ones included
     equations : of the model at rest, in which these have displacements
     """
 
     def __init__(self, model: Model):
         model.closure.refuse_singular_start()
         self.model = model
-        self.states = changing_at_rest(model.equations, model.start.y, model.nominal)
-        self.equations = e = with_displaced_states(model.equations, self.states)
+        whole = with_sampled_rates(model)
+        changing = changing_at_rest(whole, model.start.y, model.nominal)
+        self.states = sorted({*changing, *determined(model, whole)})
+        self.equations = e = with_displaced_states(whole, self.states)
         at_rest = ca.substitute(e.force - e.bias, e.v, ca.SX.zeros(e.speed_count))
         forces = at_rest - ca.mtimes(e.jacobian.T, e.multiplier)
         self.balance = forces

@@ -13,6 +13,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.frequency.inertial_axes import inertial_axes
 from dalembert.formulations.base import dynamic_equations
 from dalembert.formulations.kkt import KKT
 from dalembert.model.graph.model import Model
@@ -26,7 +27,8 @@ class DescriptorKernel(CacheOwner):
     """Compiled first and second derivatives of the equations of a model.
 
     A change of the motion consists of those of displacements δ, states z of first order, speeds and
-    multipliers, of the rates of all but the multipliers, and of the parameters.
+    multipliers, of the rates of all but the multipliers, and of the parameters. Small rotations of
+    spatial bodies are in inertial axes.
 
     Attributes
     ----------
@@ -56,6 +58,7 @@ class DescriptorKernel(CacheOwner):
         }
         self.change = ca.SX.sym("change", int(ends[-1]))
         self.point = [e.t, e.y, e.v, e.a, e.multiplier, e.p]
+        self.axes = inertial_axes(model)
 
     @property
     def unknowns(self) -> slice:
@@ -87,6 +90,7 @@ class DescriptorKernel(CacheOwner):
         m, e = self.e.manifold, self.e
         still = ca.SX.zeros(e.speed_count)
         moved = ca.substitute(ca.jacobian(m.moved, m.delta), m.delta, still)
+        moved = moved if self.axes is None else ca.mtimes(moved, self.axes.turned)
         unit = ca.SX(e.coordinate_count, len(self.states))
         for column, state in enumerate(self.states):
             unit[state, column] = 1
@@ -96,10 +100,14 @@ class DescriptorKernel(CacheOwner):
         """Change of expressions of the point along ``change``."""
         d, p, e = self.change, self.parts, self.e
         placed = slice(0, p["state"].stop)
+        speeds, accelerations = d[p["speed"]], d[p["acceleration"]]
+        if self.axes is not None:
+            accelerations = self.axes.accelerations(accelerations, speeds)
+            speeds = ca.mtimes(self.axes.turned, speeds)
         along = ca.vertcat(
             ca.mtimes(self.tangent_basis, d[placed]),
-            d[p["speed"]],
-            d[p["acceleration"]],
+            speeds,
+            accelerations,
             d[p["multiplier"]],
             d[p["parameter"]],
         )
@@ -111,8 +119,13 @@ class DescriptorKernel(CacheOwner):
         """(n + states + n + m,) change of the equations, those of ``ẏ`` by displacements."""
         e, p = self.e, self.parts
         rated = slice(p["displacement_rate"].start, p["state_rate"].stop)
-        moving = self._changed(e.pose_rate)
-        rate = ca.vertcat(ca.mtimes(e.manifold.reading, moving), moving[self.states])
+        moving, reading = self._changed(e.pose_rate), e.manifold.reading
+        if self.axes is not None:  # the basis turns with the motion
+            basis, placed = self.tangent_basis, self.change[slice(0, p["state"].stop)]
+            turning = ca.jtimes(ca.vec(ca.densify(basis)), e.y, e.pose_rate)
+            moving -= ca.mtimes(ca.reshape(turning, basis.shape), placed)
+            reading = ca.mtimes(self.axes.turned.T, reading)
+        rate = ca.vertcat(ca.mtimes(reading, moving), moving[self.states])
         rate -= self.change[rated]
         levels = ca.densify(e.constraints) + ca.densify(e.nonholonomic)
         return ca.vertcat(rate, self._changed(dynamic_equations(e)), self._changed(levels))

@@ -6,6 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from dalembert.analysis.frequency.undamped import undamped_poles
+
 PER_DECADE = 60
 """Frequencies of the uniform grid."""
 ACROSS = 44
@@ -14,6 +16,8 @@ WIDEST = 300.0
 """Half width of a resonance grid in half-power half widths [-]."""
 NARROWEST = 1e-6
 """Smallest damping ratio that the grid resolves [-]."""
+GAP = 1e-8
+"""Distance of default frequencies from an undamped resonance, relative to its frequency [-]."""
 MARGIN = 3.0
 """Ratio of the ends of the default span to the lowest and the highest frequency [-]."""
 MANY = 25
@@ -27,7 +31,7 @@ MOST_STEPS = 25
 
 
 def default_frequencies(poles: np.ndarray, span: tuple[float, float] | None) -> np.ndarray:
-    """Frequencies [Hz], logarithmic and denser at resonances.
+    """Frequencies [Hz], logarithmic and denser at resonances; undamped ones are left out.
 
     Parameters
     ----------
@@ -44,33 +48,42 @@ def default_frequencies(poles: np.ndarray, span: tuple[float, float] | None) -> 
     first = low if low > 0 else high * 1e-3
     count = max(2, int(np.ceil(PER_DECADE * np.log10(high / first))) + 1)
     grid = [np.geomspace(first, high, count), np.array([low, high])]
-    for pole in poles[poles.imag > 0]:
+    oscillating = poles.imag > 0
+    for pole, undamped in zip(poles[oscillating], undamped_poles(poles)[oscillating], strict=True):
         centre, size = pole.imag / (2 * np.pi), np.abs(pole) / (2 * np.pi)
         half = max(abs(pole.real) / (2 * np.pi), NARROWEST * size)
         reach = min(WIDEST, max(1.0, size / (3 * half)))
         if half < size / 3:
             offsets = half * np.sinh(np.linspace(0, np.arcsinh(reach), ACROSS + 1))
-            grid.append(centre + np.concatenate([-offsets[1:], offsets]))
+            grid.append(centre + np.concatenate([-offsets[1:], offsets[int(undamped) :]]))
     frequencies = np.unique(np.concatenate(grid))
+    for centre in poles[undamped_poles(poles)].imag / (2 * np.pi):
+        frequencies = frequencies[np.abs(frequencies - centre) > GAP * centre]
     inside = frequencies[(frequencies >= low) & (frequencies <= high)]
     return inside[np.diff(inside, prepend=-1.0) > 1e-12 * high]
+
+
+def local_maxima(values: np.ndarray) -> np.ndarray:
+    """Numbers of the samples that are local maxima, without the ends."""
+    inner = values[1:-1]
+    return np.flatnonzero((inner > values[:-2]) & (inner >= values[2:])) + 1
 
 
 def refined_maxima(
     frequencies: np.ndarray,
     values: np.ndarray,
+    tops: np.ndarray,
     evaluate: Callable[[np.ndarray], np.ndarray],
     slope: Callable[[np.ndarray], np.ndarray],
 ) -> np.ndarray:
-    """Frequencies of the local maxima of a function between its first and last sample.
+    """Frequencies of local maxima of a function.
 
     Parameters
     ----------
     frequencies, values : (K,) samples, by increasing frequency
+    tops : numbers of samples that are local maxima
     evaluate, slope : frequencies → values, and their derivatives
     """
-    inner = values[1:-1]
-    tops = np.flatnonzero((inner > values[:-2]) & (inner >= values[2:])) + 1
     if not tops.size:
         return np.zeros(0)
     x = np.array([frequencies[tops - 1], frequencies[tops], frequencies[tops + 1]])

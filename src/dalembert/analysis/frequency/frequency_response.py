@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from dalembert.analysis.frequency.frequency_grid import refined_maxima
+from dalembert.analysis.frequency.frequency_grid import local_maxima, refined_maxima
 from dalembert.analysis.frequency.linear_analysis import (
     LinearAnalysis,
     frequency_array,
@@ -16,9 +16,11 @@ from dalembert.analysis.frequency.linear_analysis import (
     output_measures,
 )
 from dalembert.analysis.frequency.modal_motions import superposed
+from dalembert.analysis.frequency.requested import requested
 from dalembert.analysis.frequency.structure_inputs import structural_inputs
+from dalembert.analysis.frequency.undamped import grows, undamped_frequencies, undamped_warnings
 from dalembert.analysis.rayleigh import Rayleigh
-from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.options import only_for, options
 from dalembert.results.analysis import ParameterValues
@@ -88,6 +90,9 @@ class FrequencyResponse(LinearAnalysis[HarmonicResponse]):
     """
 
     display_name = "frequency response"
+    different_samples = (
+        "the designs have different default frequencies; give the batch frequencies=[..] in Hz"
+    )
 
     frequencies: Annotated[Any, Sequence[float]] = None
     inputs: Annotated[Any, tuple[str, ...]] = None
@@ -106,6 +111,10 @@ class FrequencyResponse(LinearAnalysis[HarmonicResponse]):
 
     def __post_init__(self) -> None:
         self.checked_about()
+        kind = type(self).__name__
+        for option in ("inputs", "outputs"):
+            if (items := getattr(self, option)) is not None:
+                requested(items, option, kind)
         if self.method not in METHODS:
             raise UnsupportedError(unknown("method", self.method, METHODS))
         if self.frequencies is not None:
@@ -174,7 +183,7 @@ class FrequencyResponse(LinearAnalysis[HarmonicResponse]):
             system.row(measure)
         motions = system.motions(2 * np.pi * frequencies)
         text = f"{self.display_name} at {frequencies.size} frequencies"
-        return HarmonicResponse(
+        response = HarmonicResponse(
             model,
             self,
             system.p,
@@ -187,6 +196,7 @@ class FrequencyResponse(LinearAnalysis[HarmonicResponse]):
             dict(system.statistics),
             (*system.warnings, *self.stability_warnings(system)),
         )
+        return replace(response, warnings=(*response.warnings, *undamped_warnings(response)))
 
     def input_names(self, model: Any) -> list[str]:
         """Names of the inputs of a model."""
@@ -216,17 +226,43 @@ class FrequencyResponse(LinearAnalysis[HarmonicResponse]):
     def maxima(
         self, result: HarmonicResponse, measure: str | Expression, sign: float = 1.0
     ) -> HarmonicResponse:
-        """The response at the local maxima of ``sign`` times a measure."""
+        """The response at the local maxima of ``sign`` times a measure.
+
+        Raises
+        ------
+        SingularityError
+            A maximum is infinite, at an undamped resonance.
+        """
+        finite, infinite = self.resonances(result, measure, sign)
+        if infinite.size:
+            raise SingularityError(
+                f"{measure} is infinite at {infinite[0]:.9g} Hz, because no damping acts on this "
+                "resonance; add damping, or frequencies on one side of it"
+            )
+        return result.at(finite)
+
+    def resonances(
+        self, result: HarmonicResponse, measure: str | Expression, sign: float = 1.0
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Frequencies of the local maxima of ``sign`` times a measure, finite and infinite [Hz]."""
         f = result.frequencies
         if f.size < 3:
-            return result.at(np.zeros(0))
-        top = refined_maxima(
+            return np.zeros(0), np.zeros(0)
+        values = sign * result.values(measure)
+        tops, infinite = local_maxima(values), []
+        for place in undamped_frequencies(result.record, f[0], f[-1]):
+            around = (f[tops - 1] < place) & (place < f[tops + 1])
+            if around.any() and grows(lambda x: sign * result.at(x).values(measure), place):
+                infinite.append(place)
+                tops = tops[~around]
+        finite = refined_maxima(
             f,
-            sign * result.values(measure),
+            values,
+            tops,
             lambda x: sign * result.at(x).values(measure),
             lambda x: sign * result.at(x).frequency_slope(measure),
         )
-        return result.at(top)
+        return finite, np.array(infinite)
 
     def peaks(
         self, result: HarmonicResponse, measure: str | Expression, sign: float

@@ -12,9 +12,11 @@ from dalembert.analysis.frequency.linear_mechanism import LinearMechanism
 from dalembert.analysis.frequency.linear_structure import linear_structure
 from dalembert.analysis.frequency.moving_points import refuse_moving_points
 from dalembert.analysis.frequency.operating_point import operating_point
+from dalembert.analysis.frequency.requested import requested, requested_names
 from dalembert.errors import AnalysisError
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.analysis import Analysis
+from dalembert.results.harmonic_measures import PARTS
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.wording import unknown
@@ -35,7 +37,7 @@ def input_names(model: Any, inputs: Any, verb: str) -> list[str]:
         No inputs, or a name that is neither an input nor a parameter.
     """
     declared = list(model.inputs)
-    names = declared if inputs is None else _names(inputs)
+    names = declared if inputs is None else requested_names(inputs, verb)
     if not names:
         raise AnalysisError(
             f"{verb}: no inputs; declare them by system.input(name, unit=…), or name parameters: "
@@ -59,11 +61,16 @@ def output_measures(model: Any, outputs: Any, verb: str) -> dict[str, Expression
     if outputs is None:
         measures = dict(declared)
     else:
-        listed = [outputs] if isinstance(outputs, (str, Expression)) else list(outputs)
         measures = {}
-        for item in listed:
+        for item in requested(outputs, "outputs", verb):
             own = isinstance(item, str) and item in declared
             name = item if isinstance(item, str) else item.name or f"output{len(measures) + 1}"
+            base, _, part = name.rpartition(".")
+            if isinstance(item, str) and part in PARTS and item not in model:
+                raise AnalysisError(
+                    f"{verb}: output {name} is a part of a complex amplitude; name the measure, "
+                    f"outputs=[{base!r}], and take result[{name!r}]"
+                )
             measures[name] = declared[name] if own else model.expression(item)
     if not measures:
         raise AnalysisError(
@@ -76,11 +83,6 @@ def output_measures(model: Any, outputs: Any, verb: str) -> dict[str, Expression
                 f"{verb}: output {name} has {len(measure)} components; take .x, .y or a norm"
             )
     return measures
-
-
-def _names(items: Any) -> list[str]:
-    listed = [items] if isinstance(items, (str, Expression)) else list(items)
-    return [item if isinstance(item, str) else item.name for item in listed]
 
 
 class LinearAnalysis(Analysis[Any, R]):

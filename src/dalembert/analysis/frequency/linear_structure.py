@@ -217,7 +217,16 @@ class LinearStructure(CacheOwner):
     # modes ---------------------------------------------------------------------------------
     def modes(self, count: int) -> tuple[np.ndarray, np.ndarray]:
         """(m,) ``ω²`` and (f, m) shapes of the lowest modes."""
-        return lowest_modes(*self.free_matrices, count)
+        stored: dict[int, Any] = self.cache.setdefault(self.modes.__func__, {})  # type: ignore[attr-defined]
+        if count not in stored:
+            stored[count] = lowest_modes(*self.free_matrices, count)
+        return stored[count]  # type: ignore[no-any-return]
+
+    @property
+    def is_undamped(self) -> bool:
+        """Whether no damping acts at all."""
+        ratios = self.analysis.loss_factor, self.analysis.damping_ratio
+        return not any((*self.coefficients, *ratios))
 
     @cached_property
     def poles(self) -> np.ndarray:

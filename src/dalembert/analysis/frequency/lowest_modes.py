@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.modes.spectrum import VANISHES
 from dalembert.model.assembled.evaluation.eigenpairs import nearest
 from dalembert.sparse.factorise import indefinite_factors
 
@@ -16,7 +17,7 @@ SINGULAR = 1e-12
 
 
 def lowest_modes(k: Any, m: Any, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """(m,) ``ω²`` and (f, m) shapes, ``φᵀ M φ = 1``.
+    """(m,) ``ω²`` and (f, m) shapes, ``φᵀ M φ = 1``; zero for rigid motions.
 
     Parameters
     ----------
@@ -34,4 +35,5 @@ def lowest_modes(k: Any, m: Any, count: int) -> tuple[np.ndarray, np.ndarray]:
         shift = -FREE * float(k.diagonal().sum() / m.diagonal().sum())
         solve = indefinite_factors((k - shift * m).tocsc()).solve
     values, vectors = nearest(k, m, count, shift, solve)
-    return np.maximum(values, 0.0), vectors
+    size = np.einsum("fk,fk->k", abs(vectors), abs(k) @ abs(vectors))
+    return np.where(values > VANISHES * size, values, 0.0), vectors

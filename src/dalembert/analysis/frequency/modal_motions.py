@@ -20,7 +20,7 @@ from dalembert.errors import UnsupportedError
 from dalembert.sparse.factorise import indefinite_factors
 
 RESONANT = 1e-12
-"""Distance of a frequency from an undamped resonance, relative to the largest one [-]."""
+"""Distance of a frequency from an undamped resonance, relative to this one [-]."""
 MODES = 30
 """Default number of superposed modes of a structure."""
 
@@ -83,10 +83,9 @@ class ModalMechanism(LinearMechanism):
     def _gains(self, omega: np.ndarray, values: np.ndarray) -> np.ndarray:
         """(K, modes) ``1/(iω − s)``."""
         distance = 1j * omega[:, None] - values
-        size = np.abs(values).max(initial=0.0)
-        k, mode = np.unravel_index(np.argmin(np.abs(distance)), distance.shape)
-        if np.abs(distance[k, mode]) <= RESONANT * size:
-            raise self.refusal(float(omega[k]), None)
+        resonant = np.abs(distance) <= RESONANT * np.abs(values)
+        if np.any(resonant):
+            raise self.refusal(float(omega[int(np.argwhere(resonant)[0, 0])]), None)
         return 1 / distance
 
 
@@ -128,9 +127,9 @@ class ModalStructure(LinearStructure):
         w = omega[:, None]
         stiff = squares * (1 + 1j * self.analysis.loss_factor)
         distance = stiff - w**2 + 1j * w * viscous
-        if np.any(np.abs(distance) <= RESONANT * squares.max(initial=0.0)):
-            k = int(np.argwhere(np.abs(distance) <= RESONANT * squares.max())[0, 0])
-            raise self.refusal(float(omega[k]))
+        resonant = np.abs(distance) <= RESONANT * (squares + w**2)
+        if np.any(resonant):
+            raise self.refusal(float(omega[int(np.argwhere(resonant)[0, 0])]))
         rest = self._static_rest(squares, shapes)
         total = np.zeros((omega.size, shapes.shape[0], self.mix.shape[1]), complex)
         for part, scale in self._forces(omega):

@@ -2,36 +2,63 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Unpack
+from typing import TYPE_CHECKING, Unpack, overload
 
 import numpy as np
 
+from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.frequency.frequency_response import FrequencyResponse
 from dalembert.analysis.keywords import FrequencyResponseKeywords
 from dalembert.analysis.times import analysis_of
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.graph.model import Model
+from dalembert.results.analysis import ParameterValues
 from dalembert.results.harmonic import HarmonicResponse
 from dalembert.text.arguments import check_arguments
 
+if TYPE_CHECKING:
+    from dalembert.results.batch.batch import Batch
+    from dalembert.results.batch.designs import ManyDesigns
 
+
+@overload
+def frequency_response(
+    model: Model | StructuralModel,
+    frequencies: Sequence[float] | np.ndarray | None = None,
+    *,
+    parameters: ParameterValues = None,
+    workers: int | None = None,
+    **options: Unpack[FrequencyResponseKeywords],
+) -> HarmonicResponse: ...
+@overload
+def frequency_response(
+    model: Model | StructuralModel,
+    frequencies: Sequence[float] | np.ndarray | None = None,
+    *,
+    parameters: ManyDesigns,
+    workers: int | None = None,
+    **options: Unpack[FrequencyResponseKeywords],
+) -> Batch: ...
 @check_arguments
 def frequency_response(
     model: Model | StructuralModel,
     frequencies: Sequence[float] | np.ndarray | None = None,
     *,
-    parameters: Mapping[str, float] | None = None,
+    parameters: ParameterValues | ManyDesigns = None,
+    workers: int | None = None,
     **options: Unpack[FrequencyResponseKeywords],
-) -> HarmonicResponse:
+) -> HarmonicResponse | Batch:
     """Complex amplitudes of outputs under harmonic inputs, about an operating point.
 
     Parameters
     ----------
     model : Model or StructuralModel
     frequencies : [Hz]; by default a grid that resolves all resonances
-    parameters : new values of parameters, without rebuilding
+    parameters : new values of parameters, without rebuilding; with an array of values per
+        parameter a ``Batch`` of all designs, which are run one by one and need ``frequencies``
+    workers : upper limit of processes of a batch; None for all cores
     **options : fields of ``FrequencyResponse``: inputs, outputs, excitation, span, method, count,
         about, time, equilibrium; of structures damping, loss_factor, damping_ratio, lumped
 
@@ -63,4 +90,5 @@ def frequency_response(
     """
     verb, outputs = "frequency_response", options.pop("outputs", None)  # elsewhere, times
     analysis = analysis_of(FrequencyResponse, verb, model, parameters, **options)
-    return replace(analysis, frequencies=frequencies, outputs=outputs).run(model, parameters)
+    analysis = replace(analysis, frequencies=frequencies, outputs=outputs)
+    return run_analysis(analysis, model, parameters, workers=workers)  # type: ignore[no-any-return]

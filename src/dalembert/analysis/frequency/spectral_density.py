@@ -66,7 +66,7 @@ def density_of(name: str, entry: Any) -> Density:
             raise AnalysisError(_wrong(name, entry))
         return Density(lambda f: np.full(f.size, level))
     if isinstance(entry, str):
-        return _formula(name, entry)
+        return Density(frequency_function(name, entry))
     if callable(entry):
         return Density(lambda f: np.asarray(entry(f), dtype=float) * np.ones(f.size))
     return _table(name, entry)
@@ -79,7 +79,14 @@ def _wrong(name: str, entry: Any) -> str:
     )
 
 
-def _formula(name: str, text: str) -> Density:
+def frequency_function(name: str, text: str) -> Callable[[np.ndarray], np.ndarray]:
+    """frequencies (K,) → values (K,) of a formula of ``f``.
+
+    Raises
+    ------
+    AnalysisError
+        The formula is wrong.
+    """
     f = Expression(ca.SX.sym("f"), "f", "Hz")
     try:
         formula = parse_formula(text, {"f": f}.get, lambda: ["f"])
@@ -88,13 +95,11 @@ def _formula(name: str, text: str) -> Density:
     function = ca.Function("density", [f.sx], [formula.sx])
 
     def values(frequencies: np.ndarray) -> np.ndarray:
-        return (
-            function.map(frequencies.size)(frequencies).full().ravel()
-            if frequencies.size
-            else (frequencies)
-        )
+        if not frequencies.size:
+            return frequencies
+        return function.map(frequencies.size)(frequencies).full().ravel()  # type: ignore[no-any-return]
 
-    return Density(values)
+    return values
 
 
 def _table(name: str, entry: Any) -> Density:
@@ -115,7 +120,10 @@ def _table(name: str, entry: Any) -> Density:
 
 
 def quadrature(
-    poles: np.ndarray, band: tuple[float, float], breaks: Sequence[float] = ()
+    poles: np.ndarray,
+    band: tuple[float, float],
+    breaks: Sequence[float] = (),
+    widest: float = np.inf,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and weights [Hz] of Gauss–Legendre panels that are graded towards resonances.
 
@@ -126,6 +134,7 @@ def quadrature(
     poles : eigenvalues [1/s]
     band : first and last frequency [Hz], the last may be infinite
     breaks : further ends of panels [Hz]
+    widest : upper limit of the width of a panel [Hz]
     """
     low, high = band
     sizes = np.abs(poles)[np.abs(poles) > 0] / (2 * np.pi)
@@ -142,6 +151,12 @@ def quadrature(
         edges.append(centre + np.concatenate([-offsets[1:], offsets]))
     ends = np.unique(np.concatenate(edges))
     ends = ends[(ends >= low) & (ends <= top)]
+    if np.isfinite(widest):
+        parts = np.maximum(1, np.ceil(np.diff(ends) / widest)).astype(int)
+        starts = [
+            np.linspace(a, b, n, False) for a, b, n in zip(ends[:-1], ends[1:], parts, strict=True)
+        ]
+        ends = np.concatenate([*starts, ends[-1:]])
     width = np.diff(ends)
     nodes = (ends[:-1, None] + width[:, None] * (NODES + 1) / 2).ravel()
     weights = (width[:, None] * WEIGHTS / 2).ravel()

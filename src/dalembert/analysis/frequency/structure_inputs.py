@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.frequency.requested import requested_names
 from dalembert.errors import AnalysisError
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.wording import unknown
 
 
@@ -25,8 +25,7 @@ def structural_inputs(model: StructuralModel, inputs: Any, verb: str) -> list[st
     if inputs is None:
         names = [*model.inputs, *named] or [""]
     else:
-        listed = [inputs] if isinstance(inputs, (str, Expression)) else list(inputs)
-        names = [item if isinstance(item, str) else item.name for item in listed]
+        names = requested_names(inputs, verb)
     for name in names:
         if name not in model.loads and name not in model.parameters:
             raise AnalysisError(f"{verb}: {unknown('input', name, known)}")

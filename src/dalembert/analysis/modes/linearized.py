@@ -18,6 +18,7 @@ from dalembert.analysis.modes.linearization_kernel import LinearizationKernel
 from dalembert.elements.fem.base import ElasticElement
 from dalembert.elements.flexible.nodes import Noded
 from dalembert.model.graph.model import Model
+from dalembert.model.graph.sampled_rates import sampled_blocks
 from dalembert.results.recording import Trajectory
 from dalembert.sparse.eigenvalues import coinciding, error_sizes, leading, residual
 from dalembert.symbolic.equations.implicit import ImplicitFunction
@@ -110,7 +111,10 @@ class Linearized:
         instant = Trajectory(np.array([self.time]), y, still, still, none, np.zeros((2, 1)))
         unsteady = (UNSTEADY + self._cure,) if self.unsteadiness > STEADY else ()
         contacts = ignored_contacts(model, instant, self.p, forces=True)
-        return (*unsteady, *contacts, *elastic_warnings(model, instant, self.p))
+        held = [block.name for block in sampled_blocks(model)]
+        text = f"outputs of {', '.join(held)} are held; the poles of the sampled loop are those of "
+        sampled = (f"{text}Stepper.state_space",) if held else ()
+        return (*unsteady, *sampled, *contacts, *elastic_warnings(model, instant, self.p))
 
     @property
     def _cure(self) -> str:

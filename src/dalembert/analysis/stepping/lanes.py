@@ -11,6 +11,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.stepping.input_values import input_array, lane_numbers, positive_count
 from dalembert.analysis.stepping.stepped_model import SteppedModel
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.symbolic.evaluation.columns import BoundCall, instructions
@@ -52,11 +53,12 @@ class StepperLanes:
         parameters: Arrays | None = None,
         workers: int | None = None,
     ):
-        if count < 1:
-            raise AnalysisError(f"count is {count!r}; give at least 1")
-        self.plant, self.count = plant, count
+        self.plant, self.count = plant, positive_count("count", count)
+        cores = os.cpu_count() or 1
+        workers = cores if workers is None else positive_count("workers", workers)
         self._check_samples()
         _, self._mode = self.plant.start
+        _check_sizes(parameters, self.count)
         self.parameters = {**plant.parameters, **(parameters or {})}
         self.map = self.plant.map(self._mode, self.plant.due(0, 0.0))
         self._values, function = self.map.split
@@ -64,27 +66,31 @@ class StepperLanes:
         if columns is None:
             raise UnsupportedError("lanes need llvmlite; install dalembert with it, or use Stepper")
         self._columns, self.width = columns, columns.lanes
-        self.groups = -(-count // self.width)
+        self.groups = -(-self.count // self.width)
         sizes = self.map.size + 1, len(self.plant.inputs), self._values.numel_out(0)
         results = self.plant.output_count, 1
         self._z = self._array(sizes[0]), self._array(sizes[0])
         self._u, self._q, self._y, self._share = map(self._array, (*sizes[1:], *results))
         self._side, self._steps = 0, np.zeros(count, dtype=int)
         self._pool: ThreadPoolExecutor | None = None
-        workers = min(workers or os.cpu_count() or 1, self.groups)
+        workers = min(workers, self.groups)
         self._threaded = self.groups * instructions(function) > WORTH_THREADS
         cuts = [round(k * self.groups / workers) for k in range(workers + 1)]
         self._parts = [slice(a, b) for a, b in pairwise(cuts)]
         self._calls = [[self._bound(part, side) for side in (0, 1)] for part in self._parts]
         if workers > 1:
             self._pool = ThreadPoolExecutor(workers - 1)
-        self.failed = np.zeros(count, dtype=bool)
+        self.failed = np.zeros(self.count, dtype=bool)
         self.reset()
 
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        raise UnsupportedError(
+            "lanes contain machine code and are not copied; make others by Stepper.lanes and set "
+            "their states"
+        )
+
     def _check_samples(self) -> None:
-        if self.plant.phases is not None and any(
-            period > 1 or begin > 0 for period, begin, _ in self.plant.phases
-        ):
+        if self.plant.phases is not None and not self.plant.phases.always:
             raise UnsupportedError(
                 "lanes need samples of blocks before every substep, so that lanes may be reset at "
                 "different steps; use a step and substeps of the sample time"
@@ -123,12 +129,15 @@ class StepperLanes:
 
         Raises
         ------
+        AnalysisError
+            Unknown lanes, or parameters of another number.
         AssemblyError, ModelError
             A start with these parameters is impossible.
         """
-        chosen = np.arange(self.count) if lanes is None else np.atleast_1d(np.asarray(lanes))
-        chosen = np.flatnonzero(chosen) if chosen.dtype == bool else chosen
-        plant = self.plant
+        chosen, plant = lane_numbers(self.count, lanes), self.plant
+        if not chosen.size:
+            return self.outputs
+        _check_sizes(parameters, chosen.size)
         own = {
             n: v if np.ndim(v) == 0 else np.asarray(v)[chosen] for n, v in self.parameters.items()
         }
@@ -175,9 +184,14 @@ class StepperLanes:
         Parameters
         ----------
         inputs : (count, nu), or (nu,) for all lanes; by default the last ones
+
+        Raises
+        ------
+        AnalysisError
+            Inputs of another shape.
         """
         if inputs is not None:
-            self._put(self._u, np.asarray(inputs, dtype=float))
+            self._put(self._u, input_array(self.plant.input_names, self.count, inputs, False))
         side = self._side
         self._each(lambda part: self._calls[part][side](), self._threaded)
         self._finish(1)
@@ -187,10 +201,13 @@ class StepperLanes:
         """Outputs (K, count, ny) of K steps with inputs (K, count, nu), or (K, nu) for all lanes.
 
         The steps of a thread follow one another without waiting for other threads.
+
+        Raises
+        ------
+        AnalysisError
+            Inputs of another shape.
         """
-        inputs = np.asarray(inputs, dtype=float)
-        if inputs.ndim == 2:
-            inputs = np.broadcast_to(inputs[:, None], (len(inputs), self.count, inputs.shape[1]))
+        inputs = input_array(self.plant.input_names, self.count, inputs, True)
         steps, (_, rows, width) = len(inputs), self._y.shape
         outputs, shares = np.empty((steps, self.count, rows)), np.zeros_like(self._share)
         side = self._side
@@ -202,7 +219,11 @@ class StepperLanes:
             worst = shares[groups]
             for k in range(steps):
                 self._put(u, inputs[k, lanes])
-                calls[(side + k) % 2]()
+                now = (side + k) % 2
+                calls[now]()
+                if self.map.timed:
+                    time = (self._steps[lanes] + k + 1) * self.plant.step
+                    self._put(self._z[1 - now][groups, -1:], time[:, None])
                 own = y.transpose(0, 2, 1).reshape(-1, rows)
                 outputs[k, lanes] = own[: lanes.stop - lanes.start]
                 np.maximum(worst, share, out=worst)  # NaN where one is
@@ -213,11 +234,8 @@ class StepperLanes:
         return outputs
 
     def _put(self, array: np.ndarray, values: np.ndarray) -> None:
-        """Write (lanes, rows), or (rows,) for all, into (groups, rows, width)."""
+        """Write (lanes, rows) into (groups, rows, width)."""
         groups, rows, width = array.shape
-        if values.ndim < 2:
-            array[:] = values.reshape(-1, 1)
-            return
         if len(values) < groups * width:  # the last group is not full
             missing = groups * width - len(values)
             values = np.concatenate([values, np.repeat(values[-1:], missing, axis=0)])
@@ -259,5 +277,18 @@ class StepperLanes:
 
     @states.setter
     def states(self, values: np.ndarray) -> None:
-        self._put(self._z[self._side][:, :-1], np.asarray(values, dtype=float))
+        array, shape = np.asarray(values, dtype=float), self.states.shape
+        if array.shape != shape:
+            raise AnalysisError(f"states have the shape {array.shape}; give {shape}")
+        self._put(self._z[self._side][:, :-1], array)
         self.failed[:] = False
+
+
+def _check_sizes(parameters: Arrays | None, count: int) -> None:
+    """Raise unless parameters are numbers, or one for each lane."""
+    for name, value in (parameters or {}).items():
+        if np.shape(value) not in ((), (count,)):
+            raise AnalysisError(
+                f"{name} has the shape {np.shape(value)}; give a number, or an array of shape "
+                f"({count},), of one for each lane"
+            )

@@ -25,7 +25,7 @@ class StepMap(CacheOwner):
     """``(z, u, r) → (z⁺, y, share)`` with ``z = [x; t]``.
 
     ``r`` are the parameters that are no inputs. The step is valid if ``share ≤ 1``: it is the
-    conditioning of the equations at the end, and 2 if a number is not finite.
+    conditioning of the equations at the end, and not ≤ 1 if a number is not finite.
 
     Parameters
     ----------
@@ -63,8 +63,7 @@ class StepMap(CacheOwner):
         z, u = kind.sym("z", self.size + 1), kind.sym("u", len(self.inputs))
         r = kind.sym("r", len(self.others))
         x, t = z[: self.size], z[self.size]
-        order = [int(k) for k in np.argsort([*self.inputs, *self.others])]
-        p = ca.vertcat(u, r)[order]
+        p = self._parameters(u, r)
         for due in self.due:
             if due >= 0:
                 x = self._samples[due](t, 0.0, x, p)
@@ -76,8 +75,8 @@ class StepMap(CacheOwner):
         if self.variant.conditioning is not None:
             y = state[: self.kernel.equations.coordinate_count]
             share = ca.mmax(ca.vertcat(*self.variant.conditioning(t, y, p)))
-        finite = ca.sum1(ca.fabs(ca.vertcat(x, *values))) < LARGEST
-        share = ca.fmax(share, 2 * ca.logic_not(finite))
+        finite = ca.sum1(ca.fabs(ca.vertcat(x, *values, u))) < LARGEST  # limits may hide a NaN
+        share = ca.if_else(finite, share, 2)
         column = ca.vertcat(*values) if values else kind(0, 1)
         options = {"cse": True} if scalar else {}
         results = [ca.vertcat(x, t), ca.densify(column), ca.densify(share)]
@@ -103,6 +102,21 @@ class StepMap(CacheOwner):
         (z, u, r), (following, y) = self._traced
         pairs = [(following, z), (following, u), (y, z), (y, u)]
         return ca.Function("jacobian", [z, u, r], [ca.densify(ca.jacobian(*k)) for k in pairs])
+
+    @cached_property
+    def reading(self) -> ca.Function:
+        """``(z, u, r) → ∂y/∂z, ∂y/∂u`` of the outputs at the beginning of the step."""
+        (z, u, r), _ = self._traced
+        x = z[: self.variant.step.state_size]
+        column = [f(z[-1], x, self._parameters(u, r)) for f in self._ends]
+        y = ca.densify(ca.vertcat(*column)) if column else type(z)(0, 1)
+        slopes = [ca.densify(ca.jacobian(y, k)) for k in (z, u)]
+        return ca.Function("reading", [z, u, r], slopes)
+
+    def _parameters(self, u: Any, r: Any) -> Any:
+        """All parameters from inputs and others."""
+        order = [int(k) for k in np.argsort([*self.inputs, *self.others])]
+        return ca.vertcat(u, r)[order]
 
     @cached_property
     def adjoint(self) -> ca.Function:

@@ -12,7 +12,12 @@ from dalembert.analysis.batch.starts import Starts, first_states
 from dalembert.analysis.contact.gap_checks import refuse_collisions
 from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
+from dalembert.analysis.dynamics.variant import Variant
+from dalembert.analysis.stepping.input_values import positive_count
+from dalembert.analysis.stepping.output_names import names_of
+from dalembert.analysis.stepping.sample_phases import SamplePhases
 from dalembert.analysis.stepping.step_map import StepMap
+from dalembert.analysis.stepping.stepper_state import StepperState
 from dalembert.analysis.stepping.tangents import IndependentEntries
 from dalembert.errors import AnalysisError, AssemblyError, UnsupportedError
 from dalembert.formulations.base import WORK
@@ -22,15 +27,12 @@ from dalembert.results.batch.designs import Designs, are_designs
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
 from dalembert.results.status import Outcome, Status
-from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.wording import unknown
 
 OPTIONS = "integrator", "coordinates", "formulation", "stabilization", "backend"
 """Options of ``Dynamics`` that a stepper has."""
 FEW = 4
 """Number of starts below which they are assembled one by one."""
-CLOSE = 1e-9
-"""Fraction of a substep that counts as zero."""
 HOLDS = 1e-9
 """Change of prescribed entries of a start by the joints, relative to their sizes, that is zero."""
 
@@ -66,12 +68,11 @@ class SteppedModel:
             raise UnsupportedError("a stepper needs a mechanism; the model is a structure")
         if not step > 0 or not np.isfinite(step):
             raise AnalysisError(f"step is {step!r}; give a positive number of seconds")
-        if substeps < 1:
-            raise AnalysisError(f"substeps is {substeps!r}; give at least 1")
+        substeps = positive_count("substeps", substeps)
         for name in options:
             if name not in OPTIONS:
                 raise AnalysisError(unknown("option", name, OPTIONS))
-        self.model, self.step, self.substeps = model, float(step), int(substeps)
+        self.model, self.step, self.substeps = model, float(step), substeps
         self.compiled = options.get("backend", "jit") != "vm"
         choices = {"coordinates": AutomaticCoordinates(), **options, "backend": "vm"}
         self.analysis = analysis = Dynamics(duration=step, step=step / substeps, **choices)
@@ -88,7 +89,11 @@ class SteppedModel:
                 f"{self.kernel.equations.contacts[0].name} is a rigid contact, whose impacts end "
                 "steps; use a compliant law such as HuntCrossley, or solve_dynamics"
             )
+        if isinstance(inputs, str):
+            raise AnalysisError(f"inputs is {inputs!r}; give a list of names, [{inputs!r}]")
         self.input_names = list(model.inputs if inputs is None else inputs)
+        if len(set(self.input_names)) < len(self.input_names):
+            raise AnalysisError(f"inputs is {self.input_names!r:.80}; give each name once")
         names = list(model.parameters)
         for name in self.input_names:
             if name not in names:
@@ -96,10 +101,12 @@ class SteppedModel:
         self.inputs = [names.index(name) for name in self.input_names]
         chosen = list(model.outputs.values()) if outputs is None else list(outputs)
         self.measures = [model.expression(measure) for measure in chosen]
-        self.output_names = _names(self.measures)
+        self.output_names = names_of(self.measures)
         self.output_count = len(self.output_names)
         self.parameters = parameters
-        self.phases = self._phases()
+        sampling = self.kernel.sampling
+        self.phases = None if sampling is None else SamplePhases(sampling, self.h, self.substeps)
+        self._none = (-1,) * self.substeps
         self._maps: dict[tuple[int, tuple[int, ...]], StepMap] = {}
 
     @property
@@ -122,6 +129,73 @@ class SteppedModel:
         if initial:
             x, mode = self._prescribed(x, mode, p, time, initial)
         return x, mode
+
+    def begin_at(
+        self,
+        motion: Motion | None,
+        parameters: Mapping[str, float],
+        time: float,
+        initial: Mapping[str, float],
+    ) -> tuple[np.ndarray, np.ndarray, int]:
+        """State, parameters and mode of a reset; arguments as of ``Stepper.reset``."""
+        if motion is None:
+            p = self.model.values({**self.parameters, **parameters})
+            usual = not parameters and not initial and time == 0.0
+            x, mode = self.start if usual else self.begin(p, time, initial)
+            return x, p, mode
+        if not isinstance(motion, Motion) or motion.model is not self.model:
+            raise AnalysisError(f"motion is {motion!r:.60}; give a motion of the same model")
+        if parameters or initial:
+            raise AnalysisError("motion determines the start; give no parameters and no initial")
+        if not motion.status.success:
+            raise AnalysisError(f"motion was not completed: {motion.status.message}")
+        p, instants = motion.parameters, motion.trajectory
+        x = self.kernel.start.function(time, instants.y[:, -1], instants.v[:, -1], p).full().ravel()
+        mode = self.kernel.choose(time, x, p)
+        return self.kernel.remembered(time, x, p, mode), p.copy(), mode
+
+    def check_time(self, time: float) -> None:
+        """Raise if steps cannot begin at a time.
+
+        Raises
+        ------
+        AnalysisError
+            It is not finite, or samples of blocks would be within substeps.
+        """
+        if not np.isfinite(time):
+            raise AnalysisError(f"time is {time!r}; give a finite number of seconds")
+        if self.phases is not None:
+            self.phases.check_time(time)
+
+    def due(self, count: int, start: float) -> tuple[int, ...]:
+        """Samples before the substeps of a step."""
+        return self._none if self.phases is None else self.phases.due(count, start)
+
+    def mode_of(self, state: StepperState) -> int:
+        """The mode of a saved state in this kernel.
+
+        Modes are numbered in the order of their first use, so that a state of another stepper of
+        the model may name one that is missing here.
+
+        Raises
+        ------
+        AnalysisError
+            The state does not belong to this model and integrator.
+        """
+        if not isinstance(state, StepperState):
+            raise AnalysisError(f"restore takes a StepperState of save(); got {state!r:.60}")
+        variants = self.kernel.variants
+        sizes = variants[self.start[1]].step.size, len(self.model.parameters)
+        own = np.size(state.x), np.size(state.parameters)
+        if own != sizes:
+            raise AnalysisError(
+                f"the state has {own[0]} entries and {own[1]} parameters, but this stepper has "
+                f"{sizes[0]} and {sizes[1]}; restore states of the same model and integrator"
+            )
+        if state.mode < len(variants) and type(variants[state.mode]) is Variant:
+            return state.mode
+        time = state.start + state.count * self.step
+        return self.kernel.choose(time, state.x, state.parameters)
 
     def begin_many(
         self, parameters: Mapping[str, Any], count: int, mode: int
@@ -162,6 +236,8 @@ class SteppedModel:
         for name in initial:
             if name not in names:
                 raise AnalysisError(unknown("entry of the state", name, names))
+            if not np.isfinite(initial[name]):
+                raise AnalysisError(f"{name} is {initial[name]!r}; give a finite number")
         values = {names.index(name): float(value) for name, value in initial.items()}
         x, variant = x.copy(), self.kernel.variants[mode]
         size = variant.step.state_size
@@ -216,45 +292,3 @@ class SteppedModel:
         e = self.kernel.equations
         begin = e.coordinate_count + e.speed_count
         return IndependentEntries(self.kernel.view, size, range(begin, begin + WORK.numel()))
-
-    # samples ---------------------------------------------------------------------------
-    def _phases(self) -> list[tuple[int, int, int]] | None:
-        """Period, first sample and number of each block, in substeps; None without blocks."""
-        sampling = self.kernel.sampling
-        if sampling is None:
-            return None
-        phases = []
-        for k, block in enumerate(sampling.blocks):
-            counts = [block.period / self.h, block.beginning / self.h]
-            if any(abs(count - round(count)) > CLOSE * max(count, 1) for count in counts):
-                raise AnalysisError(
-                    f"{block.name} is sampled every {block.period:g} s, which is no multiple of "
-                    f"the substep of {self.h:g} s; choose step and substeps that fit"
-                )
-            phases.append((round(counts[0]), round(counts[1]), k))
-        return phases
-
-    def due(self, count: int, start: float) -> tuple[int, ...]:
-        """Samples before the substeps of a step."""
-        if self.phases is None:
-            return (-1,) * self.substeps
-        sampling, first = self.kernel.sampling, round(start / self.h) + count * self.substeps
-        assert sampling is not None
-        numbers = []
-        for k in range(first, first + self.substeps):
-            chosen = tuple(
-                sampling.blocks[block]
-                for period, begin, block in self.phases
-                if k >= begin and (k - begin) % period == 0
-            )
-            numbers.append(sampling.number(chosen) if chosen else -1)
-        return tuple(numbers)
-
-
-def _names(measures: Sequence[Expression]) -> list[str]:
-    """Names of all components of measures."""
-    names = []
-    for measure in measures:
-        size = len(measure)
-        names += [measure.name] if size == 1 else [f"{measure.name}[{k}]" for k in range(size)]
-    return names

@@ -3,33 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
+from dalembert.analysis.stepping.bound_step import BoundStep, StepArrays
+from dalembert.analysis.stepping.input_values import input_values, refuse_infinite, wrong_inputs
 from dalembert.analysis.stepping.jacobians import StepJacobians
 from dalembert.analysis.stepping.lanes import Arrays, StepperLanes
-from dalembert.analysis.stepping.step_map import LARGEST, StepMap
 from dalembert.analysis.stepping.stepped_model import SteppedModel
 from dalembert.analysis.stepping.stepper_state import StepperState
-from dalembert.errors import SingularityError, SolverFailure
+from dalembert.errors import SingularityError, StepFailure, UnsupportedError
 from dalembert.model.graph.model import Model
 from dalembert.results.motion import Motion
-from dalembert.symbolic.evaluation.fixed_call import FixedCall, FixedCalls
+from dalembert.results.state_space import StateSpace
 from dalembert.text.arguments import check_arguments
 
-
-@dataclass(frozen=True, eq=False)
-class _Way:
-    """A step map with calls from each of two states to the other."""
-
-    map: StepMap
-    values: ca.Function
-    calls: tuple[FixedCall, FixedCall]
-    q: np.ndarray
-    evaluator: str
+SHORTER = "use a shorter step, more substeps or another integrator"
+"""Remedy of a failed step."""
 
 
 class Stepper:
@@ -89,7 +80,8 @@ class Stepper:
         )
         self.model, self.length = model, self.plant.step
         self.input_names, self.output_names = self.plant.input_names, self.plant.output_names
-        self._ways: dict[tuple[int, tuple[int, ...]], _Way] = {}
+        self._several = len(self.input_names) != 1
+        self._arrays, self._steps = self._fresh()
         self.reset()
 
     # starts ----------------------------------------------------------------------------
@@ -100,6 +92,7 @@ class Stepper:
         *,
         initial: Mapping[str, float] | None = None,
         time: float = 0.0,
+        motion: Motion | None = None,
     ) -> np.ndarray:
         """Return to the start of the model; returns the outputs there.
 
@@ -108,46 +101,46 @@ class Stepper:
         parameters : new values, on which the start may depend; others are those of the stepper
         initial : values of entries of the state by ``state_names``, instead of those of the start
         time : of the start [s]
+        motion : of the model, at whose last instant the stepper starts, with its parameters; for
+            example an equilibrium
 
         Raises
         ------
         AnalysisError
-            Unknown names, or entries that contradict the joints.
+            Unknown names, a motion of another model, or a time at which no step can begin.
         AssemblyError
-            The mechanism cannot be assembled with these parameters.
+            The mechanism cannot be assembled with these parameters, or entries contradict the
+            joints.
         """
         plant = self.plant
-        p = plant.model.values({**plant.parameters, **(parameters or {})})
-        usual = not parameters and not initial and time == 0.0
-        x, mode = plant.start if usual else plant.begin(p, time, initial)
+        plant.check_time(time)
+        x, p, mode = plant.begin_at(motion, parameters or {}, time, initial or {})
         self.restore(StepperState(0, time, x, p, mode))
         return self.outputs
 
     def save(self) -> StepperState:
         """The state, to be restored later."""
-        self._p[self.plant.inputs] = self._u
-        x = self._z[self._side][:-1]
-        return StepperState(self._count, self._start, x.copy(), self._p.copy(), self._mode)
+        x = self._arrays.z[self._side][:-1]
+        return StepperState(self._count, self._start, x.copy(), self._parameters(), self._mode)
 
     def restore(self, state: StepperState) -> None:
-        """Continue from a saved state; the following steps are identical to the last bit."""
-        plant = self.plant
-        self._count, self._start, self._mode = state.count, state.start, state.mode
-        self._p = state.parameters.copy()
-        if not hasattr(self, "_z") or self._z[0].size != state.x.size + 1:
-            self._allocate(state.x.size)
-        self._side = 0
-        self._z[0][:-1], self._z[0][-1] = state.x, self.time
-        self._u[:] = self._p[plant.inputs]
-        for way in self._ways.values():
-            way.q[:] = way.values(self._p[way.map.others]).full().ravel()
-        self._way = self._way_of(self._mode, plant.due(self._count, self._start))
+        """Continue from a saved state; the following steps are identical to the last bit.
 
-    def _allocate(self, size: int) -> None:
-        self._ways.clear()
-        self._z = np.zeros(size + 1), np.zeros(size + 1)
-        self._u, self._y = np.zeros(len(self.plant.inputs)), np.zeros(self.plant.output_count)
-        self._share = np.zeros(1)
+        Raises
+        ------
+        AnalysisError
+            No ``StepperState``, or one of another model or integrator.
+        """
+        plant = self.plant
+        self._mode = plant.mode_of(state)
+        self._count, self._start = state.count, state.start
+        self._side, self._p = 0, state.parameters.copy()
+        self._arrays.z[0][:] = [*state.x, self.time]
+        for u in self._arrays.u:
+            u[:] = self._p[plant.inputs]
+        for step in self._steps.values():
+            step.renew(self._p)
+        self._step = self._bound_step(self._mode, plant.due(self._count, self._start))
 
     # steps -----------------------------------------------------------------------------
     def step(self, inputs: Any = None) -> np.ndarray:
@@ -159,21 +152,31 @@ class Stepper:
 
         Raises
         ------
+        AnalysisError
+            Inputs of another number, or not finite.
         SolverFailure
-            The state is no longer finite, or equations have no solution; the state before the
-            step remains.
+            The state is no longer finite, or equations have no solution; the state and the inputs
+            before the step remain.
         """
-        if inputs is not None:
-            self._u[:] = inputs
+        side, arrays = self._side, self._arrays
+        u = arrays.u[side]
+        if inputs is None:
+            u[:] = arrays.u[1 - side]
+        else:
+            try:
+                u[:] = inputs
+                if self._several and len(inputs) != u.size:  # NumPy would repeat a single number
+                    raise wrong_inputs(self.input_names, inputs)
+            except (TypeError, ValueError):
+                raise wrong_inputs(self.input_names, inputs) from None
         if self.plant.phases is not None:
-            self._way = self._way_of(self._mode, self.plant.due(self._count, self._start))
-        side = self._side
-        if not (self._way.calls[side]() and self._share[0] <= 1.0):
+            self._step = self._bound_step(self._mode, self.plant.due(self._count, self._start))
+        if not (self._step.calls[side]() and arrays.share[0] <= 1.0):
             self._repeat_by_other_variant()
         self._side = side = 1 - side
         self._count += 1
-        self._z[side][-1] = self._start + self._count * self.length
-        return self._y.copy()
+        arrays.z[side][-1] = self._start + self._count * self.length
+        return arrays.y.copy()
 
     @property
     def time(self) -> float:
@@ -183,18 +186,41 @@ class Stepper:
     @property
     def outputs(self) -> np.ndarray:
         """Outputs at the present state, with the last inputs."""
-        self._p[self.plant.inputs] = self._u
-        return self.plant.measure(self._mode, self.time, self.state, self._p)
+        return self.plant.measure(self._mode, self.time, self.state, self._parameters())
 
     def snapshot(self) -> Motion:
         """The present state as a motion of one instant, for pictures and measures."""
-        self._p[self.plant.inputs] = self._u
-        return self.plant.snapshot(self._mode, self.time, self.state, self._p.copy())
+        return self.plant.snapshot(self._mode, self.time, self.state, self._parameters())
+
+    def _parameters(self, inputs: Any = None) -> np.ndarray:
+        """Values of all parameters, with the last inputs or others, which are checked."""
+        p = self._p.copy()
+        last = self._arrays.u[1 - self._side]
+        p[self.plant.inputs] = last if inputs is None else input_values(self.input_names, inputs)
+        return p
+
+    def __copy__(self) -> Stepper:
+        """A stepper of the same plant with a state of its own."""
+        other = object.__new__(type(self))
+        other.__dict__ |= {k: v for k, v in vars(self).items() if not k.startswith("_")}
+        other._several = self._several
+        other._arrays, other._steps = self._fresh()
+        other.restore(self.save())
+        return other
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Stepper:
+        return self.__copy__()
+
+    def __reduce__(self) -> Any:
+        raise UnsupportedError(
+            "a Stepper is machine code, which is not written to files or sent to processes; send "
+            "its save(), and restore it in a stepper that is made there"
+        )
 
     @property
     def state(self) -> np.ndarray:
         """State of the integrator, a copy: ``coordinates, speeds``, accumulated work, memory."""
-        return self._z[self._side][:-1].copy()
+        return self._arrays.z[self._side][:-1].copy()
 
     @property
     def state_names(self) -> list[str]:
@@ -204,7 +230,7 @@ class Stepper:
     @property
     def backend(self) -> str:
         """Evaluator of the steps."""
-        return self._way.evaluator
+        return self._step.evaluator
 
     def lanes(
         self, count: int, parameters: Arrays | None = None, workers: int | None = None
@@ -220,11 +246,27 @@ class Stepper:
         return StepperLanes(self.plant, count, parameters, workers)
 
     def jacobians(self, inputs: Any = None) -> StepJacobians:
-        """Exact derivatives of the next step, without taking it.
+        """Exact derivatives of the next step by the last inputs or others, without taking it."""
+        step_map = self.plant.map(self._mode, self.plant.due(self._count, self._start))
+        p = self._parameters(inputs)
+        return StepJacobians.at(step_map, self.plant, self.time, self.state, p)
+
+    def state_space(self, inputs: Any = None) -> StateSpace:
+        """Linear system ``x[k+1] = A x[k] + B u[k]``, ``y[k] = C x[k] + D u[k]`` of a step.
+
+        The exact derivatives of a step at the present state, samples of blocks included, in
+        independent entries of the state. About a fixed point, such as ``reset(motion=...)`` with an
+        equilibrium, it is the sampled plant with held inputs, and its poles are those of the
+        sampled loop.
 
         Parameters
         ----------
         inputs : values of the inputs; by default the last ones
+
+        Raises
+        ------
+        AnalysisError
+            Samples of blocks differ between steps.
 
         Examples
         --------
@@ -235,52 +277,40 @@ class Stepper:
         >>> rail = planar.PinInSlot("rail", system.ground.center, sled.center)
         >>> joint, thrust = system.add(rail), system.input("thrust", unit="N")
         >>> drive = system.add(planar.Force("drive", sled.center, (thrust, 0)))
-        >>> jacobians = da.Stepper(system.build(), step=0.1, outputs=["sled.x"]).jacobians()
-        >>> jacobians.state.round(9).tolist()
-        [[1.0, 0.1], [0.0, 1.0]]
-        >>> jacobians.input.round(9).ravel().tolist(), jacobians.output_input.round(9).item()
-        ([0.0025, 0.05], 0.0025)
+        >>> space = da.Stepper(system.build(), step=0.1, outputs=["sled.x"]).state_space()
+        >>> space.dt, space.A.round(9).tolist(), space.B.round(9).tolist()
+        (0.1, [[1.0, 0.1], [0.0, 1.0]], [[0.0025], [0.05]])
         """
-        if inputs is not None:
-            self._u[:] = inputs
-        self._p[self.plant.inputs] = self._u
-        way = self._way_of(self._mode, self.plant.due(self._count, self._start))
-        return StepJacobians.at(way.map, self.plant, self.time, self.state, self._p)
+        if self.plant.phases is not None:
+            self.plant.phases.check_repeated(self._count, self._start)
+        return self.jacobians(inputs).state_space
 
-    def _way_of(self, mode: int, due: tuple[int, ...]) -> _Way:
+    def _fresh(self) -> tuple[StepArrays, dict[tuple[int, tuple[int, ...]], BoundStep]]:
+        """Arrays, and steps by mode and samples before substeps."""
+        size = self.plant.start[0].size
+        return StepArrays.of(size, len(self.input_names), self.plant.output_count), {}
+
+    def _bound_step(self, mode: int, due: tuple[int, ...]) -> BoundStep:
         """The step of a mode with samples before its substeps."""
-        if (mode, due) not in self._ways:
+        if (mode, due) not in self._steps:
             step_map = self.plant.map(mode, due)
-            values, function = step_map.split
-            q = values(self._p[step_map.others]).full().ravel()
-            calls, (one, other) = FixedCalls(function, self.plant.compiled), self._z
-            results = self._y, self._share
-            pair = tuple(
-                calls.on((a, self._u, q), (b, *results)) for a, b in ((one, other), (other, one))
-            )
-            self._ways[mode, due] = _Way(step_map, values, pair, q, calls.report)  # type: ignore[arg-type]
-        return self._ways[mode, due]
+            arguments = step_map, self._arrays, self._p, self.plant.compiled
+            self._steps[mode, due] = BoundStep.of(*arguments)
+        return self._steps[mode, due]
 
     def _repeat_by_other_variant(self) -> None:
         """Repeat a refused step with the equations that suit the state, if there are others."""
-        x, side = self.state, self._side
-        self._p[self.plant.inputs] = self._u
-        place = f"the step from t = {self.time:.6g} s"
+        side, p, arrays = self._side, self._p.copy(), self._arrays
+        refuse_infinite(self.input_names, arrays.u[side])
+        p[self.plant.inputs] = arrays.u[side]
         try:
-            mode = self.plant.kernel.choose(self.time, x, self._p)
+            mode = self.plant.kernel.choose(self.time, self.state, p)
         except SingularityError as error:
-            raise SolverFailure(f"{place} fails: {error}") from None
-        if mode != self._mode:
-            way = self._way_of(mode, self.plant.due(self._count, self._start))
-            if way.calls[side]() and self._share[0] <= 1.0:
-                self._mode, self._way = mode, way
-                return
-        residual, following = self._share[0], self._z[1 - side]
-        raise SolverFailure(
-            f"{place} fails: "
-            + (
-                "the state would not be finite; use a shorter step or more substeps"
-                if not np.abs(following).sum() < LARGEST
-                else f"its equations are ill-conditioned ({residual:.3g} times the limit)"
-            )
-        )
+            raise StepFailure(self.time, str(error), SHORTER) from None
+        step = self._bound_step(mode, self.plant.due(self._count, self._start))
+        for results in (arrays.z[1 - side], arrays.y, arrays.share):
+            results[:] = 0.0  # a call that fails may leave them as they are
+        solved = step.calls[side]()
+        if not (solved and arrays.share[0] <= 1.0):
+            raise StepFailure(self.time, arrays.obstacle(side, solved, self.output_names), SHORTER)
+        self._mode, self._step = mode, step

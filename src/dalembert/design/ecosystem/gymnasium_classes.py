@@ -10,9 +10,11 @@ from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from dalembert.analysis.stepping.input_values import lane_numbers
 from dalembert.design.ecosystem.learning_task import LearningTask
-from dalembert.errors import SolverFailure, UnsupportedError
+from dalembert.errors import AnalysisError, SolverFailure, UnsupportedError
 from dalembert.results.pictures.scene import is_spatial
+from dalembert.text.wording import listed, unknown
 
 RATE = 30
 """Upper limit of the frames per second that metadata state."""
@@ -25,6 +27,20 @@ def _spaces(task: LearningTask) -> tuple[Box, Box]:
         Box(task.low, task.high, dtype=np.float64),
         Box(-unlimited, unlimited, dtype=np.float64),
     )
+
+
+def _known(options: dict[str, Any] | None, *names: str) -> dict[str, Any]:
+    """Options of a reset.
+
+    Raises
+    ------
+    AnalysisError
+        An unknown one.
+    """
+    for name in options or {}:
+        if name not in names:
+            raise AnalysisError(unknown("option", name, names))
+    return options or {}
 
 
 class Environment(Env):  # type: ignore[misc]
@@ -44,7 +60,8 @@ class Environment(Env):  # type: ignore[misc]
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Begin an episode; ``options["parameters"]`` are values instead of random ones."""
         super().reset(seed=seed)
-        values = self.task.draw(self.np_random) | dict((options or {}).get("parameters", {}))
+        chosen = _known(options, "parameters").get("parameters") or {}
+        values = self.task.draw(self.np_random) | dict(chosen)
         self._count = 0
         outputs = self.stepper.reset(values or None)
         return outputs[: self.task.count], {"time": self.stepper.time}
@@ -78,51 +95,79 @@ class Environment(Env):  # type: ignore[misc]
 
 
 class LaneEnvironment(VectorEnv):  # type: ignore[misc]
-    """Lanes of a mechanism; an ended lane starts again with the next step, whose action it ignores.
+    """Lanes of a mechanism, which start again after their ends.
 
-    A lane whose integration fails ends.
+    ``NEXT_STEP``: with the next step, whose action the lane ignores. ``SAME_STEP``: at once; the
+    last observations are ``infos["final_obs"]``. ``DISABLED``: by
+    ``reset(options={"reset_mask": ...})`` alone. A lane whose integration fails ends, with its last
+    finite observation; ``infos["failed"]`` marks it.
     """
 
-    def __init__(self, task: LearningTask, lanes: int):
-        self.metadata = {"autoreset_mode": AutoresetMode.NEXT_STEP, "render_modes": []}
+    def __init__(self, task: LearningTask, lanes: int, autoreset: str):
+        modes = [mode.name for mode in AutoresetMode]
+        if str(autoreset).upper() not in modes:
+            raise AnalysisError(f"autoreset is {autoreset!r}; give one of {', '.join(modes)}")
+        self.mode = AutoresetMode[str(autoreset).upper()]
+        self.metadata = {"autoreset_mode": self.mode, "render_modes": []}
         self.task, self.num_envs, self.render_mode = task, lanes, None
         self.single_action_space, self.single_observation_space = _spaces(task)
         self.action_space = batch_space(self.single_action_space, lanes)
         self.observation_space = batch_space(self.single_observation_space, lanes)
         self.lanes = task.stepper.lanes(lanes)
         self._counts, self._ended = np.zeros(lanes, dtype=int), np.zeros(lanes, dtype=bool)
+        self._seen = self.lanes.outputs[:, : task.count].copy()
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Begin episodes in all lanes, or in those of the mask ``options["reset_mask"]``."""
-        super().reset(seed=seed)
-        mask = (options or {}).get("reset_mask")
-        chosen = np.ones(self.num_envs, bool) if mask is None else np.asarray(mask, bool)
-        self._begin(chosen)
-        return self.lanes.outputs[:, : self.task.count].copy(), {}
+        """Begin episodes in all lanes, or in those of the mask ``options["reset_mask"]``.
 
-    def _begin(self, chosen: np.ndarray) -> None:
-        numbers = np.flatnonzero(chosen)
+        ``options["parameters"]`` are values instead of random ones, numbers or one for each of
+        these lanes.
+        """
+        super().reset(seed=seed)
+        chosen = _known(options, "reset_mask", "parameters")
+        numbers = lane_numbers(self.num_envs, chosen.get("reset_mask"))
+        self._begin(numbers, chosen.get("parameters"))
+        return self._seen.copy(), self._infos(np.zeros(self.num_envs, bool))
+
+    def _begin(self, numbers: np.ndarray, parameters: dict[str, Any] | None = None) -> None:
         if numbers.size:
-            values = self.task.draw(self.np_random, numbers.size)
-            self.lanes.reset(numbers, parameters=values)
+            values = self.task.draw(self.np_random, numbers.size) | dict(parameters or {})
+            outputs = self.lanes.reset(numbers, parameters=values)
+            self._seen[numbers] = outputs[numbers, : self.task.count]
         self._counts[numbers], self._ended[numbers] = 0, False
+
+    def _infos(self, failed: np.ndarray) -> dict[str, Any]:
+        return {"time": self.lanes.time, "failed": failed}
 
     def step(
         self, actions: Any
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Advance all lanes by one step."""
         begun = self._ended.copy()
-        outputs = self.lanes.step(actions)
+        if begun.any() and self.mode is AutoresetMode.DISABLED:
+            raise AnalysisError(
+                f"lanes {listed(list(map(str, np.flatnonzero(begun))))} have ended; reset them by "
+                'reset(options={"reset_mask": ...})'
+            )
+        actions = np.asarray(actions, dtype=float)
+        outputs = self.lanes.step(actions).copy()
         failed = self.lanes.failed & ~begun
-        if begun.any():
-            self._begin(begun)
-            outputs = self.lanes.outputs
+        outputs[begun | failed, : self.task.count] = self._seen[begun | failed]
+        outputs[begun | failed, self.task.count :] = 0.0
         self._counts += ~begun
-        seen, reward, ended = self.task.judge(outputs, np.asarray(actions))
+        seen, reward, ended = self.task.judge(outputs, actions)
+        self._seen[:] = seen
         reward = np.where(begun | failed, 0.0, reward)
         ended = (np.asarray(ended, bool) | failed) & ~begun
         truncated = (self._counts >= self.task.limit) & ~begun
+        infos = self._infos(failed)
+        self._begin(np.flatnonzero(begun))
         self._ended = ended | truncated
-        return seen.copy(), reward, ended, truncated, {}
+        if self.mode is AutoresetMode.SAME_STEP and self._ended.any():
+            again = self._ended.copy()
+            infos |= {"final_obs": self._seen.copy(), "_final_obs": again}
+            infos |= {"final_info": dict(infos), "_final_info": again}
+            self._begin(np.flatnonzero(again))
+        return self._seen.copy(), reward, ended, truncated, infos

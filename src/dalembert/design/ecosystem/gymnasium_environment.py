@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from dalembert.design.ecosystem.learning_task import LearningTask
+from dalembert.errors import UnsupportedError
 from dalembert.model.graph.model import Model
 from dalembert.packages import optional_package
 from dalembert.symbolic.formulas.expression import Expression
@@ -26,6 +27,7 @@ def gymnasium_environment(
     parameters: Mapping[str, float] | None = None,
     initial: Mapping[str, tuple[float, float]] | Callable[..., Any] | None = None,
     lanes: int | None = None,
+    autoreset: str = "NEXT_STEP",
     render_mode: str | None = None,
     **options: Any,
 ) -> Any:
@@ -48,8 +50,9 @@ def gymnasium_environment(
     parameters : new values
     initial : range of each parameter that is random at every reset, such as an initial angle, or a
         function ``rng → values of parameters``
-    lanes : number of lanes of a vector environment, which starts ended lanes again with the next
-        step (``AutoresetMode.NEXT_STEP``); by default a single environment
+    lanes : number of lanes of a vector environment; by default a single environment
+    autoreset : how ended lanes start again, an ``AutoresetMode`` of Gymnasium by name:
+        ``"NEXT_STEP"``, ``"SAME_STEP"`` or ``"DISABLED"``
     render_mode : ``"rgb_array"`` for pictures of a single environment
 
     Raises
@@ -81,4 +84,8 @@ def gymnasium_environment(
     task = LearningTask(
         model, reward, terminated, duration, actions, observations, initial, stepping
     )
-    return Environment(task, render_mode) if lanes is None else LaneEnvironment(task, lanes)
+    if lanes is None:
+        return Environment(task, render_mode)
+    if render_mode is not None:
+        raise UnsupportedError("lanes are not drawn; leave render_mode, or use one environment")
+    return LaneEnvironment(task, lanes, autoreset)

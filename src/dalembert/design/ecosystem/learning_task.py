@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,8 @@ from dalembert.text.wording import unknown
 
 Judgement = str | Expression | Callable[..., Any]
 """Formula of measures, or a function of observations and actions."""
+CLOSE = 1e-9
+"""Fraction of a step that counts as zero."""
 Initial = Mapping[str, tuple[float, float]] | Callable[..., Any] | None
 
 
@@ -51,7 +54,9 @@ class LearningTask:
         bounds = [model.parameters[name].bounds for name in names]
         self.low, self.high = (np.array(column) for column in zip(*bounds, strict=True))
         self.length = length
-        self.limit = np.inf if duration is None else round(duration / length)
+        if duration is not None and not 0 < duration < np.inf:
+            raise AnalysisError(f"duration is {duration!r}; give a positive number of seconds")
+        self.limit = np.inf if duration is None else ceil(duration / length - CLOSE)
         if isinstance(initial, Mapping):
             for name in initial:
                 if name not in model.parameters:

@@ -15,6 +15,8 @@ from dalembert.errors import AnalysisError
 
 FEASIBLE = 1e-6
 """Upper limit of the relative violation of a feasible design [-]."""
+PENALTY = 10.0
+"""Worth of a violation within this limit, in scaled objective per scaled violation [-]."""
 
 
 @dataclass
@@ -202,11 +204,16 @@ class Program:
         return float(np.max(np.maximum(self.c_lower - c, c - self.c_upper), initial=0.0))
 
     def is_better(self, values: np.ndarray, other: np.ndarray) -> bool:
-        """Whether values belong to a better design: feasibility first, then the objective."""
+        """Whether values belong to a better design: feasibility first, then the objective.
+
+        Violations within the limit of feasibility count, so that a limit that is satisfied less
+        accurately is no gain of the objective.
+        """
         a, b = self.violation(values), self.violation(other)
         if max(a, b) > FEASIBLE:
             return a < b
-        return bool(self.sign * values[0] < self.sign * other[0])
+        gain = self.sign * (other[0] - values[0]) / self.scale
+        return bool(gain > PENALTY * (a - b))
 
     def iterate(self, x: np.ndarray, evaluation: Evaluation) -> Iterate:
         """Entry of a design in the history."""

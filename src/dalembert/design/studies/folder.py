@@ -7,14 +7,14 @@ import json
 import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import IO, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from dalembert.design.studies.task import Answer
 from dalembert.errors import FileError
-from dalembert.files import atomic_path, readable
+from dalembert.files import atomic_path, locked_file, readable
 from dalembert.packages import optional_package
 
 ABOUT, LOCK, TABLE = "study.json", ".lock", "table"
@@ -143,7 +143,10 @@ class StudyFolder:
             reason = error.strerror or error
             raise FileError(f"{path}: cannot be written ({reason}); choose another") from None
         self.format = table_format(self.parts)
-        self._lock = _lock_file(self.path / LOCK)
+        lock = locked_file(self.path / LOCK)
+        if lock is None:
+            raise FileError(f"{self.path}: a study is running in this folder; wait for its end")
+        self._lock = lock
         try:
             self._claim(identity, description)
         except FileError:
@@ -237,20 +240,3 @@ def _checksum(answer: Answer) -> int:
     """CRC-32 of a row."""
     values = [float(value) for value in answer.values]
     return zlib.crc32(repr((int(answer.number), values, str(answer.reason))).encode())
-
-
-def _lock_file(path: Path) -> IO[str]:
-    """Open and lock a file; the system releases the lock when the process ends."""
-    file = path.open("w")
-    try:
-        import fcntl
-
-        fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except ImportError:  # the system has no such locks
-        pass
-    except OSError:
-        file.close()
-        raise FileError(
-            f"{path.parent}: a study is running in this folder; wait for its end"
-        ) from None
-    return file

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Scalar
+from dalembert.elements.base import Condition, Scalar
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.stateful import Stateful
 from dalembert.errors import ModelError
@@ -64,6 +64,15 @@ class Block(Stateful):
 
     def parts(self) -> list[Coordinates]:
         return []
+
+
+def ordered_limits(lower: Scalar | None, upper: Scalar | None) -> list[Condition]:
+    """Condition that an upper limit is not below a lower one."""
+    if lower is None or upper is None:
+        return []
+    limits = ca.vertcat(upper.sx, lower.sx)
+    text = "upper is {:.6g}, below lower, which is {:.6g}; exchange them"
+    return [(upper.sx - lower.sx, text, limits)]
 
 
 def coefficients(values: Coefficients, entity: str) -> tuple[Expression, ...]:

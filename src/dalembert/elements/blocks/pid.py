@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Condition, Scalar, quantity
-from dalembert.elements.blocks.block import Block, Signals
+from dalembert.elements.blocks.block import Block, Signals, ordered_limits
 from dalembert.elements.blocks.sampled import Sampled
 from dalembert.elements.stateful import signal
 from dalembert.symbolic.formulas.expression import stack
@@ -82,11 +82,7 @@ class PID(Block):
         return [starts[name] for name in self.state_names()]
 
     def conditions(self) -> list[Condition]:
-        if self.lower is None or self.upper is None:
-            return []
-        limits = ca.vertcat(self.upper.sx, self.lower.sx)
-        text = "upper is {:.6g}, below lower, which is {:.6g}; exchange them"
-        return [(self.upper.sx - self.lower.sx, text, limits)]
+        return ordered_limits(self.lower, self.upper)
 
     def rates(self) -> ca.SX:
         r, y = self.input_of("setpoint"), self.input_of("measured")

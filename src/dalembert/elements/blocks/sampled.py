@@ -86,7 +86,8 @@ class Sampled(Block):
     @property
     def memory(self) -> ca.SX:
         """Symbols of ``x``."""
-        return self.states.pose[: len(self.memory_names())]
+        count = len(self.memory_names())
+        return self.states.pose[:count] if count else ca.SX(0, 1)  # of one entry, [:0] is (1, 0)
 
     @property
     def held_symbols(self) -> ca.SX:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Scalar, option, quantity
+from dalembert.elements.base import Condition, Scalar, option, quantity
+from dalembert.elements.blocks.block import ordered_limits
 from dalembert.elements.blocks.sampled import Sampled
 from dalembert.elements.stateful import signal
 from dalembert.errors import ModelError
@@ -165,6 +166,9 @@ class Quantizer(Sampled):
     resolution: Scalar = quantity(None, "smallest difference of outputs", default=1.0, above=0.0)
     lower: Scalar = quantity(None, "lower limit of the output", default=None)
     upper: Scalar = quantity(None, "upper limit of the output", default=None)
+
+    def conditions(self) -> list[Condition]:
+        return ordered_limits(self.lower, self.upper)
 
     def sampled_outputs(self) -> ca.SX:
         q = self.resolution.sx

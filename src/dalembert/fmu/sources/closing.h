@@ -48,7 +48,7 @@ static Status follow(
     copy(y, c->saved, k->coordinates);
     step /= 2.0;
     if (step < 1e-3)
-      return fail(c, c->mode == CONTINUOUS ? DISCARD : ERROR,
+      return fail(c, no_value(c),
                   "%s: no position at t = %.9g s: %s is open by %.3g of its natural size (%s)",
                   k->subject, to[0], k->names[worst], open, k->cure);
   }
@@ -109,8 +109,18 @@ static Status start(Instance* c) {
     double* out[] = {c->x + m->states};
     if (!CALL(c, m->begin, in, out)) return fail(c, ERROR, "the memory of steps has no value");
   }
+  for (int k = 0; k < SAMPLE_RATES; ++k)
+    c->counts[k] = fmax(0.0, ceil((*c->time - first_sample[k]) / sample_time[k] - 1e-9));
   c->valid = STARTED;
   return OK;
+}
+
+/* Whether the accepted position belongs to the states, so that restored runs repeat bit by bit. */
+static int is_accepted(const Instance* c) {
+  const Problem* m = c->problem;
+  return c->at[0] == *c->time &&
+         !memcmp(c->at + 1, c->x, (size_t)m->states * sizeof(double)) &&
+         !memcmp(c->at + 1 + m->states, c->p, PARAMETERS * sizeof(double));
 }
 
 /* Solve the position that belongs to the states, near the last accepted one. */
@@ -119,7 +129,7 @@ static Status close_position(Instance* c) {
   Status status = start(c);
   if (status > WARNING || c->valid & CLOSED) return status;
   copy(c->now, c->held, m->held);
-  if (m->closing) {
+  if (m->closing && !is_accepted(c)) {
     c->goal[0] = *c->time;
     copy(c->goal + 1, c->x, m->states);
     copy(c->goal + 1 + m->states, c->p, PARAMETERS);
@@ -133,7 +143,9 @@ static Status close_position(Instance* c) {
 /* Accept the position, near which the next ones are solved. */
 static Status accept_position(Instance* c) {
   const Problem* m = c->problem;
+  c->accepting = 1;
   Status status = close_position(c);
+  c->accepting = 0;
   if (status > WARNING) return status;
 #if EXCHANGE_CONDITIONED
   if (c->exchange) {

@@ -27,7 +27,7 @@ static Status evaluate(Instance* c, int what) {
   int count = what == RATES ? m->rate_count : OUTPUT_COUNT, bad = 0;
   Function function = what == RATES ? m->rates : m->outputs;
   if (count && function && (!CALL(c, function, in, out) || (bad = unbounded(*out, count)) >= 0))
-    return fail(c, c->mode == CONTINUOUS ? DISCARD : ERROR,
+    return fail(c, no_value(c),
                 "%s has no finite value at t = %.9g s: singular position, or a formula undefined",
                 what == RATES ? state_names[bad] : output_names[bad], *c->time);
   c->valid |= what;
@@ -57,11 +57,13 @@ static Status states_of_step(Instance* c, int rates) {
 
 static Status event_indicators(Instance* c, double* values) {
 #if INDICATORS
-  Status status = close_position(c);
+  Status status = c->exchange ? close_position(c) : states_of_step(c, 0);
   if (status > WARNING) return status;
-  const double* in[] = {c->time, c->now, c->x, c->p};
+  const double* in[] = {c->time, c->exchange ? c->now : c->own_held,
+                        c->exchange ? c->x : c->own_x, c->p};
   double* out[] = {values};
-  if (!CALL(c, exchange_indicators, in, out)) return fail(c, ERROR, "an indicator has no value");
+  if (!CALL(c, exchange_indicators, in, out) || unbounded(values, INDICATORS) >= 0)
+    return fail(c, no_value(c), "an event indicator has no value at t = %.9g s", *c->time);
 #else
   (void)c, (void)values;
 #endif
@@ -91,7 +93,7 @@ static Status get(Instance* c, const unsigned* references, size_t count, double*
         own[1] |= rate;
       }
       values[k] = rate ? c->rates[number] : c->exchange ? c->x[number] : c->own_x[number];
-    } else if (r < REFERENCES && c->exchange) {
+    } else if (r < REFERENCES) {
       status = event_indicators(c, c->weights);
       values[k] = c->weights[r - FIRST_INDICATOR];
     } else
@@ -100,28 +102,55 @@ static Status get(Instance* c, const unsigned* references, size_t count, double*
   return status;
 }
 
-static Status set(Instance* c, const unsigned* references, size_t count, const double* values) {
+/* Whether a variable can take a value now. */
+static Status check_value(Instance* c, unsigned r, double value) {
   int begun = c->mode > INITIALIZATION;
+  if (r > 0 && r < FIRST_OUTPUT) {
+    const char* name = parameter_names[r - 1];
+    if (!isfinite(value)) return fail(c, ERROR, "%s: the value is not a finite number", name);
+    if (begun && kinds[r - 1] == 'f')
+      return fail(c, ERROR, "%s is fixed after initialization: it changes the joints", name);
+    if (c->mode == CONTINUOUS && kinds[r - 1] == 't')
+      return fail(c, ERROR, "%s is tunable: set it in event mode", name);
+    return OK;
+  }
+  if (!begun || !c->exchange || r < FIRST_STATE || r >= FIRST_RATE) {
+    return fail(c, ERROR, "the variable with the value reference %u cannot be set here", r);
+  }
+  if (!isfinite(value))
+    return fail(c, ERROR, "%s: the value is not a finite number", state_names[r - FIRST_STATE]);
+  return OK;
+}
+
+/* Set variables: all of them, or none after an error. */
+static Status set(Instance* c, const unsigned* references, size_t count, const double* values) {
+  int begun = c->mode > INITIALIZATION, parameters = 0, valid = c->valid;
+  for (size_t k = 0; k < count; ++k) {
+    Status status = check_value(c, references[k], values[k]);
+    if (status > WARNING) return status;
+  }
+  copy(c->by_p, c->p, PARAMETERS);
   for (size_t k = 0; k < count; ++k) {
     unsigned r = references[k];
-    if (!isfinite(values[k])) return fail(c, ERROR, "variable %u: not a finite number", r);
-    if (r == 0 && !begun) {
-      *c->time = values[k];
-      c->valid = 0;
-    } else if (r > 0 && r < FIRST_OUTPUT) {
-      if (begun && kinds[r - 1] == 'f')
-        return fail(c, ERROR, "%s is fixed after initialization: it changes the joints",
-                    parameter_names[r - 1]);
-      if (c->p[r - 1] == values[k]) continue;
-      c->p[r - 1] = values[k];
-      c->valid = begun ? STARTED : 0;
-    } else if (begun && c->exchange && r >= FIRST_STATE && r < FIRST_RATE) {
-      c->x[r - FIRST_STATE] = values[k];
-      c->valid = STARTED;
-    } else
-      return refuse_reference(c, r);
+    double* place = r < FIRST_OUTPUT ? c->p + (r - 1) : c->x + (r - FIRST_STATE);
+    if (*place == values[k]) continue;
+    *place = values[k];
+    c->valid = begun ? STARTED : 0;
+    parameters |= r < FIRST_OUTPUT;
   }
-  return begun ? check_limits(c) : OK;
+  if (!begun || !parameters) return OK;
+  Status status = check_limits(c);
+  if (status > WARNING) {
+    copy(c->p, c->by_p, PARAMETERS);
+    c->valid = valid & STARTED;
+  }
+  return status;
+}
+
+/* Derivatives exist where there are values: from the initialization on. */
+static Status refuse_unstarted(Instance* c) {
+  return c->mode == INSTANTIATED ? fail(c, ERROR, "derivatives exist after the start of the "
+                                                  "initialization only") : OK;
 }
 
 /* Changes of unknowns by changes of knowns: tangent of the motion, and of the start before it. */
@@ -131,7 +160,8 @@ static Status directional(Instance* c, const unsigned* unknowns, size_t unknown_
   const Problem* m = c->problem;
   int starting = c->mode <= INITIALIZATION;
   double dt = 0.0;
-  Status status = close_position(c);
+  Status status = refuse_unstarted(c);
+  if (status <= WARNING) status = close_position(c);
   if (status > WARNING) return status;
   zero(c->change, m->states);
   zero(c->by_p, PARAMETERS);
@@ -177,7 +207,8 @@ static Status adjoint(Instance* c, const unsigned* unknowns, size_t unknown_coun
   const Problem* m = c->problem;
   int starting = c->mode <= INITIALIZATION;
   double by_time = 0.0, earlier = 0.0;
-  Status status = close_position(c);
+  Status status = refuse_unstarted(c);
+  if (status <= WARNING) status = close_position(c);
   if (status > WARNING) return status;
   zero(c->combined, m->rate_count + OUTPUT_COUNT);
   zero(c->weights, m->states + m->held);

@@ -19,7 +19,7 @@
   if (!(condition)) return fail(c, ERROR, "%s is not possible in this mode", call), fmi3Error
 
 static void report3(Instance* c, Status status, const char* message) {
-  const char* category = status == WARNING ? "logStatusWarning" : "logStatusError";
+  const char* category = categories_of[status];
   fmi3LogMessageCallback log = (fmi3LogMessageCallback)c->logger;
   if (log) log(c->environment, (fmi3Status)status, category, message);
 }
@@ -49,8 +49,9 @@ const char* fmi3GetVersion(void) { return fmi3Version; }
 
 fmi3Status fmi3SetDebugLogging(
     fmi3Instance instance, fmi3Boolean on, size_t count, const fmi3String categories[]) {
-  (void)on, (void)count, (void)categories; /* errors are always reported */
-  return instance ? fmi3OK : fmi3Error;
+  if (!instance) return fmi3Error;
+  set_logging(instance, on, count, categories);
+  return fmi3OK;
 }
 
 fmi3Instance fmi3InstantiateModelExchange(
@@ -66,8 +67,12 @@ fmi3Instance fmi3InstantiateCoSimulation(
     const fmi3ValueReference intermediate[], size_t intermediate_count,
     fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
     fmi3IntermediateUpdateCallback update) {
-  (void)resources, (void)visible, (void)logging, (void)events, (void)early, (void)intermediate;
+  (void)resources, (void)visible, (void)logging, (void)early, (void)intermediate;
   (void)intermediate_count, (void)update;
+  if (events) {
+    if (log) log(environment, fmi3Error, "logStatusError", "the unit does not have an event mode");
+    return NULL;
+  }
   return instantiate(name, token, STEP_PROBLEM, 0, environment, log);
 }
 
@@ -86,9 +91,9 @@ fmi3Status fmi3EnterInitializationMode(
     fmi3Instance instance, fmi3Boolean tolerance_defined, fmi3Float64 tolerance,
     fmi3Float64 start_time, fmi3Boolean stop_defined, fmi3Float64 stop) {
   Instance* c = instance;
-  (void)tolerance_defined, (void)tolerance, (void)stop_defined, (void)stop;
+  (void)tolerance_defined, (void)tolerance;
   CHECKED(c, c->mode == INSTANTIATED, "fmi3EnterInitializationMode");
-  return (fmi3Status)enter_initialization(c, start_time);
+  return (fmi3Status)enter_initialization(c, start_time, stop_defined, stop);
 }
 
 fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
@@ -107,7 +112,7 @@ fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
 
 fmi3Status fmi3Terminate(fmi3Instance instance) {
   Instance* c = instance;
-  if (!c) return fmi3Error;
+  CHECKED(c, c->mode > INITIALIZATION && c->mode < TERMINATED, "fmi3Terminate");
   c->mode = TERMINATED;
   return fmi3OK;
 }
@@ -258,11 +263,11 @@ fmi3Status fmi3GetAdjointDerivative(
 }
 
 fmi3Status fmi3EnterConfigurationMode(fmi3Instance instance) {
-  return instance ? fmi3OK : fmi3Error;
+  return unsupported(instance, "fmi3EnterConfigurationMode");
 }
 
 fmi3Status fmi3ExitConfigurationMode(fmi3Instance instance) {
-  return instance ? fmi3OK : fmi3Error;
+  return unsupported(instance, "fmi3ExitConfigurationMode");
 }
 
 fmi3Status fmi3GetIntervalDecimal(fmi3Instance i, const fmi3ValueReference r[], size_t n,
@@ -314,7 +319,9 @@ fmi3Status fmi3SetShiftFraction(fmi3Instance i, const fmi3ValueReference r[], si
 }
 
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance) {
-  return instance ? fmi3OK : fmi3Error;
+  Instance* c = instance;
+  CHECKED(c, c->mode == EVENT || c->mode == INITIALIZATION, "fmi3EvaluateDiscreteStates");
+  return fmi3OK;
 }
 
 fmi3Status fmi3UpdateDiscreteStates(
@@ -322,11 +329,11 @@ fmi3Status fmi3UpdateDiscreteStates(
     fmi3Boolean* values, fmi3Boolean* next_defined, fmi3Float64* next) {
   Instance* c = instance;
   int changed = 0;
-  if (!c) return fmi3Error;
-  Status status = c->exchange ? update_branches(c, &changed) : OK;
+  CHECKED(c, c->mode == EVENT, "fmi3UpdateDiscreteStates");
+  Status status = update_branches(c, &changed);
   *again = changed;
   *terminate = *nominals = *values = *next_defined = fmi3False;
-  (void)next;
+  *next = INFINITY;
   return (fmi3Status)status;
 }
 
@@ -348,16 +355,14 @@ fmi3Status fmi3CompletedIntegratorStep(
 
 fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time) {
   Instance* c = instance;
-  CHECKED(c, c->exchange && c->mode > INITIALIZATION, "fmi3SetTime");
-  if (time != *c->time) c->valid = STARTED;
-  *c->time = time;
-  return fmi3OK;
+  CHECKED(c, c->exchange && continues(c), "fmi3SetTime");
+  return (fmi3Status)set_time(c, time);
 }
 
 fmi3Status fmi3SetContinuousStates(
     fmi3Instance instance, const fmi3Float64 states[], size_t count) {
   Instance* c = instance;
-  CHECKED(c, c->exchange && count == STATE_COUNT && c->mode > INITIALIZATION,
+  CHECKED(c, c->exchange && count == STATE_COUNT && continues(c),
           "fmi3SetContinuousStates");
   copy(c->x, states, STATE_COUNT);
   c->valid = STARTED;
@@ -367,7 +372,8 @@ fmi3Status fmi3SetContinuousStates(
 fmi3Status fmi3GetContinuousStateDerivatives(
     fmi3Instance instance, fmi3Float64 derivatives[], size_t count) {
   Instance* c = instance;
-  CHECKED(c, c->exchange && count == STATE_COUNT, "fmi3GetContinuousStateDerivatives");
+  CHECKED(c, c->exchange && c->mode > INSTANTIATED && count == STATE_COUNT,
+          "fmi3GetContinuousStateDerivatives");
   Status status = evaluate(c, RATES);
   if (status <= WARNING) copy(derivatives, c->rates, STATE_COUNT);
   return (fmi3Status)status;
@@ -375,13 +381,15 @@ fmi3Status fmi3GetContinuousStateDerivatives(
 
 fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 values[], size_t count) {
   Instance* c = instance;
-  CHECKED(c, c->exchange && count == INDICATORS, "fmi3GetEventIndicators");
+  CHECKED(c, c->exchange && c->mode > INSTANTIATED && count == INDICATORS,
+          "fmi3GetEventIndicators");
   return (fmi3Status)event_indicators(c, values);
 }
 
 fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 states[], size_t count) {
   Instance* c = instance;
-  CHECKED(c, c->exchange && count == STATE_COUNT, "fmi3GetContinuousStates");
+  CHECKED(c, c->exchange && c->mode > INSTANTIATED && count == STATE_COUNT,
+          "fmi3GetContinuousStates");
   Status status = start(c);
   if (status <= WARNING) copy(states, c->x, STATE_COUNT);
   return (fmi3Status)status;
@@ -396,18 +404,20 @@ fmi3Status fmi3GetNominalsOfContinuousStates(
 }
 
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t* count) {
+  if (!instance) return fmi3Error;
   *count = INDICATORS;
-  return instance ? fmi3OK : fmi3Error;
+  return fmi3OK;
 }
 
 fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t* count) {
+  if (!instance) return fmi3Error;
   *count = STATE_COUNT;
-  return instance ? fmi3OK : fmi3Error;
+  return fmi3OK;
 }
 
 fmi3Status fmi3EnterStepMode(fmi3Instance instance) {
   Instance* c = instance;
-  CHECKED(c, !c->exchange, "fmi3EnterStepMode");
+  CHECKED(c, !c->exchange && c->mode == EVENT, "fmi3EnterStepMode");
   c->mode = STEP;
   return fmi3OK;
 }
@@ -427,10 +437,8 @@ fmi3Status fmi3DoStep(
   CHECKED(c, !c->exchange && c->mode == STEP, "fmi3DoStep");
   *events = *terminate = *early = fmi3False;
 #if CO_SIMULATION
-  if (fabs(time - *c->time) > 1e-9 * (fabs(time) + length))
-    return (fmi3Status)fail(c, ERROR, "the communication point is t = %.9g s, but %.9g s is reached",
-                            time, *c->time);
-  Status status = do_step(c, time + length);
+  Status status = length == 0.0 ? fail(c, ERROR, "a step of length zero is not possible")
+                                : do_step(c, time, length);
   *last = *c->time;
   return (fmi3Status)status;
 #else

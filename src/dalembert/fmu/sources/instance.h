@@ -24,12 +24,12 @@ struct Instance {
   void (*report)(Instance*, Status, const char* message);
   void *environment, *logger;
   char* name;
-  int exchange, saved_count;
+  int exchange, saved_count, accepting, muted;
 
   /* saved by the state of the unit: mode, valid, and numbers from time to held */
   Mode mode;
   int valid;
-  double *numbers, *time, *begin, *p, *y0, *x, *at, *held;
+  double *numbers, *time, *stop, *p, *y0, *x, *counts, *at, *held;
 
   /* results and workspace */
   double *now, *rates, *outputs, *terms, *trial, *residual, *path, *goal, *saved, *next;
@@ -40,8 +40,14 @@ struct Instance {
   double* w;
 };
 
+static const char* const categories_of[] = {"", "logStatusWarning", "logStatusDiscard",
+                                            "logStatusError", "logStatusFatal"};
+
+/* Report a status. Errors are always reported, other messages unless their category is muted. */
 static Status fail(Instance* c, Status status, const char* format, ...) {
   char message[1024];
+  if (!c) return ERROR;
+  if (status < ERROR && c->muted & 1 << status) return status;
   va_list values;
   va_start(values, format);
   vsnprintf(message, sizeof message, format, values);
@@ -80,10 +86,25 @@ static void* refuse_memory(void* memory, int* missing) {
   return memory;
 }
 
+/* Categories of messages that are reported; all of them if none is named. */
+static void set_logging(Instance* c, int on, size_t count, const char* const* names) {
+  int enabled = !count && on ? ~0 : 0;
+  for (size_t k = 0; on && k < count; ++k)
+    for (int status = WARNING; status <= FATAL; ++status)
+      if (names[k] && !strcmp(names[k], categories_of[status])) enabled |= 1 << status;
+  c->muted = ~enabled;
+}
+
+/* Status of a position or a value that does not exist: an importer can retry a trial step. */
+static Status no_value(const Instance* c) {
+  return c->mode == CONTINUOUS && !c->accepting ? DISCARD : ERROR;
+}
+
 /* Values of the start: nominal parameters, time zero. */
 static void rewind_instance(Instance* c) {
   zero(c->numbers, c->saved_count);
   copy(c->p, nominal, PARAMETERS);
+  *c->stop = INFINITY;
   c->valid = 0;
   c->mode = INSTANTIATED;
 }
@@ -108,11 +129,12 @@ static Instance* new_instance(const char* name, const Problem* problem, int exch
   c->exchange = exchange;
   size_t length = strlen(name ? name : "") + 1;
   int nx = problem->states + problem->memory, path = 1 + MOST_STATES + PARAMETERS;
-  int sizes[] = {1, 1, PARAMETERS, START_COORDINATES, nx, path, MOST_HELD, MOST_HELD, MOST_STATES,
+  int sizes[] = {1, 1, PARAMETERS, START_COORDINATES, nx, SAMPLE_RATES, path, MOST_HELD, MOST_HELD,
+                 MOST_STATES,
                  OUTPUT_COUNT, TERM_COUNT, MOST_HELD, MOST_ROWS, path, path, MOST_HELD, MOST_NEXT,
                  MOST_STATES, PARAMETERS, MOST_STATES + MOST_HELD, MOST_STATES + OUTPUT_COUNT,
                  MOST_STATES + MOST_HELD, MOST_HELD};
-  double** parts[] = {&c->time, &c->begin, &c->p, &c->y0, &c->x, &c->at, &c->held, &c->now,
+  double** parts[] = {&c->time, &c->stop, &c->p, &c->y0, &c->x, &c->counts, &c->at, &c->held, &c->now,
                       &c->rates, &c->outputs, &c->terms, &c->trial, &c->residual, &c->path,
                       &c->goal, &c->saved, &c->next, &c->change, &c->by_p, &c->weights,
                       &c->combined, &c->own_x, &c->own_held};

@@ -3,10 +3,24 @@
 #ifndef DALEMBERT_RUNNING_H
 #define DALEMBERT_RUNNING_H
 
-static Status enter_initialization(Instance* c, double time) {
-  *c->time = *c->begin = time;
+static Status enter_initialization(Instance* c, double time, int stop_defined, double stop) {
+  if (!isfinite(time)) return fail(c, ERROR, "the start time is not a finite number");
+  if (stop_defined && !(stop >= time))
+    return fail(c, ERROR, "the stop time %.9g s is before the start, t = %.9g s", stop, time);
+  *c->time = time;
+  *c->stop = stop_defined ? stop : INFINITY;
   c->valid = 0;
   c->mode = INITIALIZATION;
+  return OK;
+}
+
+/* Whether states and time of model exchange can be set. */
+static int continues(const Instance* c) { return c->mode == EVENT || c->mode == CONTINUOUS; }
+
+static Status set_time(Instance* c, double time) {
+  if (!isfinite(time)) return fail(c, ERROR, "the time is not a finite number");
+  if (time != *c->time) c->valid = STARTED;
+  *c->time = time;
   return OK;
 }
 
@@ -65,22 +79,13 @@ static Status check_state(Instance* c) {
   return OK;
 }
 
-/* Steps of equal length, at most STEP_LENGTH, to a communication point; inputs are constant. */
-static Status do_step(Instance* c, double end) {
+/* Steps of equal length, at most STEP_LENGTH, to a time; inputs are constant. */
+static Status advance(Instance* c, double end) {
   double first = *c->time, length = end - first;
   int total = c->problem->states + c->problem->memory;
-  if (!(length >= 0.0)) return fail(c, ERROR, "a step of length %.3g s is not possible", length);
-  if (length == 0.0) return OK;
-  Status status = start(c);
-  if (status > WARNING) return status;
-  if (!(c->valid & TERMS)) {
-    const double* in[] = {c->p};
-    double* out[] = {c->terms};
-    if (!CALL(c, step_terms, in, out)) return fail(c, ERROR, "the parameters have no valid terms");
-    c->valid |= TERMS;
-  }
   double count = ceil(length / STEP_LENGTH * (1.0 - 1e-9));
   if (!(count >= 1.0)) count = 1.0;
+  if (count > 9e15) return fail(c, ERROR, "a step of length %.3g s is too long", length);
   for (double k = 0.0; k < count; k += 1.0) {
     double t = first + k * (length / count);
     double until = k + 1.0 == count ? end : first + (k + 1.0) * (length / count);
@@ -96,16 +101,71 @@ static Status do_step(Instance* c, double end) {
       }
       h /= 2.0;
       if (!HALVES || h < shortest) {
-        c->valid = STARTED | (c->valid & TERMS);
-        status = check_state(c);
+        Status status = check_state(c);
         return status > WARNING ? status
                                 : fail(c, ERROR, "no step from t = %.9g s: " STEP_FAILURE, t);
       }
     }
   }
   *c->time = end;
+  return OK;
+}
+
+/* Time of the next sample; the bits of the rates that are due then. */
+static double next_sample(const Instance* c, int* due) {
+  double next = INFINITY, shortest = INFINITY;
+  *due = 0;
+  for (int k = 0; k < SAMPLE_RATES; ++k) {
+    next = fmin(next, first_sample[k] + sample_time[k] * c->counts[k]);
+    shortest = fmin(shortest, sample_time[k]);
+  }
+  for (int k = 0; k < SAMPLE_RATES; ++k)
+    *due |= (first_sample[k] + sample_time[k] * c->counts[k] <= next + 1e-9 * shortest) << k;
+  return next;
+}
+
+/* Sample the blocks that are due. */
+static Status sample(Instance* c, int due) {
+  int total = c->problem->states + c->problem->memory;
+  const double* in[] = {c->time, NULL, c->x, c->p};
+  double* out[] = {c->next};
+  if (!samples[due])
+    return fail(c, ERROR, "blocks sampled at t = %.9g s depend on each other", *c->time);
+  if (!CALL(c, samples[due], in, out) || unbounded(c->next, total) >= 0)
+    return fail(c, ERROR, "the sample at t = %.9g s has no finite value", *c->time);
+  copy(c->x, c->next, total);
+  for (int k = 0; k < SAMPLE_RATES; ++k) c->counts[k] += due >> k & 1;
+  return OK;
+}
+
+/* A communication step: samples at its start and inside of it, and steps between them. */
+static Status do_step(Instance* c, double point, double step_length) {
+  double first = *c->time, end = point + step_length, length = end - first, next = INFINITY;
+  double slack = 1e-9 * (fabs(first) + step_length);
+  int due;
+  if (!isfinite(length) || !(step_length >= 0.0))
+    return fail(c, ERROR, "a step of length %.3g s is not possible", step_length);
+  if (fabs(point - first) > slack)
+    return fail(c, ERROR, "the communication point is t = %.9g s, but %.9g s is reached", point,
+                first);
+  if (end > *c->stop + slack)
+    return fail(c, ERROR, "the step to t = %.9g s passes the stop time, %.9g s", end, *c->stop);
+  if (length <= 0.0) return OK;
+  Status status = start(c);
+  if (status > WARNING) return status;
+  if (!(c->valid & TERMS)) {
+    const double* in[] = {c->p};
+    double* out[] = {c->terms};
+    if (!CALL(c, step_terms, in, out)) return fail(c, ERROR, "the parameters have no valid terms");
+  }
   c->valid = STARTED | TERMS;
-  return check_state(c);
+  while (status <= WARNING && *c->time < end) {
+    double near = 1e-9 * fmin(length, STEP_LENGTH) + 1e-15 * fabs(end);
+    while (status <= WARNING && (next = next_sample(c, &due)) <= *c->time + near)
+      status = sample(c, due);
+    if (status <= WARNING) status = advance(c, next < end - near ? next : end);
+  }
+  return status > WARNING ? status : check_state(c);
 }
 #endif
 

@@ -2,13 +2,11 @@
 
 /** @import { Child, NotesView, RowsView, View } from "./types.d.ts" */
 
-import { CurvesChart } from "./charts.js";
+import { CurvesChart, chartKinds } from "./charts.js";
 import { Choice } from "./choice.js";
 import { FrontChart, MatrixChart, ParallelChart } from "./design_charts.js";
 import { DesignTable, chosenCard } from "./design_table.js";
-import { BarsChart, EllipsesChart, HistogramChart } from "./distributions.js";
 import { byId, el } from "./dom.js";
-import { BodeChart, NyquistChart } from "./frequency.js";
 import { list, tidy } from "./numbers.js";
 import { convergencePanel, optimumPanel } from "./optimum.js";
 import { diagnosisPanel, pairs, panel, parameterPanel, scrollable, verdict } from "./panels.js";
@@ -40,13 +38,10 @@ function contentOf(view) {
     case "facts": return pairs(view.items);
     case "rows": return rowsTable(view);
     case "notes": return notesList(view);
-    case "bars": return new BarsChart(view).node;
-    case "histogram": return new HistogramChart(view).node;
     case "curves": return new CurvesChart(view, choice).node;
-    case "ellipses": return new EllipsesChart(view).node;
-    case "bode": return new BodeChart(view).node;
-    case "nyquist": return new NyquistChart(view).node;
   }
+  const chart = chartKinds[view.kind];
+  if (chart) return chart(view);
   if (!choice?.count) return null;
   switch (view.kind) {
     case "front": return [new FrontChart(view, choice).node, colourLegend(choice)];
@@ -54,6 +49,7 @@ function contentOf(view) {
     case "matrix": return [new MatrixChart(view, choice).node, colourLegend(choice)];
     case "table": return new DesignTable(view, choice).node;
   }
+  return null;
 }
 
 /** @param {View} view @param {number} k */

@@ -1,7 +1,8 @@
 // Charts of the cards: axes and curves, drawn anew in the size of their card.
 
-/** @import { CurvesView, Line } from "./types.d.ts" */
+/** @import { CurvesView, Line, View } from "./types.d.ts" */
 /** @import { Choice } from "./choice.js" */
+/** @import { Motion } from "./motion.js" */
 
 import { el, shape } from "./dom.js";
 import { axisTicks, extent, isNum, list, minus, superscript, tidy } from "./numbers.js";
@@ -14,6 +15,12 @@ export const written = (x, y, text, attributes = {}, ...more) => shape("text", {
 
 /** @param {string} text */
 export const hint = (text) => shape("title", {}, text);
+
+/** Charts of modules that only some pages contain, by the kind of their view. @type {Partial<Record<View["kind"], (view: any) => HTMLElement>>} */
+export const chartKinds = {};
+
+/** Charts that mark the drawn state of a motion. @type {{ bind(motion: Motion): void }[]} */
+export const stateCharts = [];
 
 /** A text of limited length. @param {string} text @param {number} limit */
 export const clipped = (text, limit) => (text.length > limit ? `${text.slice(0, limit - 1)}…` : text);

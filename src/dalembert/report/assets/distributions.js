@@ -2,13 +2,13 @@
 
 /** @import { BarsView, EllipsesView, HistogramView } from "./types.d.ts" */
 
-import { Chart, Scale, clipped, hint, pathOf, written } from "./charts.js";
+import { Chart, Scale, chartKinds, clipped, hint, pathOf, written } from "./charts.js";
 import { shape } from "./dom.js";
 import { TAU, clamp, isNum, list, number, tidy } from "./numbers.js";
 import { withUnit } from "./units.js";
 
 /** A bar for each name, about zero where some are negative; long names stand above their bars. */
-export class BarsChart extends Chart {
+class BarsChart extends Chart {
   /** @param {BarsView} view */
   constructor(view) {
     const stacked = view.rows.some((row) => row.name.length > 26), rowHeight = stacked ? 42 : 27;
@@ -47,7 +47,7 @@ export class BarsChart extends Chart {
 }
 
 /** Histogram of values with a normal density and marks. */
-export class HistogramChart extends Chart {
+class HistogramChart extends Chart {
   /** @param {HistogramView} view */
   constructor(view) {
     super(view, 240);
@@ -85,7 +85,7 @@ export class HistogramChart extends Chart {
 const CONFIDENCE_RADII = [2.4477, 1.5096];
 
 /** Confidence ellipses of each pair of unknowns. */
-export class EllipsesChart extends Chart {
+class EllipsesChart extends Chart {
   /** @param {EllipsesView} view */
   constructor(view) {
     super(view, 300);
@@ -123,3 +123,7 @@ function pairOf(covariance, i, j, x, y, side) {
   return [shape("rect", { x: x + pad, y: y + pad, width: inner, height: inner, class: "edge" }),
     ...rings.map((ring) => shape("path", { d: `M${ring.join("L")}Z`, class: "band s0" })), shape("circle", { cx, cy, r: 2.6, class: "dot s0" })];
 }
+
+chartKinds.bars = (view) => new BarsChart(view).node;
+chartKinds.histogram = (view) => new HistogramChart(view).node;
+chartKinds.ellipses = (view) => new EllipsesChart(view).node;

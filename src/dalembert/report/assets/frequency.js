@@ -1,24 +1,29 @@
 // Charts over the frequency: Bode plot, Nyquist plot and spectral densities, with a cursor at the drawn state.
 
-/** @import { ResponseLine, ResponseView } from "./types.d.ts" */
+/** @import { ResponseCurve, ResponseLine, ResponseView } from "./types.d.ts" */
 /** @import { Box, Map1 } from "./charts.js" */
 /** @import { Motion } from "./motion.js" */
 
-import { Chart, Scale, hint, pathOf } from "./charts.js";
+import { Chart, Scale, chartKinds, hint, pathOf, stateCharts } from "./charts.js";
 import { el, shape } from "./dom.js";
-import { TAU, clamp, number } from "./numbers.js";
+import { TAU, clamp, isNum, number, tidy } from "./numbers.js";
 import { raised } from "./units.js";
 
 /** Degrees of a right angle, between the lines of phases. */
 const RIGHT = 90;
 
-/** Charts of the page, which follow its motion. @type {ResponseChart[]} */
-export const responseCharts = [];
+/** Values of a line, which has logarithms, so that small values keep their digits. @param {ResponseLine} line @returns {ResponseCurve} */
+function curveOf({ name, unit, level, phase }) {
+  const y = Array.from(level, (value) => (isNum(value) ? 10 ** value : 0));
+  if (!phase) return { name, unit, re: [], im: [], y };
+  const angles = Array.from(phase);
+  return { name, unit, re: y.map((value, k) => value * Math.cos(angles[k])), im: y.map((value, k) => value * Math.sin(angles[k])) };
+}
 
-/** @param {ResponseLine} line */
+/** @param {ResponseCurve} line */
 const amplitudes = ({ re, im, y }) => y ?? re.map((value, k) => Math.hypot(value, im[k]));
 
-/** Continuous phase [°]. @param {ResponseLine} line */
+/** Continuous phase [°]. @param {ResponseCurve} line */
 function phases({ re, im }) {
   let turns = 0, before = NaN;
   return re.map((value, k) => {
@@ -45,15 +50,15 @@ class ResponseChart extends Chart {
   /** @param {ResponseView} view @param {number} height */
   constructor(view, height) {
     super(view, height);
-    const lines = view.lines.map((line) => ({ ...line, re: Array.from(line.re), im: Array.from(line.im), y: line.y && Array.from(line.y) }));
-    this.view = { ...view, x: Array.from(view.x), states: Array.from(view.states), lines };
+    const x = Array.from(view.x, (value) => (view.log ? 10 ** value : value));
+    this.view = { ...view, x, states: Array.from(view.states), lines: view.lines.map(curveOf) };
     /** @type {Motion | null} */
     this.motion = null;
     this.marks = shape("g", { class: "cursor" });
     this.now = el("p", { class: "caption note readout" });
     this.node.append(this.now);
     this.setLegend(view.lines.map(({ name }, k) => ({ name, look: `s${k % 7}` })));
-    responseCharts.push(this);
+    stateCharts.push(this);
   }
 
   /** Follow the state of the drawing. @param {Motion} motion */
@@ -81,17 +86,17 @@ class ResponseChart extends Chart {
   mark() {
     const { view, chosen } = this;
     if (chosen < 0) return;
-    const texts = view.lines.map((line) => `${line.name}: ${number(amplitudes(line)[chosen], 4)} ${raised(line.unit)}${line.y ? "" : ` ∠ ${number((Math.atan2(line.im[chosen], line.re[chosen]) * 360) / TAU, 3)}°`}`);
+    const texts = view.lines.map((line) => `${line.name}: ${tidy(amplitudes(line)[chosen], 4)} ${raised(line.unit)}${line.y ? "" : ` ∠ ${number((Math.atan2(line.im[chosen], line.re[chosen]) * 360) / TAU, 3)}°`}`);
     this.now.textContent = `${number(view.x[chosen], 5)} Hz — ${texts.join("; ")}`;
   }
 }
 
 /** Amplitude over phase, or densities alone. */
-export class BodeChart extends ResponseChart {
+class BodeChart extends ResponseChart {
   /** @param {ResponseView} view */
   constructor(view) {
-    super(view, view.lines.every(({ y }) => y) ? 250 : 360);
-    this.logarithmic = view.x[0] > 0;
+    super(view, view.lines.every(({ phase }) => !phase) ? 250 : 360);
+    this.logarithmic = view.log;
     /** @type {{ left: number, right: number, x: Scale } | null} */
     this.span = null;
     /** @type {{ py: Map1, values: number[][], box: Box }[]} */
@@ -152,7 +157,7 @@ export class BodeChart extends ResponseChart {
 }
 
 /** Complex amplitudes in the plane. */
-export class NyquistChart extends ResponseChart {
+class NyquistChart extends ResponseChart {
   /** @param {ResponseView} view */
   constructor(view) {
     super(view, 320);
@@ -194,3 +199,6 @@ export class NyquistChart extends ResponseChart {
     this.marks.replaceChildren(...this.view.lines.map(({ re, im }, k) => shape("circle", { cx: px(re[chosen]), cy: py(im[chosen]), r: 5, class: `dot s${k % 7} design chosen` })));
   }
 }
+
+chartKinds.bode = (view) => new BodeChart(view).node;
+chartKinds.nyquist = (view) => new NyquistChart(view).node;

@@ -5,9 +5,9 @@
 /** @import { Motion } from "./motion.js" */
 
 import { buildColumns, choice, viewPanels } from "./cards.js";
+import { stateCharts } from "./charts.js";
 import { byId, el, toggleButton } from "./dom.js";
 import { buildFrame, buildZoom } from "./frame.js";
-import { responseCharts } from "./frequency.js";
 import { arrowMenu } from "./loads.js";
 import { clamp, list } from "./numbers.js";
 import { eventPanel, valuePanel } from "./panels.js";
@@ -52,7 +52,7 @@ export function buildPage(dimension, buildTools = () => {}) {
   if (beside.length) byId("board").prepend(el("div", { class: "beside" }, beside));
   board?.addDefault(payload.default_plots);
   if (motion.moves) buildPlayer(byId("player"), player);
-  for (const chart of responseCharts) chart.bind(motion);
+  for (const chart of stateCharts) chart.bind(motion);
   if (mesh) dimension.structure?.build(motion, mesh);
   else if (!board && !list(payload.views).some((view) => view.place === "board")) {
     byId("board").hidden = true;

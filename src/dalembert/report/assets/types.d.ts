@@ -123,10 +123,12 @@ export interface CurvesView extends Card {
   follows?: string;
 }
 export interface EllipsesView extends Card { kind: "ellipses"; names: string[]; units: string[]; centre: number[]; covariance: number[][] }
-/** Complex amplitudes, or densities `y`, over the frequency. */
-export interface ResponseLine { name: string; unit: string; re: number[]; im: number[]; y?: number[] }
-/** Lines over the frequency `x` [Hz]; `states` are the indices of the drawn states, `first` is shown first. */
-export interface ResponseView extends Card { kind: "bode" | "nyquist"; x: number[]; y: string; lines: ResponseLine[]; states: number[]; first: number }
+/** Decimal logarithms of amplitudes or densities over the frequency, and phases [rad]. */
+export interface ResponseLine { name: string; unit: string; level: (number | null)[]; phase?: number[] }
+/** The same in complex amplitudes, or in values `y` of a density. */
+export interface ResponseCurve { name: string; unit: string; re: number[]; im: number[]; y?: number[] }
+/** Lines over the frequency `x` [Hz], or its decimal logarithm if `log`; `states` are the indices of the drawn states, `first` is shown first. */
+export interface ResponseView extends Card { kind: "bode" | "nyquist"; log: boolean; x: number[]; y: string; lines: ResponseLine[]; states: number[]; first: number }
 /** View of the table of designs; `x` and `y` are indices of its columns. */
 export interface DesignView extends Card {
   kind: "front" | "parallel" | "matrix" | "table";

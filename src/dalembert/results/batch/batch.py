@@ -13,7 +13,7 @@ import numpy as np
 from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.results.analysis import Analysis
 from dalembert.results.batch.designs import Designs
-from dalembert.results.batch.samples import Samples
+from dalembert.results.batch.samples import Samples, complex_amplitudes
 from dalembert.results.files.contents import COMPONENTS
 from dalembert.results.result import REMEDIES, Result, missing_name
 from dalembert.results.status import Outcome, Status
@@ -28,6 +28,12 @@ OF_ONE_DESIGN = (
     "batch[k] returns the result of one design, with its report and pictures, batch['measure'] "
     "the values of all designs"
 )
+UNITS = {"time": "s", "frequency": "Hz"}
+"""Units of the samples of a design."""
+
+
+def _never(measure: str | Expression) -> bool:
+    return False
 
 
 @dataclass(eq=False, repr=False)
@@ -121,7 +127,7 @@ class Batch:
     # measures ----------------------------------------------------------------------
     def expression(self, measure: str | Expression) -> Expression:
         """A measure by name, a formula or an expression."""
-        return self.model.expression(measure)
+        return self.analysis.expression(self.model, measure)
 
     def values(self, measure: str | Expression) -> np.ndarray:
         """(designs, K) or (designs, K, size) values of a measure."""
@@ -138,7 +144,12 @@ class Batch:
         """
         if isinstance(key, (int, np.integer)):
             return self.design(int(key))
-        return self.labelled(key)
+        return complex_amplitudes(self, key) if self._is_complex(key) else self.labelled(key)
+
+    def _is_complex(self, measure: str | Expression) -> bool:
+        """Whether a measure of harmonic responses has complex amplitudes."""
+        first_result = next(iter(self.results.values()), None)
+        return bool(getattr(first_result, "is_complex", _never)(measure))
 
     def __contains__(self, key: object) -> bool:
         """Whether a measure or formula exists, or a design of this number."""
@@ -171,15 +182,21 @@ class Batch:
     def sample_dimension(self) -> str:
         """Dimension of the samples of a design."""
         first_result = next(iter(self.results.values()), None)
-        return "case" if hasattr(first_result, "cases") else "time"
+        usual = "case" if hasattr(first_result, "cases") else "time"
+        return getattr(first_result, "sample_dimension", usual)
 
     @property
     def coords(self) -> dict[str, Any]:
         """Coordinates of designs and instants."""
         first_result = next(iter(self.results.values()), None)
         cases = getattr(first_result, "cases", None)
-        instants = ("time", self.time, {"units": "s"}) if cases is None else ("case", cases)
-        return {**self.designs.coords, self.sample_dimension: instants}
+        dimension = self.sample_dimension
+        instants = (
+            (dimension, self.time, {"units": UNITS[dimension]})
+            if cases is None
+            else ("case", cases)
+        )
+        return {**self.designs.coords, dimension: instants}
 
     def design(self, k: int) -> Any:
         """Full result of one design, from a new run.

@@ -90,6 +90,22 @@ def match_instants(time: np.ndarray, requested: np.ndarray) -> np.ndarray:
     return np.where(abs(time[index] - requested) <= slack, index, -1)
 
 
+def complex_amplitudes(batch: Any, measure: str | Expression) -> xr.DataArray:
+    """Complex amplitudes of a measure of harmonic responses, by design, frequency and input."""
+    import xarray as xr
+
+    first: Any = next(iter(batch.results.values()))
+    table = np.full((len(batch), batch.samples.time.size, len(first.inputs)), np.nan, complex)
+    for k, result in batch.results.items():
+        columns = match_instants(batch.samples.time, result.time)
+        table[k, columns[columns >= 0]] = result.complex_values(measure)[columns >= 0]
+    coords = {**batch.coords, "input": first.inputs}
+    attributes = {"units": first.output(measure).unit}
+    name = measure if isinstance(measure, str) else measure.name
+    data = xr.DataArray(table, coords, ["design", "frequency", "input"], name, attributes)
+    return data.isel(input=0, drop=True) if len(first.inputs) == 1 else data
+
+
 class BatchData(Protocol):
     """Interface of a batch that ``batch_dataset`` reads."""
 
@@ -116,7 +132,7 @@ def batch_dataset(batch: BatchData) -> xr.Dataset:
     """
     import xarray as xr
 
-    if not isinstance(batch.model, Model):
+    if "frequency" in batch.coords or not isinstance(batch.model, Model):
         return _stacked(batch)
     layout = variables(batch.model)
     columns = [column for variable in layout for column in variable.columns]

@@ -71,7 +71,8 @@ def frequency_payload(response: Any, units: Sequence[str] = ()) -> dict[str, Any
 def _with_peaks(response: Any) -> Any:
     """The response with frequencies at the peaks of the outputs."""
     sources = [""] if len(response.inputs) == 1 else response.inputs
-    peaks = [f for name in response.outputs for s in sources for f, _ in response.peaks(name, s)]
+    pairs = [pair for name in response.outputs for s in sources for pair in response.peaks(name, s)]
+    peaks = [f for f, height in pairs if np.isfinite(height)]
     missing = np.setdiff1d(peaks, response.frequencies)
     if not missing.size:
         return response
@@ -89,27 +90,39 @@ def _states(response: Any) -> np.ndarray:
 
 
 def _curves(response: Any) -> list[dict[str, Any]]:
-    """Complex amplitudes of outputs by inputs."""
+    """Logarithms of amplitudes, and phases, of outputs by inputs; pages round equal steps."""
     lines = []
     for name in response.outputs:
         table = response.complex_values(name)
         for k, source in enumerate(response.inputs):
             label = name if len(response.inputs) == 1 else f"{name} by {source}"
-            parts = {"re": table[:, k].real, "im": table[:, k].imag}
+            parts = {"level": levels(np.abs(table[:, k])), "phase": np.angle(table[:, k])}
             lines.append({"name": label, "unit": response.unit_by(name, source), **parts})
     return lines[:MOST_CURVES]
+
+
+def levels(values: np.ndarray) -> np.ndarray:
+    """Decimal logarithms; NaN of values that are not positive."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(values > 0, np.log10(values), np.nan)  # type: ignore[no-any-return]
 
 
 def _views(response: Any, states: np.ndarray) -> list[dict[str, Any]]:
     """Charts over the frequency."""
     lines = _curves(response)
-    first = int(np.argmax(np.hypot(lines[0]["re"], lines[0]["im"])[states]))
-    common = {"x": response.frequencies, "states": states, "place": "board", "first": first}
+    heights = np.nan_to_num(lines[0]["level"][states], nan=-np.inf)
+    first = int(np.argmax(heights))
+    positive = bool(np.all(response.frequencies > 0))
+    x = levels(response.frequencies) if positive else response.frequencies
+    common = {"x": x, "log": positive, "states": states, "place": "board", "first": first}
     bode = {"kind": "bode", "title": "Bode plot", "y": _label("amplitude", lines), "lines": lines}
     alike = [line for line in lines if line["unit"] == lines[0]["unit"]]
     nyquist = {"kind": "nyquist", "title": "Nyquist plot", "y": "", "lines": alike}
     views = [common | bode, common | nyquist]
-    if densities := response.density_curves[:MOST_CURVES]:
+    if densities := [
+        {"name": curve["name"], "unit": curve["unit"], "level": levels(curve["values"])}
+        for curve in response.density_curves[:MOST_CURVES]
+    ]:
         label = _label("spectral density", densities)
         chart = {"kind": "bode", "title": "Spectral densities", "y": label, "lines": densities}
         views.insert(0, common | chart)

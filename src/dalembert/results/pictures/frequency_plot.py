@@ -9,6 +9,7 @@ import numpy as np
 
 from dalembert.errors import UnsupportedError
 from dalembert.results.comparison.lines import COLOURS
+from dalembert.results.harmonic_measures import part_name
 from dalembert.text.wording import unknown
 
 if TYPE_CHECKING:
@@ -66,13 +67,13 @@ def plot_densities(vibration: Any, outputs: Sequence[str], **options: Any) -> Fi
     figure, axes = plt.subplots(figsize=(7, 3.8), layout="constrained", **options)
     units = set()
     for k, name in enumerate(outputs):
-        measure = vibration.expression(f"{name}.psd")
+        measure = vibration.expression(part_name(name, "psd"))
         unit = vibration.output(name).unit
         label = f"{name}, σ = {vibration.rms(name):.4g} {unit}".rstrip()
         colour, densities = COLOURS[k % len(COLOURS)], vibration.values(measure)
         axes.plot(vibration.frequencies, densities, lw=1.6, color=colour, label=label)
         units.add(measure.unit)
-    axes.set_yscale("log")
+    _log_scale(axes)
     axes.set_xscale("log")
     axes.set_xlabel("frequency [Hz]")
     axes.set_ylabel(f"spectral density [{units.pop()}]" if len(units) == 1 else "spectral density")
@@ -90,7 +91,7 @@ def _bode(plt: Any, frequencies: np.ndarray, curves: Sequence[Any], options: Any
         colour = COLOURS[k % len(COLOURS)]
         top.plot(frequencies, np.abs(values), lw=1.6, color=colour, label=label)
         bottom.plot(frequencies, np.degrees(np.unwrap(np.angle(values))), lw=1.6, color=colour)
-    top.set_yscale("log")
+    _log_scale(top)
     if frequencies.size and frequencies[0] > 0:
         top.set_xscale("log")
     top.set_ylabel(_label("amplitude", curves))
@@ -98,6 +99,12 @@ def _bode(plt: Any, frequencies: np.ndarray, curves: Sequence[Any], options: Any
     bottom.yaxis.set_major_locator(plt.MultipleLocator(90))
     bottom.set_xlabel("frequency [Hz]")
     return [top, bottom]
+
+
+def _log_scale(axes: Any) -> None:
+    """A logarithmic axis where a curve has positive values."""
+    if any(np.any(np.asarray(line.get_ydata()) > 0) for line in axes.lines):
+        axes.set_yscale("log")
 
 
 def _label(text: str, curves: Sequence[Any]) -> str:

@@ -82,6 +82,9 @@ def imported_robot(
     """
     if not any(link.joints for link in robot.links):
         cure = "; import it with --base free if it floats" if kind == "URDF" else ""
+        unread = [element for root in roots for element, name in root.unread() if not name]
+        tags = ", ".join(dict.fromkeys(element.label for element in unread[:5]))
+        cure += f"; not converted: {tags}" if tags and kind == "MJCF" else ""
         raise roots[0].error(f"has no joint, so that nothing moves{cure}")
     writer = RobotDocument(robot, stops, repair_inertia)
     for root in roots:

@@ -51,6 +51,9 @@ CLOSURES = {
     "planar": "Planar",
 }
 """Type of a constraint → class of the joint that closes the loop."""
+ONE_COORDINATE = "is converted for joints with one limited coordinate only"
+XACRO = "xacro:"
+"""Start of the tags of templates."""
 GRAVITY = (0.0, 0.0, -9.81)
 """Gravity of the simulators that read URDF [m/s²]; the format has none."""
 REASONS = {
@@ -98,9 +101,24 @@ def read_urdf(
         raise FileError(f"{path}: the root element is <{element.tag}>, expected <robot>")
     if base not in ("fixed", "free"):
         raise FileError(f"{path}: base is {base!r}, expected 'fixed' or 'free'")
+    _refuse_template(element)
     reader = UrdfReader(element, Resources(path, root, packages or {}), base == "free")
     robot = reader.robot(np.array(GRAVITY) if gravity else None)
     return imported_robot(path, "URDF", robot, reader.omissions, [element], stops, repair_inertia)
+
+
+def _refuse_template(root: XmlElement) -> None:
+    """Check that a file is no template of xacro."""
+    pending = [root]
+    while pending:
+        element = pending.pop()
+        pending += element.children
+        marked = [v for v in element.attributes.values() if "${" in v or "$(" in v]
+        if element.tag.startswith(XACRO) or marked:
+            raise element.error(
+                "the file is a template; convert it first, for example with: xacro "
+                f"{root.file.name} > converted.urdf"
+            )
 
 
 class UrdfReader:
@@ -217,8 +235,6 @@ class UrdfReader:
         axis = self._axis(element, "axis", (1.0, 0.0, 0.0))
         joint = self.joints[name] = Joint(name, kind, element, axis)
         child.joints = [joint]
-        if kind == FREE:
-            child.start = child.pose
         self._dynamics(element, joint)
 
     def _dynamics(self, element: XmlElement, joint: Joint) -> None:
@@ -227,6 +243,9 @@ class UrdfReader:
             lower, upper = limit.number("lower", 0.0), limit.number("upper", 0.0)
             if element.text("type") in ("revolute", "prismatic"):
                 joint.range = lower, upper
+            else:
+                for side in [s for s in ("lower", "upper") if s in limit.attributes]:
+                    self.omissions.add(limit, f"limit {side}", ONE_COORDINATE)
         dynamics = element.only("dynamics")
         if dynamics is None:
             return
@@ -235,6 +254,8 @@ class UrdfReader:
         for name, value in (("damping", joint.damping), ("friction", joint.friction)):
             if value < 0:
                 raise dynamics.error(f"{name} is {value:g}; it is not negative")
+            if value and not joint.has_angle:
+                self.omissions.add(dynamics, f"dynamics {name}", ONE_COORDINATE)
 
     def mimic(self, element: XmlElement, mimic: XmlElement) -> list[Dependence]:
         """The dependence of a joint; none if the other joint does not exist."""

@@ -106,6 +106,16 @@ class XmlElement:
             return list(default)
         return self._numbers(self.text(name), name, counts)
 
+    def overlaid(self, name: str, default: Sequence[float] = ()) -> list[float]:
+        """Numbers of which an element may give the first ones only; its defaults the others."""
+        self.ignore(name)
+        numbers = list(default)
+        for element in (*reversed(self.defaults), self):
+            if name in element.attributes:
+                own = element.numbers(name)
+                numbers[: len(own)] = own
+        return numbers
+
     def integer(self, name: str, default: int | None = None) -> int:
         """A whole number."""
         number = self.number(name, None if default is None else float(default))

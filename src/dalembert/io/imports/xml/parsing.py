@@ -22,6 +22,8 @@ PER_ELEMENT = 2
 """Estimated cost of an element, in the rounds of the budget."""
 MAX_DEPTH = 250
 """Upper limit of nested elements."""
+DRAWINGS = "-//W3C//DTD SVG "
+"""Start of the public identifiers of document types that drawing programs write."""
 
 
 def read_xml(path: Path) -> XmlElement:
@@ -103,8 +105,9 @@ class _Reader:
     def check_document_type(
         self, name: str, system: str | None, public: str | None, has_declarations: int
     ) -> None:
-        """Accept the name of a document type, which is not fetched, without declarations."""
-        if has_declarations:
+        """Accept a bare name, or the type of SVG, without declarations; nothing is fetched."""
+        is_drawing = (public or "").startswith(DRAWINGS)
+        if has_declarations or ((system or public) and not is_drawing):
             self.refuse_document_type()
 
     def refuse_skipped_entity(self, name: str, is_parameter: bool) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dalembert.io.imports.robots.mjcf.actuator_law import Law
 from dalembert.io.imports.robots.mjcf.bodies import MjcfBodies
 from dalembert.io.imports.robots.parts import Actuator, Joint
 from dalembert.io.imports.xml.element import XmlElement
@@ -101,27 +102,16 @@ class MjcfActuators:
         return [(self.bodies.joints[name], coefficient) for name, coefficient in named]
 
     def _law(self, element: XmlElement) -> tuple[list[float], list[float]]:
-        """Coefficients ``g`` and ``b``."""
-        none = [0.0, 0.0, 0.0]
-        if element.tag == "motor":
-            return [1.0, 0.0, 0.0], none
-        if element.tag == "position":
-            kp, kv = element.number("kp", 1.0), element.number("kv", 0.0)
-            if element.has("dampratio"):
-                reason = "is computed from the inertia; write kv"
-                self.omissions.add(element, "position dampratio", reason)
-                element.ignore("dampratio")
-            return [kp, 0.0, 0.0], [0.0, -kp, -kv]
-        if element.tag == "velocity":
-            kv = element.number("kv", 1.0)
-            return [kv, 0.0, 0.0], [0.0, 0.0, -kv]
-        if element.tag == "damper":
-            return [0.0, 0.0, -element.number("kv", 1.0)], none
-        laws = []
-        for kind, usual in (("gain", "fixed"), ("bias", "none")):
-            law = element.choice(f"{kind}type", ("none", "fixed", "affine"), usual)
-            default = (1.0,) if kind == "gain" else (0.0,)
-            numbers = element.numbers(f"{kind}prm", default=default)
-            count = {"none": 0, "fixed": 1, "affine": 3}[law]
-            laws.append((numbers[:count] + none)[:3])
-        return laws[0], laws[1]
+        """Coefficients ``g`` and ``b``.
+
+        Actuators of all kinds share one default. Each element of its classes, then the actuator
+        itself, changes the coefficients that it gives or that its kind implies.
+        """
+        law = Law()
+        for own in (*reversed(element.defaults), element):
+            law.change(own)
+        if law.has_damping_ratio:
+            law.bias[2] = 0.0
+            reason = "is computed from the inertia; write kv"
+            self.omissions.add(element, f"{element.tag} dampratio", reason)
+        return law.coefficients

@@ -10,7 +10,7 @@ from dalembert.io.imports.robots.inertia import Inertia, combined
 from dalembert.io.imports.robots.mjcf.geometry import Geom
 from dalembert.io.imports.robots.mjcf.source import MjcfSource
 from dalembert.io.imports.robots.parts import BALL, FREE, SLIDING, TURNING, Joint, Link, Shape
-from dalembert.io.imports.robots.pose import Pose, euler_axes
+from dalembert.io.imports.robots.pose import Pose
 from dalembert.io.imports.xml.element import XmlElement
 
 KINDS = {"hinge": TURNING, "slide": SLIDING, "ball": BALL, "free": FREE}
@@ -62,6 +62,7 @@ class MjcfBodies:
         self.sites: dict[str, tuple[Link | None, Pose]] = {}
         self.ground_shapes: list[Shape] = []
         self._geoms: dict[Link, list[Geom]] = {}
+        self._inertials: dict[Link, tuple[XmlElement, Pose]] = {}
         self.meshes = self._meshes()
         self.rule = source.option("inertiafromgeom", "auto")
         low, high = [*source.option("inertiagrouprange", "0 5").split(), "5"][:2]
@@ -89,6 +90,8 @@ class MjcfBodies:
                 self._geom(element, place)
             elif element.tag in ("joint", "freejoint"):
                 self._joint(element, place)
+            elif element.tag == "inertial" and place.link is not None:
+                self._add_inertial(element, place.link, place.pose)
             elif element.tag == "site":
                 self._site(element, place)
             elif element.tag == "frame":
@@ -104,21 +107,24 @@ class MjcfBodies:
         return Place(place.link, place.pose @ pose, default, place.ending + ending)
 
     def _replicate(self, element: XmlElement, place: Place) -> None:
-        """Copies of the elements, each displaced and turned relative to the previous one."""
+        """Copies of the elements; copy k is turned by k times the angles.
+
+        Each is displaced relative to the previous one, along the axes of that one.
+        """
         element.visited = True
         count = element.integer("count")
         if not 0 < count <= MOST_COPIES:
             raise element.error(f"count is {count}; expected 1 to {MOST_COPIES}")
-        angles = element.numbers("euler", 3, default=(0.0, 0.0, 0.0))
-        turn = euler_axes(
-            self.source.option("eulerseq", "xyz"), [a * self.source.degree for a in angles]
-        )
-        step = Pose(np.array(element.numbers("offset", 3, default=(0.0, 0.0, 0.0))), turn)
-        separator, pose = element.text("sep", ""), Pose()
+        angles = np.array(element.numbers("euler", 3, default=(0.0, 0.0, 0.0)))
+        step = np.array(element.numbers("offset", 3, default=(0.0, 0.0, 0.0)))
+        separator, at = element.text("sep", ""), np.zeros(3)
         for k in range(count):
-            number = f"{k:0{len(str(count - 1))}d}"
+            number, pose = (
+                f"{k:0{len(str(count - 1))}d}",
+                Pose(at, self.source.euler((k * angles).tolist())),
+            )
             self._read(element, self._inside(element, place, pose, f"{separator}{number}"))
-            pose = Pose(pose.place + step.place, pose.axes @ step.axes)
+            at = pose.at(step)
 
     def _body(self, element: XmlElement, place: Place) -> None:
         element.visited = True
@@ -216,6 +222,9 @@ class MjcfBodies:
         if limited == "true" or (limited == "auto" and automatic):
             lower, upper = element.numbers("range", 2)
             joint.range = lower * unit - reference, upper * unit - reference
+        elif limited == "auto" and element.has("range"):
+            self.source.omissions.add(element, "joint range", "autolimits is off; write limited")
+            element.ignore("range")
         else:
             element.ignore("range")
 
@@ -223,9 +232,9 @@ class MjcfBodies:
     def _complete_inertias(self) -> None:
         """Inertia of every body, from ``<inertial>`` or its geoms, within the limits."""
         for link in self.links:
-            inertial = link.element.only("inertial")
+            inertial, around = self._inertials.get(link, (None, Pose()))
             if inertial is not None and self.rule != "true":
-                link.inertia = self._inertial(inertial)
+                link.inertia = self._inertial(inertial, around)
                 for geom in self._geoms[link]:
                     geom.element.ignore("mass", "density")
             elif self.rule != "false":
@@ -241,9 +250,16 @@ class MjcfBodies:
                 own, factor = link.inertia, total / mass
                 link.inertia = Inertia(own.mass * factor, own.center, own.tensor * factor)
 
-    def _inertial(self, element: XmlElement) -> Inertia:
+    def _add_inertial(self, element: XmlElement, link: Link, pose: Pose) -> None:
+        """The inertia of a body, in frames with this pose in the body."""
         element.visited = True
-        pose, mass = self.source.pose(element), element.number("mass")
+        if link in self._inertials:
+            line = self._inertials[link][0].line
+            raise element.error(f"the first <inertial> of {link.name} is in line {line}; keep one")
+        self._inertials[link] = element, pose
+
+    def _inertial(self, element: XmlElement, around: Pose) -> Inertia:
+        pose, mass = around @ self.source.pose(element), element.number("mass")
         if mass < 0:
             raise element.error(f"mass is {mass:g} kg; it is not negative")
         if element.has("fullinertia"):

@@ -57,9 +57,8 @@ class MjcfEqualities:
                 b = relative.inverse @ a
                 a, b = Pose(a.place), Pose(b.place)
             else:
-                relative = self._relative(element, relative)
                 b = Pose(np.array(element.numbers("anchor", 3, default=(0.0, 0.0, 0.0))))
-                a = relative @ b
+                a = self._relative_pose(element) or relative @ b
         if first is second:
             raise element.error("connects a body to itself; name two bodies")
         if element.tag == "connect":
@@ -67,13 +66,13 @@ class MjcfEqualities:
         kind = "Spherical" if element.tag == "connect" else "Weld"
         return Closure(name, kind, element, (first, second), (a, b))
 
-    def _relative(self, element: XmlElement, initial: Pose) -> Pose:
-        """Pose of the second body in the first; that in the position of the file by default."""
+    def _relative_pose(self, element: XmlElement) -> Pose | None:
+        """Pose of the anchor, with the axes of the second body, in the first; None if unstated."""
         if not element.has("relpose"):
-            return initial
+            return None
         numbers = element.numbers("relpose", 7)
         if not any(numbers[3:]):
-            return initial
+            return None
         return Pose(np.array(numbers[:3]), quaternion_axes(numbers[3:]))
 
     def _site(self, element: XmlElement, key: str) -> tuple[Link | None, Pose]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from dalembert.errors import DalembertError
 from dalembert.io.imports.robots import inertia as moments
 from dalembert.io.imports.robots.inertia import Inertia
 from dalembert.io.imports.robots.mesh_inertia import mesh_inertia
+from dalembert.io.imports.robots.mjcf.binary_mesh import read_binary_mesh
 from dalembert.io.imports.robots.mjcf.source import MjcfSource
 from dalembert.io.imports.robots.parts import Shape
 from dalembert.io.imports.robots.pose import Pose, axes_to_z, quaternion_axes
@@ -49,7 +49,7 @@ class Geom:
         self.mesh: XmlElement | None = None
         default = "mesh" if element.has("mesh") else "sphere"
         self.type = element.choice("type", TYPES, default)
-        element.ignore("name", "class", "contype", "conaffinity")
+        element.ignore("name", "class")
         if self.type in ("mesh", "sdf") or (element.has("mesh") and self.type != "mesh"):
             name = element.text("mesh")
             if name not in meshes:
@@ -64,6 +64,10 @@ class Geom:
         """(3,) radii, or half lengths."""
         element = self.element
         count = {"sphere": 1, "capsule": 2, "cylinder": 2}.get(self.type, 3)
+        if self.mesh is not None and self.type not in ("mesh", "sdf"):
+            raise element.error(
+                f"a {self.type} fitted to a mesh is not converted; give it a size instead of mesh"
+            )
         if self.mesh is not None or self.type in WITHOUT_MASS:
             element.ignore("size", "fromto")
             return np.zeros(3)
@@ -74,13 +78,14 @@ class Geom:
             if not length > 0:
                 raise element.error("fromto has no length; give two different points")
             self.pose = Pose((ends[:3] + ends[3:]) / 2, axes_to_z(along))
-            radius = element.numbers("size")[0]
+            radius = ([*element.overlaid("size"), 0.0])[0]
             sizes = [radius, length / 2] if count == 2 else [radius, radius, length / 2]
         else:
-            sizes = element.numbers("size")[:count]
+            sizes = element.overlaid("size")[:count]
         if len(sizes) < count or min(sizes) <= 0:
+            text = " ".join(f"{size:g}" for size in element.overlaid("size"))
             raise element.error(
-                f"size is {element.text('size')!r}; a {self.type} needs {count} positive number"
+                f"size is {text!r}; a {self.type} needs {count} positive number"
                 f"{'s' if count > 1 else ''}"
             )
         return np.array([*sizes, 0.0, 0.0])[:3]
@@ -136,6 +141,9 @@ class Geom:
         """Shape for pictures."""
         self.element.ignore("rgba", "material")
         if self.group not in DRAWN_GROUPS or self.type in WITHOUT_MASS:
+            kind = f"of group {self.group}" if self.group not in DRAWN_GROUPS else f"a {self.type}"
+            reason = f"{kind} is not drawn, and contacts are not created; add a Collisions element"
+            self.source.omissions.add(self.element, "geom", reason)
             return None
         if self.type in ("mesh", "sdf"):
             return self._mesh_shape()
@@ -158,9 +166,14 @@ class Geom:
         except DalembertError as error:
             omissions.add_file(mesh, "mesh", mesh.text("file"), error)
             return None
-        pose = self.pose @ reference_pose(mesh).inverse
-        scale = mesh.numbers("scale", 3, default=(1.0, 1.0, 1.0))
-        return mesh_shape(file, scale, pose, mesh, omissions)
+        scale = np.array(mesh.numbers("scale", 3, default=(1.0, 1.0, 1.0)))
+        reference = reference_pose(mesh)
+        if not reference.is_unturned and np.ptp(scale) > 0:
+            omissions.add(mesh, "mesh", "turned and scaled by different factors is not drawn")
+            return None
+        inverse = reference.inverse
+        pose = self.pose @ Pose(scale * inverse.place, inverse.axes)
+        return mesh_shape(file, scale.tolist(), pose, mesh, omissions)
 
 
 def reference_pose(mesh: XmlElement) -> Pose:
@@ -173,7 +186,11 @@ def reference_pose(mesh: XmlElement) -> Pose:
 def mesh_data(mesh: XmlElement, source: MjcfSource) -> tuple[np.ndarray, np.ndarray]:
     """(n, 3) vertices in the frame of the mesh, and (m, 3) faces."""
     if mesh.has("file"):
-        vertices, faces = read_triangles(Path(source.mesh_file(mesh)), mesh.place)
+        path = source.mesh_file(mesh)
+        if path.suffix.lower() == ".msh":
+            vertices, faces = read_binary_mesh(path)
+        else:
+            vertices, faces = read_triangles(path, mesh.place)
     elif mesh.has("vertex"):
         vertices = np.reshape(mesh.numbers("vertex"), (-1, 3))
         faces = np.empty((0, 3), dtype=int)
@@ -181,6 +198,6 @@ def mesh_data(mesh: XmlElement, source: MjcfSource) -> tuple[np.ndarray, np.ndar
             faces = np.reshape(np.array(mesh.numbers("face"), dtype=int), (-1, 3))
     else:
         raise mesh.error("has neither file nor vertex, and only these are read")
-    vertices = vertices * mesh.numbers("scale", 3, default=(1.0, 1.0, 1.0))
     reference = reference_pose(mesh)
-    return (vertices - reference.place) @ reference.axes, faces
+    vertices = (vertices - reference.place) @ reference.axes
+    return vertices * mesh.numbers("scale", 3, default=(1.0, 1.0, 1.0)), faces

@@ -23,6 +23,7 @@ SOLVER = "is an option of the solver of another program"
 REASONS = {
     **dict.fromkeys(("solref", "solimp", "solreffriction", "solimpfriction"), SOFT),
     **dict.fromkeys(("solreflimit", "solimplimit", "margin", "torquescale"), SOFT),
+    **dict.fromkeys(("contype", "conaffinity"), CONTACT),
     **dict.fromkeys(("friction", "condim", "priority", "gap", "solmix", "contact"), CONTACT),
     **dict.fromkeys(("rgba", "material", "texture", "skin", "visual", "light", "camera"), LOOK),
     **dict.fromkeys(("map", "quality", "global", "headlight", "statistic", "scale"), LOOK),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,8 @@ ACTUATORS = (
     *("muscle", "adhesion", "dcmotor", "plugin"),
 )
 """Tags of actuators, which share their defaults."""
+ORIENTATIONS = frozenset(("quat", "axisangle", "euler", "xyaxes", "zaxis"))
+"""Attributes that give an orientation."""
 MAIN = "main"
 """Name of the default class of all elements."""
 
@@ -57,6 +60,8 @@ class MjcfSource:
         self.files = [self.root]
         self._include(self.root)
         self.compilers = self.sections("compiler")
+        for compiler in self.compilers:
+            compiler.choice("coordinate", ("local",), "local")
         self._defaults: dict[str, list[XmlElement]] = {MAIN: []}
         for element in self.root.all("default"):
             self._read_default(element, MAIN)
@@ -140,33 +145,44 @@ class MjcfSource:
         return Pose(place, self.axes(element))
 
     def axes(self, element: XmlElement) -> np.ndarray:
-        """Orientation of an element."""
-        if element.has("quat"):
+        """Orientation of an element; its own one replaces those of its defaults in any notation."""
+        element.ignore(*ORIENTATIONS)
+        elements = (element, *element.defaults)
+        owner = next((e for e in elements if e.attributes.keys() & ORIENTATIONS), element)
+        notations = [name for name in owner.attributes if name in ORIENTATIONS]
+        if len(notations) > 1:
+            raise owner.error(f"has {' and '.join(notations)}; keep one orientation")
+        return self._orientation(owner, notations[0]) if notations else np.eye(3)
+
+    def _orientation(self, element: XmlElement, notation: str) -> np.ndarray:
+        """Orientation in one of the notations of the format."""
+        if notation == "quat":
             quaternion = element.numbers("quat", 4)
             if not any(quaternion):
                 raise element.error("quat is zero; a unit quaternion has the norm 1")
             return np.eye(3) if quaternion[1:] == [0.0] * 3 else quaternion_axes(quaternion)
-        if element.has("axisangle"):
+        if notation == "axisangle":
             *axis, angle = element.numbers("axisangle", 4)
             self._need_direction(element, "axisangle", axis)
             return axis_angle_axes(axis, angle * self.degree)
-        if element.has("euler"):
-            sequence = self.option("eulerseq", "xyz")
-            angles = [angle * self.degree for angle in element.numbers("euler", 3)]
-            if len(sequence) != 3 or set(sequence.lower()) - set("xyz"):
-                raise self.compilers[-1].error(f"eulerseq is {sequence!r}, expected such as xyz")
-            return euler_axes(sequence, angles)
-        if element.has("xyaxes"):
+        if notation == "euler":
+            return self.euler(element.numbers("euler", 3))
+        if notation == "xyaxes":
             numbers = np.array(element.numbers("xyaxes", 6))
             x = numbers[:3] / self._need_direction(element, "xyaxes", numbers[:3])
             y = numbers[3:] - (numbers[3:] @ x) * x
             y /= self._need_direction(element, "xyaxes", y)
             return np.column_stack([x, y, np.cross(x, y)])
-        if element.has("zaxis"):
-            z = np.array(element.numbers("zaxis", 3))
-            self._need_direction(element, "zaxis", z)
-            return axes_to_z(z)
-        return np.eye(3)
+        z = np.array(element.numbers("zaxis", 3))
+        self._need_direction(element, "zaxis", z)
+        return axes_to_z(z)
+
+    def euler(self, angles: Sequence[float]) -> np.ndarray:
+        """Successive rotations in the sequence and the unit of the file."""
+        sequence = self.option("eulerseq", "xyz")
+        if len(sequence) != 3 or set(sequence.lower()) - set("xyz"):
+            raise self.compilers[-1].error(f"eulerseq is {sequence!r}, expected such as xyz")
+        return euler_axes(sequence, [angle * self.degree for angle in angles])
 
     def _need_direction(
         self, element: XmlElement, name: str, vector: np.ndarray | list[float]

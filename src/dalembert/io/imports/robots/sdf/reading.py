@@ -12,7 +12,7 @@ from dalembert.io.imports.imported import Imported
 from dalembert.io.imports.robots.parts import FREE, Closure, Dependence, Joint, Link, Robot
 from dalembert.io.imports.robots.pose import Pose, axes_about
 from dalembert.io.imports.robots.reader import Omissions, imported_robot
-from dalembert.io.imports.robots.sdf.frames import MODEL, WORLD, Frames, local_pose
+from dalembert.io.imports.robots.sdf.frames import MODEL, SCOPE, WORLD, Frames, local_pose
 from dalembert.io.imports.robots.sdf.joints import KINDS, NOT_CONVERTED, SdfJoint, omit, read_joint
 from dalembert.io.imports.robots.sdf.links import SdfShapes, link_inertia
 from dalembert.io.imports.robots.sdf.values import flag, number, text
@@ -29,6 +29,7 @@ CLOSURES = {
     "fixed": "Weld",
 }
 """Type of a joint → class of a joint that closes a loop."""
+AXES = ("axis", "axis2")
 GRAVITY = (0.0, 0.0, -9.8)
 """Default gravity of the format [m/s²]."""
 REASONS = {
@@ -86,6 +87,7 @@ class SdfReader:
         self.poses: dict[str | None, Pose] = {None: Pose()}
         self.joints: list[SdfJoint] = []
         self.static: set[str] = set()
+        self.attached: dict[str, str] = {}
         self._included: list[Path] = []
 
     def robot(self) -> Robot:
@@ -156,17 +158,24 @@ class SdfReader:
     def _model(self, model: XmlElement, prefix: str, pose: Pose, is_static: bool) -> Frames:
         """Links and joints of a model and of the models in it."""
         model.visited = True
-        model.ignore("name", "canonical_link", "xmlns:xacro")
+        model.ignore("name", "xmlns:xacro")
         is_static = flag(model, "static") or is_static
         frames = Frames(model, pose)
         links = model.all("link")
         for element in links:
             frames.add(element, MODEL)
         for frame in model.all("frame"):
-            frames.add(frame, frame.text("attached_to", "") or MODEL)
+            owner = frame.text("attached_to", "") or MODEL
+            frames.add(frame, owner)
+            self.attached[prefix + frame.text("name")] = prefix + owner.replace(SCOPE, "_")
+        if links:
+            first = model.text("canonical_link", links[0].text("name"))
+            self.attached[prefix + MODEL] = prefix + first.replace(SCOPE, "_")
         joints = [j for j in model.all("joint") if not self._is_omitted(j)]
         for joint in joints:
             frames.add(joint, text(joint, "child"))
+            child = text(joint, "child").replace(SCOPE, "_")
+            self.attached[prefix + joint.text("name")] = prefix + child
         for inner in [*model.all("model"), *self._includes(model)]:
             name = inner.text("name")
             place = frames.pose(inner, MODEL)
@@ -196,9 +205,12 @@ class SdfReader:
         name = text(joint, tag)
         if name == WORLD:
             return None
-        full = prefix + name.replace("::", "_")
+        full, visited = prefix + name.replace(SCOPE, "_"), set()
+        while full in self.attached and full not in visited:
+            visited.add(full)
+            full = self.attached[full]
         if full not in self.links:
-            raise joint.error(f"{tag} is {name!r}, which is no link of this model")
+            raise joint.error(f"{tag} is {name!r}, which is no link or frame of this model")
         return full
 
     # tree -------------------------------------------------------------------------------------
@@ -259,11 +271,10 @@ class SdfReader:
 
 def _mimic(joint: Joint, mimic: XmlElement, motions: dict[str, Joint]) -> Dependence:
     """``s = multiplier (s_i − reference) + offset``."""
-    name = mimic.text("joint")
-    first = motions.get(name)
+    name, axis = mimic.text("joint"), mimic.choice("axis", AXES, AXES[0])
+    first = motions.get(name) or motions.get(f"{name}_{1 + AXES.index(axis)}")
     if first is None or first is joint:
         raise mimic.error(f"joint is {name!r}, expected another joint of this file")
-    mimic.ignore("axis")
     multiplier, offset = number(mimic, "multiplier", 1.0), number(mimic, "offset", 0.0)
     constant = offset - multiplier * number(mimic, "reference", 0.0)
     joint.start = constant + multiplier * first.start

@@ -1,0 +1,160 @@
+"""Web application of the studio: its page, the pictures and the WebSocket.
+
+All addresses begin with a random token. Requests of other sites are refused by the headers ``Host``
+and ``Origin``; the pages load nothing from elsewhere.
+"""
+
+from __future__ import annotations
+
+import hmac
+import json
+from collections.abc import Awaitable, Callable, MutableMapping
+from functools import cache
+from importlib import resources
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import HTMLResponse, PlainTextResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.websockets import WebSocket
+
+from dalembert.io.documents import json_schema
+from dalembert.studio.connection import Connection
+from dalembert.studio.session import Session
+
+MEDIA = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
+POLICY = "; ".join(
+    [
+        "default-src 'none'",
+        "script-src 'self'",
+        "style-src 'self' 'unsafe-inline'",
+        "img-src 'self' data: blob:",
+        "connect-src 'self'",
+        "frame-src 'self'",
+        "base-uri 'none'",
+        "form-action 'none'",
+        "frame-ancestors 'none'",
+    ]
+)
+"""Content security policy of the studio; pictures have their own."""
+HEADERS = {
+    "Cache-Control": "no-store",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cross-Origin-Opener-Policy": "same-origin",
+}
+Scope = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
+Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
+
+
+def make_application(session: Session, token: str, port: int, stop: Callable[[], None]) -> Guard:
+    """The application for one session.
+
+    Parameters
+    ----------
+    token : first part of the path of all addresses
+    port : on which it is served
+    stop : ends the server
+    """
+
+    async def index(request: Request) -> Response:
+        return _asset("studio.html", {"Content-Security-Policy": POLICY})
+
+    async def asset(request: Request) -> Response:
+        return _asset(request.path_params["name"])
+
+    async def schema(request: Request) -> Response:
+        return Response(_schema(), 200, HEADERS, "application/json")
+
+    async def picture(request: Request) -> Response:
+        page = session.pages.get(request.path_params["number"])
+        if page is None:
+            return PlainTextResponse("this picture is outdated", 404, HEADERS)
+        return HTMLResponse(page, headers=HEADERS | {"X-Frame-Options": "SAMEORIGIN"})
+
+    async def socket(websocket: WebSocket) -> None:
+        await Connection(session, websocket, stop).run()
+
+    routes = [
+        Route("/", index),
+        Route("/picture/{number:int}", picture),
+        Route("/assets/schema.json", schema),
+        Route("/assets/{name}", asset),
+        WebSocketRoute("/socket", socket),
+    ]
+    return Guard(Starlette(routes=routes), token, port)
+
+
+class Guard:
+    """Refuses requests without the token, from other sites or under other names of this machine.
+
+    Parameters
+    ----------
+    application : that answers the others
+    token : first part of the path
+    port : of the server
+    """
+
+    def __init__(self, application: Starlette, token: str, port: int):
+        self.application = application
+        self.token = token
+        self.hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] in ("http", "websocket"):
+            reason = self._refusal(scope)
+            if reason:
+                await _refuse(scope, receive, send, reason)
+                return
+            scope = dict(scope)
+            rest = scope["path"][len(self.token) + 1 :]
+            scope |= {"path": rest or "/", "raw_path": (rest or "/").encode()}
+        await self.application(scope, receive, send)
+
+    def _refusal(self, scope: Scope) -> str:
+        """Reason to refuse a request; empty if there is none."""
+        headers = [(name.lower(), value.decode("latin-1")) for name, value in scope["headers"]]
+        hosts = [value for name, value in headers if name == b"host"]
+        origins = [value for name, value in headers if name == b"origin"]
+        if len(hosts) != 1 or hosts[0].lower() not in self.hosts:
+            return "unknown host"
+        if len(origins) > 1 or (origins and origins[0] != f"http://{hosts[0]}"):
+            return "foreign origin"
+        if scope["type"] == "websocket" and not origins:
+            return "no origin"
+        token, slash, _ = scope["path"][1:].partition("/")
+        if not slash or not hmac.compare_digest(token.encode(), self.token.encode()):
+            return "wrong or missing token; use the address that 'dalembert studio' printed"
+        return ""
+
+
+async def _refuse(scope: Scope, receive: Receive, send: Send, reason: str) -> None:
+    if scope["type"] == "websocket":
+        await receive()
+        await send({"type": "websocket.close", "code": 1008, "reason": ""})
+        return
+    await PlainTextResponse(reason, 403, HEADERS)(scope, receive, send)
+
+
+@cache
+def _schema() -> str:
+    """JSON Schema of model files, for completion."""
+    return json.dumps(json_schema())
+
+
+def _asset(name: str, headers: dict[str, str] | None = None) -> Response:
+    """A file of the studio's page."""
+    suffix = f".{name.rpartition('.')[2]}"
+    folder = resources.files(__package__) / "assets"
+    report = resources.files("dalembert.report") / "assets"
+    if name == "page.css":
+        return Response((report / name).read_bytes(), 200, HEADERS, "text/css; charset=utf-8")
+    for place in (folder, folder / "vendor"):
+        for file in place.iterdir():
+            if file.name == name and suffix in MEDIA:
+                media = f"{MEDIA[suffix]}; charset=utf-8"
+                return Response(file.read_bytes(), 200, HEADERS | (headers or {}), media)
+    return PlainTextResponse("no such file", 404, HEADERS)

@@ -1,0 +1,3 @@
+// CodeMirror, bundled as one global. Its objects are not checked.
+
+declare const CodeMirror: any;

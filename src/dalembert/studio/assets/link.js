@@ -1,0 +1,44 @@
+// Connection to the server: messages both ways, and again after an interruption.
+
+/** @import { Message } from "./types.d.ts" */
+
+/** Pauses between attempts to connect [ms]. */
+const PAUSES = [300, 1000, 3000];
+
+export class Link {
+  /** @param {(message: Message) => void} receive @param {(connected: boolean) => void} onState */
+  constructor(receive, onState) {
+    this.receive = receive;
+    this.onState = onState;
+    this.attempts = 0;
+    this.stopped = false;
+    /** @type {WebSocket | null} */
+    this.socket = null;
+    this.connect();
+  }
+
+  connect() {
+    const address = new URL("socket", location.href);
+    address.protocol = "ws:";
+    const socket = new WebSocket(address);
+    socket.addEventListener("open", () => {
+      this.attempts = 0;
+      this.onState(true);
+    });
+    socket.addEventListener("message", ({ data }) => this.receive(JSON.parse(data)));
+    socket.addEventListener("close", () => {
+      this.onState(false);
+      if (!this.stopped) setTimeout(() => this.connect(), PAUSES[Math.min(this.attempts++, PAUSES.length - 1)]);
+    });
+    this.socket = socket;
+  }
+
+  get connected() { return this.socket?.readyState === WebSocket.OPEN; }
+
+  /** Send a request; returns whether it was sent. @param {Record<string, unknown>} request */
+  send(request) {
+    if (!this.socket || !this.connected) return false;
+    this.socket.send(JSON.stringify(request));
+    return true;
+  }
+}

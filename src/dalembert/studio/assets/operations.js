@@ -1,0 +1,151 @@
+// Changes of the model file for what is drawn, see `studio/drawing_edits.py`.
+
+/** @import { Place } from "./snapping.js" */
+/** @import { Page } from "./pictures.js" */
+/** @import { Document } from "./types.d.ts" */
+
+import { FINE, inBody, placeOf, rounded } from "./snapping.js";
+
+/** Mass of a new bar per length [kg/m], and of a new plate per area [kg/m²]. */
+const BAR = 1, PLATE = 10;
+/** Stiffness of a new spring [N/m], magnitude of a new force [N], time of a turn of a new motor [s]. */
+const STIFFNESS = 200, FORCE = 10, TURN = 2;
+
+/** @typedef {Record<string, unknown>} Operation */
+/** @typedef {{ label: string, operations: Operation[] }} Change */
+
+/** Number without noise in its last digits. @param {number} value */
+export const neat = (value) => (Math.abs(value) < 1e-12 ? 0 : Number(value.toPrecision(9)));
+
+/** Reference to a place: a point with a name, a point of a body, or a point of the ground. @param {Place} place @param {string | null} [body] */
+function reference({ x, y, names, local }, body = null) {
+  if (names.length) return names[0];
+  if (body && local) return { body, at: local.map(neat) };
+  return { body: "ground", at: [neat(x), neat(y)] };
+}
+
+/** @param {Place} place @param {string} end @returns {Operation[]} */
+const pinnedTo = (place, end) => (place.names.length || place.body ? [{ op: "add", section: "joints", base: "", fields: { type: "Revolute", connect: [reference(place, place.body), end] } }] : []);
+
+/** @param {Place} from @param {Place} to @returns {Change | null} */
+export function bar(from, to) {
+  const [dx, dy] = [to.x - from.x, to.y - from.y], length = Math.hypot(dx, dy);
+  if (!(length > 0)) return null;
+  const fields = { type: "Bar", length: neat(length), mass: neat(BAR * Number(length.toPrecision(3))), position: [neat((from.x + to.x) / 2), neat((from.y + to.y) / 2)], angle: neat(Math.atan2(dy, dx)) };
+  return { label: "add bar", operations: [{ op: "add", section: "bodies", base: "bar", as: "$bar", fields }, ...pinnedTo(from, "$bar.start"), ...pinnedTo(to, "$bar.end")] };
+}
+
+/** Area, centroid and second moment of area about it. @param {Place[]} corners */
+function areaOf(corners) {
+  let [area, cx, cy, polar] = [0, 0, 0, 0];
+  corners.forEach((p, k) => {
+    const q = corners[(k + 1) % corners.length], cross = p.x * q.y - q.x * p.y;
+    area += cross / 2;
+    cx += ((p.x + q.x) * cross) / 6;
+    cy += ((p.y + q.y) * cross) / 6;
+    polar += ((p.x ** 2 + p.x * q.x + q.x ** 2 + p.y ** 2 + p.y * q.y + q.y ** 2) * cross) / 12;
+  });
+  const [x, y] = [cx / area, cy / area];
+  return { area: Math.abs(area), x, y, polar: Math.abs(polar - area * (x * x + y * y)) };
+}
+
+/** @param {Place[]} corners @returns {Change | null} */
+export function plate(corners) {
+  const { area, x, y, polar } = areaOf(corners);
+  if (corners.length < 3 || !(area > 0)) return null;
+  const points = Object.fromEntries(corners.map((corner, k) => [`P${k + 1}`, [neat(corner.x - x), neat(corner.y - y)]]));
+  const fields = { type: "Body", mass: neat(PLATE * area), inertia: neat(PLATE * polar), position: [neat(x), neat(y)], angle: 0, points };
+  return { label: "add plate", operations: [{ op: "add", section: "bodies", base: "plate", as: "$plate", fields }, ...corners.flatMap((corner, k) => pinnedTo(corner, `$plate.P${k + 1}`))] };
+}
+
+/** Pin of two bodies, or of one to the ground. @param {Place} place @returns {Change | null} */
+export function pin(place) {
+  if (!place.body) return null;
+  const others = place.names.filter((name) => name.split(".")[0] !== place.body), own = reference(place, place.body);
+  const connect = others.length && !place.joint ? [own, others[0]] : [{ body: "ground", at: [neat(place.x), neat(place.y)] }, own];
+  return { label: "add pin", operations: [{ op: "add", section: "joints", base: "", fields: { type: "Revolute", connect } }] };
+}
+
+/** Pin in a slot of the ground. @param {Place} place @param {Place} toward @returns {Change | null} */
+export function slider(place, toward) {
+  const [dx, dy] = [toward.x - place.x, toward.y - place.y], length = Math.hypot(dx, dy);
+  if (!place.body || !(length > 0)) return null;
+  const fields = { type: "PinInSlot", connect: [{ body: "ground", at: [neat(place.x), neat(place.y)] }, reference(place, place.body)], axis: [neat(dx / length), neat(dy / length)] };
+  return { label: "add slider", operations: [{ op: "add", section: "joints", base: "slot", fields }] };
+}
+
+/** @param {Place} from @param {Place} to @returns {Change | null} */
+export function spring(from, to) {
+  const length = Math.hypot(to.x - from.x, to.y - from.y);
+  if (!(length > 0) || !(from.body || to.body)) return null;
+  const fields = { type: "Spring", connect: [reference(from, from.body), reference(to, to.body)], stiffness: STIFFNESS, free_length: neat(length) };
+  return { label: "add spring", operations: [{ op: "add", section: "forces", base: "spring", fields }] };
+}
+
+/** @param {Place} place @param {Place} toward @returns {Change | null} */
+export function force(place, toward) {
+  const [dx, dy] = [toward.x - place.x, toward.y - place.y], length = Math.hypot(dx, dy);
+  if (!place.body || !(length > 0)) return null;
+  const fields = { type: "Force", connect: [reference(place, place.body)], vector: [neat((FORCE * dx) / length), neat((FORCE * dy) / length)] };
+  return { label: "add force", operations: [{ op: "add", section: "forces", base: "force", fields }] };
+}
+
+/** Motor at a joint. @param {Place} place @param {Page} page @param {Document} document @returns {Change | null} */
+export function motor(place, page, document) {
+  const joint = place.joint === null ? null : document.joints?.[place.joint];
+  if (!joint) return null;
+  const bodies = /** @type {any[]} */ (joint.connect).map((end) => (typeof end === "string" ? end.split(".")[0] : end.body));
+  const angle = (/** @type {string} */ name) => page.motion.pose(page.motion.bodies.find((/** @type {any} */ body) => body.name === name) ?? page.motion.ground)?.a ?? 0;
+  const phase = neat(angle(bodies[1]) - angle(bodies[0]));
+  const fields = { type: "RotationalDriver", connect: bodies, law: `${phase} + 2*pi*t/${TURN}` };
+  return { label: "add motor", operations: [{ op: "add", section: "drivers", base: "motor", fields }] };
+}
+
+/** Names of sections of what the drawing shows. @param {Document} document @param {string} name */
+export function sectionOf(document, name) {
+  return ["bodies", "beams", "joints", "drivers", "forces"].find((section) => document[section]?.[name] !== undefined) ?? null;
+}
+
+/** @param {Document} document @param {string} name @returns {Change | null} */
+export function remove(document, name) {
+  const section = sectionOf(document, name);
+  return section === null ? null : { label: `delete ${name}`, operations: [{ op: "remove", section, name }] };
+}
+
+/** Move the points of a place, with bars and plates that end there. @param {Page} page @param {Document} document @param {Place} place @param {Place} to @returns {Change | null} */
+export function move(page, document, place, to) {
+  const { motion, scene } = page;
+  /** @type {Operation[]} */
+  const operations = [], set = (/** @type {(string | number)[]} */ keys, /** @type {unknown} */ value) => operations.push({ op: "set", keys, value });
+  for (const name of place.names) {
+    const [body, ...rest] = name.split("."), point = rest.join("."), entry = document.bodies?.[body];
+    if (!entry) continue;
+    if (entry.type === "Bar" && (point === "start" || point === "end")) {
+      const other = otherEnd(page, body, point);
+      if (!other) continue;
+      const [from, end] = point === "start" ? [to, other] : [other, to];
+      set(["bodies", body, "length"], neat(Math.hypot(end.x - from.x, end.y - from.y)));
+      set(["bodies", body, "angle"], neat(Math.atan2(end.y - from.y, end.x - from.x)));
+      if ("position" in entry) set(["bodies", body, "position"], [neat((from.x + end.x) / 2), neat((from.y + end.y) / 2)]);
+    } else if (entry.points && point in entry.points) set(["bodies", body, "points", point], inBody(page, body, to.x, to.y)?.map(neat));
+    else if (entry.type === "Particle" && "position" in entry) set(["bodies", body, "position"], [neat(to.x), neat(to.y)]);
+  }
+  for (const [name, joint] of Object.entries(document.joints ?? {})) {
+    const item = motion.joints.find((/** @type {any} */ part) => part.name === name), at = item && placeOf(page, item);
+    if (!at || Math.hypot(at[0] - place.x, at[1] - place.y) * scene.view.s > 1) continue;
+    /** @type {any[]} */ (joint.connect ?? []).forEach((end, k) => {
+      if (typeof end === "object" && end.body === "ground") set(["joints", name, "connect", k, "at"], [neat(to.x), neat(to.y)]);
+      else if (typeof end === "object") set(["joints", name, "connect", k, "at"], inBody(page, end.body, to.x, to.y)?.map(neat));
+      else if (end.startsWith("ground.") && document.ground?.points?.[end.slice(7)]) set(["ground", "points", end.slice(7)], [neat(to.x), neat(to.y)]);
+    });
+  }
+  return operations.length ? { label: `move ${place.names[0]}`, operations } : null;
+}
+
+/** World coordinates of the other end of a bar. @param {Page} page @param {string} body @param {string} point */
+export function otherEnd({ motion, scene }, body, point) {
+  const other = motion.points.find((/** @type {any} */ item) => item.name === `${body}.${point === "start" ? "end" : "start"}`), pose = other && motion.pose(other.body);
+  if (!pose) return null;
+  const [x, y] = motion.placed(pose, other.point);
+  return { x: rounded(x, FINE * scene.view.s), y: rounded(y, FINE * scene.view.s) };
+}

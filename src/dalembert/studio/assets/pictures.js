@@ -1,0 +1,86 @@
+// Picture of the model: the page of its analysis in a frame, replaced without a flicker.
+
+/** @import { PictureMessage } from "./types.d.ts" */
+
+import { el } from "./dom.js";
+
+/** Parts of a page of the report. @typedef {{ player: any, motion: any, scene: any, design?: any }} Page */
+
+export class Pictures {
+  /** @param {HTMLElement} stage */
+  constructor(stage) {
+    this.stage = stage;
+    /** The shown frame. @type {HTMLIFrameElement | null} */
+    this.frame = null;
+    /** The frame that loads. @type {HTMLIFrameElement | null} */
+    this.next = null;
+    /** Listeners to a new picture. @type {((page: Page) => void)[]} */
+    this.onShow = [];
+    this.shown = -1;
+    /** Revision of the text that the shown page has made itself. */
+    this.own = -1;
+    this.live = false;
+  }
+
+  /** Parts of the shown page. @returns {Page | null} */
+  get page() { return partsOf(this.frame); }
+
+  /** @param {PictureMessage} message */
+  receive({ number, page, live, revision }) {
+    if (revision === this.own) {
+      this.shown = number;
+      return;
+    }
+    this.stage.classList.toggle("outdated", !page && !live && this.frame !== null);
+    if (!page || number < this.shown || (number === this.shown && this.live)) return;
+    this.next?.remove();
+    const frame = el("iframe", { src: page, class: "loading", title: "Picture of the model" });
+    this.next = frame;
+    frame.addEventListener("load", () => this.replace(frame, number, live));
+    this.stage.append(frame);
+  }
+
+  /** @param {HTMLIFrameElement} frame @param {number} number @param {boolean} live */
+  async replace(frame, number, live) {
+    for (let k = 0; k < 500 && frame.isConnected && !partsOf(frame); k++) await new Promise((resolve) => setTimeout(resolve, 10));
+    const page = partsOf(frame);
+    if (frame !== this.next || !page) return;
+    keepView(this.page, page, number === this.shown);
+    setTheme(frame, document.documentElement.dataset.theme ?? "light");
+    frame.classList.remove("loading");
+    this.frame?.remove();
+    [this.frame, this.next, this.shown, this.live] = [frame, null, number, live];
+    for (const listener of this.onShow) listener(page);
+    document.documentElement.dataset.picture = `${number}${live ? " live" : ""}`;
+  }
+
+  /** @param {string} name */
+  setTheme(name) { if (this.frame) setTheme(this.frame, name); }
+}
+
+/** @param {HTMLIFrameElement | null} frame @returns {Page | null} */
+function partsOf(frame) {
+  return /** @type {any} */ (frame?.contentWindow)?.dalembert ?? null;
+}
+
+/** @param {HTMLIFrameElement} frame @param {string} name */
+function setTheme(frame, name) {
+  const root = frame.contentDocument?.documentElement;
+  if (root && root.dataset.theme !== name) /** @type {HTMLElement | null} */ (frame.contentDocument?.getElementById("theme"))?.click();
+}
+
+/** Same part of the plane, and the same time while the motion is the same.
+ * @param {Page | null} before @param {Page} after @param {boolean} same */
+function keepView(before, after, same) {
+  if (!before) return;
+  const [old, view] = [before.scene.view, after.scene.view];
+  if ("s" in old && "s" in view && !old.fitted) {
+    [view.x, view.y, view.s, view.fitted] = [old.x, old.y, old.s, false];
+    view.onChange();
+  }
+  if (same) after.player.seek(before.player.time);
+  if (!before.player.playing && before.motion.moves) {
+    after.player.pause();
+    if (!same) after.player.seek(Math.min(before.player.time, after.motion.end));
+  }
+}

@@ -1,0 +1,271 @@
+// Page of the studio: the drawing beside the text, with undo, saving and problems.
+
+/** @import { Page } from "./pictures.js" */
+/** @import { Document, FilesMessage, Message, PictureMessage, Problem, TextMessage } from "./types.d.ts" */
+
+import { ask } from "./ask.js";
+import { Completion } from "./completion.js";
+import { Drawing, TOOLS } from "./drawing.js";
+import { button, byId, el } from "./dom.js";
+import { Editor } from "./editor.js";
+import { Link } from "./link.js";
+import { Pictures } from "./pictures.js";
+
+/** Time for which a notice is shown [ms]. */
+const SHOWN = 6000;
+/** Time without a change after which values of sliders are written into the text [ms]. */
+const REST = 250;
+const MODIFIER = /Mac|iPhone|iPad/.test(navigator.platform) ? "⌘" : "Ctrl+";
+
+class Studio {
+  constructor() {
+    /** State of the file. @type {TextMessage} */
+    this.file = { kind: "text", revision: -1, text: null, name: "", path: "", changed: false, undo: "", redo: "", document: null };
+    /** Revisions sent and not yet confirmed. */
+    this.pending = 0;
+    /** The last message about a still picture. @type {PictureMessage | null} */
+    this.described = null;
+    /** Text that was typed while there was no connection. @type {string | null} */
+    this.unsent = null;
+    this.pictures = new Pictures(byId("canvas"));
+    this.pictures.onShow.push((page) => this.follow(page));
+    const keys = [
+      { key: "Mod-s", run: () => this.save() }, { key: "Mod-Shift-s", run: () => this.saveAs() },
+      { key: "Mod-e", run: () => this.extract() },
+      { key: "Mod-z", run: () => this.undo() }, { key: "Mod-y", run: () => this.redo() }, { key: "Mod-Shift-z", run: () => this.redo() },
+    ];
+    this.editor = new Editor(byId("text"), (text) => this.sendText(text), keys, (text, at, explicit) => this.completion?.options(text, at, explicit) ?? null);
+    /** Completion, when its schema has been read. @type {Completion | null} */
+    this.completion = null;
+    fetch("assets/schema.json").then((reply) => reply.json()).then((schema) => { this.completion = new Completion(schema, () => this.known, () => this.names()); });
+    /** Contents of the last valid text. @type {Document | null} */
+    this.known = null;
+    this.buttons = {
+      open: button("Open…", () => this.request("files"), { title: "Open a file, an example or a new model" }),
+      save: button("Save", () => this.save(), { title: `Save the file (${MODIFIER}S)` }),
+      saveAs: button("Save as…", () => this.saveAs()),
+      undo: button("Undo", () => this.undo()),
+      redo: button("Redo", () => this.redo()),
+      parameter: button("Parameter", () => this.extract(), { title: `Turn the number at the cursor into a parameter with a slider (${MODIFIER}E)` }),
+    };
+    byId("actions").append(...Object.values(this.buttons));
+    byId("more").append(button("Theme", () => this.turnTheme(), { id: "theme", title: "Light or dark" }), button("Stop", () => this.stop(), { title: "Stop the program; unsaved changes are kept" }));
+    this.setTheme(localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light"));
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.timer = undefined;
+    this.drawing = new Drawing(this.pictures, {
+      change: ({ label, operations }) => this.edit(label, operations),
+      hint: (text) => { byId("hint").textContent = text; },
+      select: (section, name) => this.editor.reveal(section, name),
+      refuse: (text) => this.say(text, true),
+      onTool: (name) => { for (const node of byId("palette").children) node.setAttribute("aria-pressed", String(/** @type {HTMLElement} */ (node).dataset.tool === name)); },
+    });
+    byId("palette").append(...TOOLS.map(({ name, title, key, hint }) =>
+      el("button", { type: "button", class: "button", "data-tool": name, "aria-pressed": name === "select", title: hint.join("; then "), onclick: () => this.drawing.choose(name) }, title, el("kbd", {}, key.toUpperCase()))));
+    this.link = new Link((message) => this.receive(message), (connected) => this.connected(connected));
+    this.bind();
+  }
+
+  bind() {
+    document.addEventListener("keydown", (event) => this.drawing.key(event));
+    document.addEventListener("keydown", (event) => {
+      if (!(event.ctrlKey || event.metaKey) || event.defaultPrevented) return;
+      const act = { s: () => (event.shiftKey ? this.saveAs() : this.save()), z: () => (event.shiftKey ? this.redo() : this.undo()), y: () => this.redo() }[event.key.toLowerCase()];
+      if (act) {
+        event.preventDefault();
+        act();
+      }
+    });
+    const divider = byId("divider"), desk = byId("desk");
+    const setWidth = (/** @type {number} */ share) => desk.style.setProperty("--text-width", `${Math.min(75, Math.max(15, share))}%`);
+    divider.addEventListener("pointerdown", (event) => {
+      divider.setPointerCapture(event.pointerId);
+      desk.classList.add("moving");
+    });
+    divider.addEventListener("pointermove", (event) => {
+      if (divider.hasPointerCapture(event.pointerId)) setWidth((1 - event.clientX / innerWidth) * 100);
+    });
+    divider.addEventListener("keydown", ({ key }) => {
+      const share = (byId("writing").clientWidth / innerWidth) * 100;
+      if (key === "ArrowLeft") setWidth(share + 3);
+      if (key === "ArrowRight") setWidth(share - 3);
+    });
+  }
+
+  /** @param {Message} message */
+  receive(message) {
+    switch (message.kind) {
+      case "text": return this.showFile(message);
+      case "picture":
+        if (!message.live) this.described = message;
+        if (message.problems) this.showProblems(message.problems);
+        if (message.summary !== undefined) this.showSummary(message);
+        return this.pictures.receive(message);
+      case "files": return void this.open(message);
+      case "notice": return this.say(message.text);
+      case "failure": return this.say(message.text, true);
+      case "conflict": return void this.resolve(message.text, message.path);
+    }
+  }
+
+  /** @param {TextMessage} file */
+  showFile(file) {
+    const { text, name, changed } = file;
+    if (text === null) this.pending--;
+    else if (!this.editor.waits || file.revision !== this.file.revision) {
+      this.pending = 0;
+      this.editor.show(text);
+    }
+    this.file = file;
+    this.drawing.document = file.document;
+    this.known = file.document ?? this.known;
+    if (this.unsent !== null) {
+      const { unsent } = this;
+      this.unsent = null;
+      this.editor.show(unsent);
+      this.sendText(unsent);
+    }
+    byId("name").textContent = name;
+    byId("name").title = file.path;
+    byId("changed").hidden = !changed;
+    document.title = `${changed ? "• " : ""}${name} – studio`;
+    const { undo, redo, save } = this.buttons;
+    for (const [node, label, key] of /** @type {const} */ ([[undo, file.undo, "Z"], [redo, file.redo, "Y"]])) {
+      node.disabled = !label;
+      node.title = label ? `${node.textContent} ${label} (${MODIFIER}${key})` : "";
+    }
+    save.disabled = !changed && Boolean(file.path);
+    document.documentElement.dataset.revision = String(file.revision);
+  }
+
+  /** @param {string} text */
+  sendText(text) {
+    if (this.link.send({ kind: "text", text, revision: this.file.revision + this.pending })) this.pending++;
+    else this.unsent = text;
+  }
+
+  /** @param {string} kind @param {Record<string, unknown>} [more] */
+  request(kind, more = {}) {
+    this.editor.flush();
+    this.link.send({ kind, ...more });
+    return true;
+  }
+
+  undo() { return this.request("undo"); }
+
+  redo() { return this.request("redo"); }
+
+  save() { return this.file.path ? this.request("save") : this.saveAs(); }
+
+  saveAs() {
+    ask("Save as", "A file name, or a path.", { save: "Save" }, { name: "File", value: this.file.path || this.file.name }).then((reply) => {
+      if (reply?.value.trim()) this.request("save", { path: reply.value.trim() });
+    });
+    return true;
+  }
+
+  /** Decide about a file that is not replaced without confirmation. @param {string} text @param {string} path */
+  async resolve(text, path) {
+    /** @type {Record<string, string>} */
+    const answers = path ? { replace: "Replace" } : { replace: "Overwrite it", reload: "Read it again", other: "Save as…" };
+    const reply = await ask("The file is not replaced yet", `${text}.`, answers);
+    if (reply?.answer === "replace") this.request("save", { path, replace: true });
+    if (reply?.answer === "reload") this.request("reload");
+    if (reply?.answer === "other") this.saveAs();
+  }
+
+  /** @param {FilesMessage} listed */
+  async open({ folder, files, examples }) {
+    const choices = [...files.map((path) => ({ text: path.slice(folder.length + 1), value: path })), ...examples.map((name) => ({ text: `example: ${name}`, value: `example: ${name}` }))];
+    const reply = await ask("Open", `A file of ${folder}, a path, or an example. Unsaved changes of this model are kept.`, { open: "Open", fresh: "New model" }, { name: "File", value: "", choices });
+    const value = reply?.value.trim() ?? "", example = /^example: (\w+)$/.exec(value)?.[1];
+    if (reply?.answer === "fresh") this.request("open");
+    else if (example) this.request("open", { example });
+    else if (value) this.request("open", { path: value.includes("/") || value.includes("\\") ? value : `${folder}/${value}` });
+  }
+
+  /** Names for references and formulas: parameters, elements, points. */
+  names() {
+    const { known } = this, sections = ["parameters", "derived", "inputs", "outputs", "bodies", "joints", "drivers", "forces", "blocks"];
+    const points = this.pictures.page?.motion.points?.map((/** @type {{ name: string }} */ { name }) => name) ?? [];
+    return [...new Set([...sections.flatMap((section) => Object.keys(known?.[section] ?? {})), ...points, ...Object.keys(known?.ground?.points ?? {}).map((name) => `ground.${name}`)])];
+  }
+
+  /** Turn the number at the cursor into a parameter. */
+  extract() {
+    this.editor.flush();
+    return this.edit("add parameter", [{ op: "extract", at: this.editor.cursor }]);
+  }
+
+  /** @param {string} label @param {Record<string, unknown>[]} operations */
+  edit(label, operations) {
+    return this.request("edit", { label, operations, revision: this.file.revision + this.pending });
+  }
+
+  /** Write the values of the sliders of a live picture into the text. @param {Page} page */
+  follow({ design }) {
+    if (!design) return;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    let waiting;
+    let written = [...design.values];
+    design.onChange.on(() => {
+      clearTimeout(waiting);
+      waiting = setTimeout(() => {
+        if (this.pictures.page?.design !== design) return;
+        const operations = design.parameters.flatMap((/** @type {{ name: string }} */ { name }, /** @type {number} */ k) => (design.values[k] === written[k] ? [] : [{ op: "parameter", name, value: design.values[k] }]));
+        written = [...design.values];
+        if (!operations.length) return;
+        this.pictures.own = this.file.revision + this.pending + 1;
+        this.edit(`set ${operations.map((/** @type {{ name: string }} */ { name }) => name).slice(0, 3).join(", ")}`, operations);
+      }, REST);
+    });
+  }
+
+  stop() {
+    this.link.stopped = true;
+    this.request("stop");
+    this.say("The program is stopped. Unsaved changes are kept for the next time; this tab can be closed.");
+  }
+
+  /** @param {boolean} connected */
+  connected(connected) {
+    const link = byId("link");
+    link.textContent = connected ? "" : this.link?.stopped ? "stopped" : "not connected: is the program running? Changes are sent when it answers";
+    link.classList.toggle("error", !connected);
+    if (connected) this.pending = 0;
+  }
+
+  /** @param {Problem[]} problems */
+  showProblems(problems) {
+    this.editor.mark(problems);
+    byId("problems").replaceChildren(...problems.map(({ level, message, start, end, line }) =>
+      el("li", { class: level }, el("button", { type: "button", onclick: () => start !== null && this.editor.select(start, end ?? start) },
+        el("span", { class: "level" }), el("span", { class: "place" }, line ? `line ${line}` : ""), el("span", {}, message)))));
+  }
+
+  /** @param {PictureMessage} message */
+  showSummary({ summary = "", facts = {} }) {
+    byId("summary").textContent = summary;
+    byId("freedom").textContent = facts.redundant ? `${facts.redundant} redundant constraint${facts.redundant > 1 ? "s" : ""}` : "";
+  }
+
+  /** @param {string} text @param {boolean} [failed] */
+  say(text, failed = false) {
+    const notice = byId("notice");
+    notice.textContent = text;
+    notice.classList.toggle("error", failed);
+    clearTimeout(this.timer);
+    if (!failed) this.timer = setTimeout(() => { notice.textContent = ""; }, SHOWN);
+  }
+
+  /** @param {string} name */
+  setTheme(name) {
+    document.documentElement.dataset.theme = name;
+    localStorage.setItem("theme", name);
+    this.pictures.setTheme(name);
+  }
+
+  turnTheme() { this.setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"); }
+}
+
+Object.assign(window, { studio: new Studio() });

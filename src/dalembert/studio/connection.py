@@ -1,0 +1,153 @@
+"""Messages between a page of the studio and its session."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from dalembert.errors import DalembertError, FileError
+from dalembert.files import read_text
+from dalembert.io.example_files import example_folder
+from dalembert.studio.drawing_edits import apply
+from dalembert.studio.session import MAX_TEXT, Session, failure
+
+
+class Connection:
+    """One page: carries out its requests and sends what changes.
+
+    Requests are JSON objects with a ``kind``; unknown or malformed ones are answered by a failure.
+
+    Parameters
+    ----------
+    session : of the model file
+    websocket : of the page
+    stop : ends the server
+    """
+
+    def __init__(self, session: Session, websocket: WebSocket, stop: Callable[[], None]):
+        self.session = session
+        self.websocket = websocket
+        self.stop = stop
+        self.requests: dict[str, Callable[[dict[str, Any]], None]] = {
+            "text": self.text,
+            "edit": self.edit,
+            "undo": self.undo,
+            "redo": self.redo,
+            "save": self.save,
+            "reload": self.reload,
+            "open": self.open,
+            "files": lambda _: session.reply(self.send, session.files()),
+            "stop": lambda _: stop(),
+        }
+
+    async def send(self, message: dict[str, Any]) -> None:
+        """Send a message to the page."""
+        await self.websocket.send_text(json.dumps(message))
+
+    async def run(self) -> None:
+        """Serve the page until it is closed."""
+        await self.websocket.accept()
+        try:
+            await self.session.attach(self.send)
+            while True:
+                await self.answer(await self.websocket.receive_text())
+        except (WebSocketDisconnect, RuntimeError, KeyError):  # KeyError: not a text
+            pass
+        finally:
+            self.session.detach(self.send)
+
+    async def answer(self, data: str) -> None:
+        """Carry out one request."""
+        try:
+            request = json.loads(data)
+            kind = request.get("kind") if isinstance(request, dict) else None
+            if not isinstance(kind, str) or kind not in self.requests:
+                raise FileError("unknown request; reload the page")
+            self.requests[kind](request)
+        except (ValueError, RecursionError):
+            await self.send({"kind": "failure", "text": "unreadable request; reload the page"})
+        except Conflict as conflict:
+            await self.send({"kind": "conflict", "text": str(conflict), "path": conflict.path})
+        except DalembertError as error:
+            await self.send(failure(error))
+
+    def text(self, request: dict[str, Any]) -> None:
+        """Replace the text by one that was typed on the base of the present revision."""
+        text, revision = request.get("text"), request.get("revision")
+        if not isinstance(text, str) or len(text) > MAX_TEXT:
+            raise FileError(f"the text has more than {MAX_TEXT} characters; it was not stored")
+        if revision != self.session.draft.revision:
+            self.session.broadcast(self.session.state())
+            raise FileError("another page has changed the model; its text is shown now")
+        if self.session.draft.replace(text, "edit text", typed=True):
+            self.session.changed(self.send)
+        else:
+            self.session.confirm(self.send)
+
+    def edit(self, request: dict[str, Any]) -> None:
+        """Change the text as the drawing requests."""
+        if request.get("revision") != self.session.draft.revision:
+            raise FileError("the model has changed meanwhile; draw it once more")
+        text = apply(self.session.draft.text, request.get("operations"))
+        if len(text) > MAX_TEXT:
+            raise FileError(f"the text would have more than {MAX_TEXT} characters")
+        label = request.get("label")
+        if self.session.draft.replace(text, str(label)[:60] if label else "draw"):
+            self.session.changed()
+
+    def undo(self, request: dict[str, Any]) -> None:
+        """Revert the last change."""
+        if self.session.draft.undo():
+            self.session.changed()
+
+    def redo(self, request: dict[str, Any]) -> None:
+        """Repeat the change that was reverted."""
+        if self.session.draft.redo():
+            self.session.changed()
+
+    def save(self, request: dict[str, Any]) -> None:
+        """Write the file."""
+        path = request.get("path")
+        target = Path(path).expanduser() if isinstance(path, str) and path else None
+        replace = request.get("replace") is True
+        try:
+            saved = self.session.save(target, replace)
+        except FileError as error:
+            if not replace and str(error).endswith(("exists already", "by another program")):
+                raise Conflict(str(error), str(target or "")) from None
+            raise
+        self.session.broadcast({"kind": "notice", "text": f"saved {saved}"})
+
+    def reload(self, request: dict[str, Any]) -> None:
+        """Read the file again."""
+        if self.session.draft.reload():
+            self.session.changed()
+
+    def open(self, request: dict[str, Any]) -> None:
+        """Edit another file, an example, or a new model."""
+        path, example = request.get("path"), request.get("example")
+        if isinstance(example, str) and re.fullmatch(r"\w+", example):
+            text = read_text(example_folder() / f"{example}.toml")
+            self.session.open(None, text)
+        else:
+            target = Path(path).expanduser() if isinstance(path, str) and path else None
+            self.session.open(target)
+
+
+class Conflict(DalembertError):
+    """A file that is not replaced without confirmation.
+
+    Parameters
+    ----------
+    message : text
+    path : of the file, as it was entered
+    """
+
+    def __init__(self, message: str, path: str):
+        super().__init__(message)
+        self.path = path

@@ -1,0 +1,149 @@
+"""Changes of a model file that the drawing requests: new entries, values, names, removal."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from dalembert.errors import ModelError
+from dalembert.studio.text_edits import TextEdits
+
+ELEMENTS = ("bodies", "beams", "joints", "drivers", "forces", "blocks")
+"""Sections of elements, which refer to each other."""
+MAX_OPERATIONS = 500
+"""Upper limit of the operations of one change."""
+
+
+def apply(text: str, operations: Any) -> str:
+    """The text after the operations of one change.
+
+    Parameters
+    ----------
+    text : of the model file
+    operations : list of tables with ``op``. ``add`` has ``section``, ``fields`` and ``name`` or
+        ``base``, to which a number is appended; ``as`` is a placeholder such as ``$bar`` for the
+        name in later operations. ``set`` has ``keys`` and ``value``, ``remove`` and ``rename``
+        have ``section`` and ``name``; the new name is ``to``. ``parameter`` has ``name`` and
+        ``value``, ``extract`` has ``keys``, or the character ``at`` in the text.
+
+    Raises
+    ------
+    ModelError
+        An invalid operation; the text stays as it is.
+    """
+    if not isinstance(operations, list) or not 0 < len(operations) <= MAX_OPERATIONS:
+        raise ModelError(f"a change has 1 to {MAX_OPERATIONS} operations")
+    edits = TextEdits(text)
+    names: dict[str, str] = {}
+    for operation in operations:
+        kind = operation.get("op") if isinstance(operation, dict) else None
+        if kind not in OPERATIONS:
+            raise ModelError(f"unknown operation {str(kind)[:40]!r}")
+        OPERATIONS[kind](edits, _named(operation, names), names)
+    return edits.text
+
+
+def _named(value: Any, names: Mapping[str, str]) -> Any:
+    """The value with names in place of placeholders."""
+    if isinstance(value, str) and value.startswith("$"):
+        placeholder, dot, rest = value.partition(".")
+        return names.get(placeholder, placeholder) + dot + rest
+    if isinstance(value, dict):
+        return {key: item if key == "as" else _named(item, names) for key, item in value.items()}
+    return [_named(item, names) for item in value] if isinstance(value, list) else value
+
+
+def _text(operation: Mapping[str, Any], key: str) -> str:
+    value = operation.get(key)
+    if not isinstance(value, str):
+        raise ModelError(f"the operation {operation.get('op')} needs the text {key!r}")
+    return value
+
+
+def _add(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    fields = operation.get("fields")
+    if not isinstance(fields, dict):
+        raise ModelError("the operation add needs the table 'fields'")
+    name = operation.get("name") or edits.free_name(_text(operation, "base"))
+    edits.add(_text(operation, "section"), str(name), fields)
+    if "as" in operation:
+        names[_text(operation, "as")] = str(name)
+
+
+def _set(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    keys = operation.get("keys")
+    if not (isinstance(keys, list) and keys and all(isinstance(k, (str, int)) for k in keys)):
+        raise ModelError("the operation set needs the list 'keys'")
+    edits.set_value(keys, operation.get("value"))
+
+
+def _remove(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    section, name = _text(operation, "section"), _text(operation, "name")
+    for dependent in dependents(edits.data, section, name):
+        edits.remove(*dependent)
+    edits.remove(section, name)
+
+
+def _rename(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    edits.rename(_text(operation, "section"), _text(operation, "name"), _text(operation, "to"))
+
+
+def _parameter(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    edits.set_parameter(_text(operation, "name"), operation.get("value"))  # type: ignore[arg-type]
+
+
+def _extract(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    keys, at = operation.get("keys"), operation.get("at")
+    if isinstance(at, int):
+        keys = edits.keys_at(at)
+    if not (isinstance(keys, (list, tuple)) and keys):
+        raise ModelError("place the cursor in a number of an element")
+    parts = [str(key) for key in keys[1:]]
+    edits.extract(keys, re.sub(r"\W", "_", "_".join(parts)) or "parameter")
+
+
+OPERATIONS: dict[str, Callable[[TextEdits, dict[str, Any], dict[str, str]], None]] = {
+    "add": _add,
+    "set": _set,
+    "remove": _remove,
+    "rename": _rename,
+    "parameter": _parameter,
+    "extract": _extract,
+}
+
+
+def dependents(data: Mapping[str, Any], section: str, name: str) -> list[tuple[str, str]]:
+    """Elements that cannot exist without an entry, directly or through others.
+
+    Parameters
+    ----------
+    data : of the model file
+    section, name : of the entry
+    """
+    if section not in ELEMENTS:
+        return []
+    removed = {name}
+    listed: list[tuple[str, str]] = []
+    waiting = [name]
+    while waiting:
+        former = waiting.pop()
+        for other_section in ELEMENTS:
+            entries = data.get(other_section)
+            if not isinstance(entries, dict):
+                continue
+            for other, entry in entries.items():
+                if other not in removed and _refers(entry, former):
+                    removed.add(other)
+                    listed.append((other_section, other))
+                    waiting.append(other)
+    return listed
+
+
+def _refers(value: Any, name: str) -> bool:
+    """Whether an entry refers to an element: by its name, its points or its measures."""
+    if isinstance(value, str):
+        return re.search(rf"(?<![\w.]){re.escape(name)}(?:\.|$)", value) is not None
+    if isinstance(value, dict):
+        return any(_refers(item, name) for item in value.values())
+    return isinstance(value, list) and any(_refers(item, name) for item in value)

@@ -1,0 +1,190 @@
+"""Pictures of a text: the page of its analysis, or the reason why there is none."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from dalembert.errors import AssemblyError, DalembertError
+from dalembert.io.analyses import make_analysis
+from dalembert.io.model_file import ModelFile, check_model_data
+from dalembert.io.reading import parse_document
+from dalembert.io.report import live_responses, report_choices
+from dalembert.io.toml_places import line_and_column, parse_keys, toml_places
+from dalembert.model.assembled.model import StructuralModel
+from dalembert.report.page import render_page
+from dalembert.results.result import Result
+
+DURATION = 3.0
+"""Duration of the motion of a file without an analysis [s]."""
+OUTPUTS = 151
+"""Instants of this motion."""
+EMBEDDED = "header.top, #footer, #panels { display: none } body { padding: 0.5rem }"
+"""Style of a page in the studio, which has its own heading."""
+PARTS = ("bodies", "beams", "include")
+"""Sections of the bodies of a mechanism; without any, the picture is blank."""
+BLANK: dict[str, Any] = {"format": 1, "time": [], "scene": {}}
+PATH = re.compile(r'\s*((?:"(?:[^"\\]|\\.)*"|[A-Za-z0-9_-]+)(?:\.(?:"[^"]*"|[\w-]+)|\[\d+\])*): ')
+SYNTAX = re.compile(r"\(at line (\d+), column (\d+)\)|\(at end of document\)|: line (\d+): ")
+
+
+@dataclass(frozen=True)
+class Problem:
+    """An error or a warning at a place of the text.
+
+    Attributes
+    ----------
+    level : ``error``, ``warning`` or ``note``
+    message : text
+    start, end : characters of the place; None if it has no place
+    line : from 1 on; zero without a place
+    """
+
+    level: str
+    message: str
+    start: int | None = None
+    end: int | None = None
+    line: int = 0
+
+
+@dataclass(frozen=True)
+class Picture:
+    """Page of a text.
+
+    Attributes
+    ----------
+    page : HTML; empty if there is none
+    problems : errors and warnings
+    summary : of the model in one line
+    facts : numbers of the model, such as its degrees of freedom
+    is_live : whether the page computes
+    """
+
+    page: str = ""
+    problems: tuple[Problem, ...] = ()
+    summary: str = ""
+    facts: dict[str, Any] = field(default_factory=dict)
+    is_live: bool = False
+
+
+def picture_of(text: str, path: Path, live: bool) -> Picture:
+    """Picture of a text; one that cannot compute has no page if ``live``.
+
+    Parameters
+    ----------
+    text : of the model file
+    path : of the file, for relative paths and messages
+    live : whether the page computes
+    """
+    try:
+        return _picture_of(text, path, live)
+    except AssemblyError as error:
+        from dalembert.results.files.assembly_report import assembly_payload
+
+        page = "" if error.position is None else _render(assembly_payload(error))
+        return Picture(page, tuple(problems_of(error, text, path)))
+    except DalembertError as error:
+        return Picture(problems=tuple(problems_of(error, text, path)))
+
+
+def _picture_of(text: str, path: Path, live: bool) -> Picture:
+    data = parse_document(path, text)
+    if data.get("kind") != "structure" and not any(data.get(section) for section in PARTS):
+        return Picture(_render(BLANK | {"title": path.stem}), summary="nothing is drawn yet")
+    file = check_model_data(data, path)
+    model = file.model()
+    summary, facts, notes = _diagnosis(model)
+    result = _result(file, model)
+    wrong_choices: list[Problem] = []
+    choices: dict[str, Any] = {}
+    try:
+        choices = report_choices(file, model)
+    except DalembertError as error:  # such as a plot of an element that was deleted
+        wrong_choices = problems_of(error, text, path)
+    page = result.page(**choices)
+    warnings = [Problem("warning", str(warning)) for warning in result.warnings]
+    if not result.status.success:
+        warnings.append(Problem("error", str(result.status)))
+    problems = (*notes, *warnings, *wrong_choices)
+    if not live:
+        return Picture(_render(page), problems, summary, facts)
+    responses = live_responses(file, model, page, result)
+    page = result.live_page(
+        page, file.document.report.live, responses, units=choices.get("units", ())
+    )
+    is_live = "code" in page.get("live", {})
+    return Picture(_render(page) if is_live else "", problems, summary, facts, is_live)
+
+
+def _result(file: ModelFile, model: Any) -> Result:
+    """Result of the analysis of a file, or of a motion where it states none."""
+    analysis: Any
+    if file.document.analysis is None and not isinstance(model, StructuralModel):
+        from dalembert.analysis.dynamics.dynamics import Dynamics
+        from dalembert.analysis.kinematics.kinematics import Kinematics
+
+        kind: Callable[..., Any] = Dynamics if model.diagnosis.free > 0 else Kinematics
+        analysis = kind(duration=DURATION, outputs=OUTPUTS)
+    else:
+        analysis = make_analysis(file, model)
+    with file.located("analysis"):
+        result: Result = analysis.run(model, progress=False)
+    return result
+
+
+def _diagnosis(model: Any) -> tuple[str, dict[str, Any], tuple[Problem, ...]]:
+    """Summary, numbers and messages of a model."""
+    if isinstance(model, StructuralModel):
+        elements = ", ".join(f"{block.count} {block.kind.cls.__name__}" for block in model.blocks)
+        return f"{len(model.degrees.nodes)} nodes; {elements}", {}, ()
+    diagnosis = model.diagnosis
+    facts = {
+        "degrees_of_freedom": diagnosis.degrees_of_freedom,
+        "free": diagnosis.free,
+        "redundant": sum(item.count for item in diagnosis.redundancies),
+    }
+    notes = (Problem(level, message) for level, message in diagnosis.messages)
+    return diagnosis.summary, facts, tuple(notes)
+
+
+def problems_of(error: DalembertError, text: str, path: Path) -> list[Problem]:
+    """Problems of an error, with their places in the text.
+
+    Parameters
+    ----------
+    error : whose message names the file and key paths in it
+    """
+    message = str(error).replace(f"{path}: ", "").replace(f"{path}:", "")
+    syntax = SYNTAX.search(message)
+    if syntax:
+        line = int(syntax[1] or syntax[3] or text.count("\n") + 1)
+        column = int(syntax[2] or 1)
+        start = sum(len(row) + 1 for row in text.split("\n")[: line - 1]) + column - 1
+        start = min(start, len(text))
+        return [Problem("error", message, start, min(start + 1, len(text)), line)]
+    try:
+        places = toml_places(text)
+    except (ValueError, IndexError):
+        places = {}
+    lines = [line for line in message.split("\n") if line.strip()]
+    if not all(PATH.match(line) for line in lines):
+        lines = ["\n".join(lines)]
+    return [_problem(line.strip(), places, text) for line in lines]
+
+
+def _problem(message: str, places: dict[Any, Any], text: str) -> Problem:
+    match = PATH.match(message)
+    keys = parse_keys(match[1]) if match else ()
+    while keys and keys not in places:
+        keys = keys[:-1]
+    if not keys:
+        return Problem("error", message)
+    place = places[keys]
+    return Problem("error", message, place.start, place.end, line_and_column(text, place.start)[0])
+
+
+def _render(payload: dict[str, Any]) -> str:
+    return render_page(payload).replace("</head>", f"<style>{EMBEDDED}</style>\n</head>", 1)

@@ -1,0 +1,67 @@
+"""The server of the studio: on this machine only, until it is stopped."""
+
+from __future__ import annotations
+
+import asyncio
+import secrets
+import socket
+from collections.abc import Callable
+from pathlib import Path
+
+import uvicorn
+
+from dalembert.errors import FileError
+from dalembert.studio.application import make_application
+from dalembert.studio.session import Session
+
+MAX_MESSAGE = 8_000_000
+"""Upper limit of a message of a page [bytes]."""
+
+
+def serve(path: Path | None, port: int, ready: Callable[[str], None]) -> None:
+    """Serve the studio for a model file until Ctrl-C or a request of the page.
+
+    Parameters
+    ----------
+    path : of the model file; None for a new model
+    port : of the loopback interface; zero for a free one
+    ready : called with the address of the page, which contains a random token
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, or the port is in use.
+    """
+    session = Session(path)
+    listener = socket.socket()
+    try:
+        listener.bind(("127.0.0.1", port))
+        listener.listen()
+    except (OSError, OverflowError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise FileError(f"port {port}: {reason}; choose another with --port") from None
+    port = listener.getsockname()[1]
+    token = secrets.token_urlsafe(24)
+    server = uvicorn.Server(
+        uvicorn.Config(
+            lambda: make_application(session, token, port, stop),
+            factory=True,
+            log_level="error",
+            ws_max_size=MAX_MESSAGE,
+            lifespan="off",
+            timeout_graceful_shutdown=1,
+        )
+    )
+
+    def stop() -> None:
+        server.should_exit = True
+
+    async def run() -> None:
+        session.start()
+        try:
+            ready(f"http://127.0.0.1:{port}/{token}/")
+            await server.serve(sockets=[listener])
+        finally:
+            session.close()
+
+    asyncio.run(run())

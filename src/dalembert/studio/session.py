@@ -1,0 +1,251 @@
+"""One model file that is edited: its draft, its pictures and the pages that show it."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from dalembert.errors import DalembertError
+from dalembert.io.example_files import example_folder
+from dalembert.io.reading import parse_document
+from dalembert.studio.building import BuildingProcess, Request
+from dalembert.studio.draft import Draft
+from dalembert.studio.journal import Journal, Recovered
+from dalembert.studio.pictures import Picture
+
+Send = Callable[[dict[str, Any]], Awaitable[None]]
+
+UNTITLED = 'format = 1\nname = "untitled"\ngravity = [0.0, -9.81]\n'
+"""Text of a new model."""
+RESTORED = "unsaved changes were restored; undo returns to the file"
+MAX_FILES = 500
+"""Upper limit of listed files."""
+MAX_TEXT = 2_000_000
+"""Upper limit of the length of a text [characters]."""
+KINDS = ("still", "live")
+"""Kinds of pictures, in the order in which they are made."""
+
+
+class Session:
+    """A draft, shown by any number of pages.
+
+    Parameters
+    ----------
+    path : of the model file; None for a new model
+    journals : folder of the unsaved drafts; that of the user by default
+
+    Raises
+    ------
+    FileError
+        The file cannot be read.
+    """
+
+    def __init__(self, path: Path | None, journals: Path | None = None):
+        self.draft = Draft(path, UNTITLED)
+        self.journal = Journal(self.draft.path, journals)
+        self._journals = journals
+        self.pages: dict[int, str] = {}
+        """Number of a picture → its page."""
+        self.number = 0
+        self._revision = 0
+        self.latest: dict[str, dict[str, Any]] = {}
+        """Kind of picture → the last message about it."""
+        self._clients: list[Send] = []
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._builders: dict[str, BuildingProcess] = {}
+        self._loop: asyncio.AbstractEventLoop | None = None
+
+    def start(self) -> None:
+        """Start the building processes; call inside the event loop."""
+        self._loop = asyncio.get_running_loop()
+        for kind in KINDS:
+            self._builders[kind] = BuildingProcess(kind == "live", self._receiver(kind))
+        self.recovered = self._recover()
+        self.build()
+
+    def open(self, path: Path | None, text: str = UNTITLED) -> None:
+        """Edit another model; unsaved changes of the former one remain in the journal.
+
+        Parameters
+        ----------
+        path : of the model file; None for a new model
+        text : of the new model
+
+        Raises
+        ------
+        FileError, BudgetError
+            The file cannot be read; the former model stays.
+        """
+        draft = Draft(path, text)
+        revision = self.draft.revision + 1
+        self.journal.close()
+        self.draft, self.journal = draft, Journal(draft.path, self._journals)
+        draft.revision = revision  # pages compare revisions
+        self.recovered = self._recover() if path is not None else None
+        self.broadcast(self.state())
+        if self.recovered is not None:
+            self.broadcast({"kind": "notice", "text": RESTORED})
+        self.build()
+
+    def files(self) -> dict[str, Any]:
+        """Model files beside the present one, and the examples, as a message."""
+        folder = self.draft.path.parent if self.draft.path is not None else Path.cwd()
+        beside = sorted(str(path) for path in folder.glob("*.toml"))[:MAX_FILES]
+        examples = sorted(path.stem for path in example_folder().glob("*.toml"))
+        return {"kind": "files", "folder": str(folder), "files": beside, "examples": examples}
+
+    def close(self) -> None:
+        """End the processes; a draft with unsaved changes remains in the journal."""
+        for builder in self._builders.values():
+            builder.close()
+        self.journal.close()
+
+    def _recover(self) -> Recovered | None:
+        """Continue with the unsaved text of a process that has ended."""
+        left = self.journal.left_over()
+        if left is None or left.text == self.draft.text:
+            return None
+        self.draft.replace(left.text, "recover unsaved changes")
+        self.journal.write(left.text)
+        left.file.unlink(missing_ok=True)
+        return left
+
+    def _receiver(self, kind: str) -> Callable[[int, Picture], None]:
+        def receive(number: int, picture: Picture) -> None:
+            assert self._loop is not None
+            with suppress(RuntimeError):  # the loop is closed
+                self._loop.call_soon_threadsafe(self._show, kind, number, picture)
+
+        return receive
+
+    def build(self) -> None:
+        """Make pictures of the present text."""
+        self.number += 1
+        self._revision = self.draft.revision
+        path = self.draft.path or Path.cwd() / self.draft.name
+        for builder in self._builders.values():
+            builder.request(Request(self.number, self.draft.text, path))
+
+    def _show(self, kind: str, number: int, picture: Picture) -> None:
+        """Send a picture to the pages."""
+        if number != self.number:
+            return
+        message: dict[str, Any] = {"kind": "picture", "number": number, "live": kind == "live"}
+        message["revision"] = self._revision
+        if kind == "still":
+            message["problems"] = [asdict(problem) for problem in picture.problems]
+            message |= {"summary": picture.summary, "facts": picture.facts}
+        message["page"] = ""
+        if picture.page:
+            name = 2 * number + (kind == "live")
+            self.pages = {k: v for k, v in self.pages.items() if k > name - 8} | {
+                name: picture.page
+            }
+            message["page"] = f"picture/{name}"
+        self.latest[kind] = message
+        self.broadcast(message)
+
+    def state(self) -> dict[str, Any]:
+        """The text and the state of its file, as a message."""
+        draft = self.draft
+        return {
+            "kind": "text",
+            "revision": draft.revision,
+            "text": draft.text,
+            "name": draft.name,
+            "path": str(draft.path or ""),
+            "changed": draft.is_changed,
+            "undo": draft.undo_label,
+            "redo": draft.redo_label,
+            "document": self._document(),
+        }
+
+    def _document(self) -> dict[str, Any] | None:
+        """Contents of the text for the drawing; None if it is not valid."""
+        try:
+            data: dict[str, Any] = parse_document(Path(self.draft.name), self.draft.text)
+            json.dumps(data, allow_nan=False)
+        except (DalembertError, TypeError, ValueError):  # dates, and numbers that are not finite
+            return None
+        return data
+
+    async def attach(self, send: Send) -> None:
+        """Show the draft on a page."""
+        self._clients.append(send)
+        await send(self.state())
+        if self.recovered is not None:
+            await send({"kind": "notice", "text": RESTORED})
+        for kind in KINDS:
+            message = self.latest.get(kind)
+            if message is not None and message["number"] == self.number:
+                await send(message)
+
+    def detach(self, send: Send) -> None:
+        """Stop showing the draft on a page."""
+        self._clients.remove(send)
+
+    def broadcast(self, message: dict[str, Any], but: Send | None = None) -> None:
+        """Send a message to all pages."""
+        for send in self._clients:
+            if send != but:  # bound methods are equal, not identical
+                self.reply(send, message)
+
+    def reply(self, send: Send, message: dict[str, Any]) -> None:
+        """Send a message to one page."""
+        task = asyncio.ensure_future(_delivery(send, message))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    def changed(self, origin: Send | None = None) -> None:
+        """Store and show the text after a change.
+
+        Parameters
+        ----------
+        origin : page that has the new text already
+        """
+        if self.draft.is_changed:
+            self.journal.write(self.draft.text)
+        else:
+            self.journal.clear()
+        self.broadcast(self.state(), origin)
+        if origin is not None:
+            self.confirm(origin)
+        self.build()
+
+    def confirm(self, origin: Send) -> None:
+        """Send a page the state of the file, without the text that it has."""
+        self.reply(origin, self.state() | {"text": None})
+
+    def save(self, path: Path | None, replace: bool) -> Path:
+        """Write the draft to its file, or to another one.
+
+        Raises
+        ------
+        FileError
+            As ``Draft.save``.
+        """
+        former = self.journal
+        saved = self.draft.save(path, replace)
+        if saved != former.path:
+            self.journal = Journal(saved, self._journals)
+            former.clear()
+            former.close()
+        else:
+            former.clear()
+        self.broadcast(self.state())
+        return saved
+
+
+async def _delivery(send: Send, message: dict[str, Any]) -> None:
+    with suppress(Exception):  # the page has been closed
+        await send(message)
+
+
+def failure(error: DalembertError) -> dict[str, Any]:
+    """Message about a request that could not be carried out."""
+    return {"kind": "failure", "text": str(error)}

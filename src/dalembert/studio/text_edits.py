@@ -1,0 +1,307 @@
+"""Changes of a model file that leave everything else in it as it is.
+
+Values, entries and names are replaced at their places in the text, so that comments, order and
+formulas remain byte for byte. A TOML library that writes whole documents does not keep them.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from dalembert.errors import ModelError
+from dalembert.io.messages import key_path
+from dalembert.io.toml_places import Keys, Place, toml_places
+from dalembert.studio.toml_values import NAME, as_toml, in_unit, is_number, with_unit
+from dalembert.studio.uses import VALUES, uses_of
+
+ORDER = (
+    *("parameters", "derived", "inputs", "outputs", "ground"),
+    *("bodies", "beams", "joints", "drivers", "forces", "blocks", "analysis"),
+)
+"""Order of the sections of a file, for new ones."""
+
+
+class TextEdits:
+    """Changes of a TOML text, one after the other.
+
+    Parameters
+    ----------
+    text : valid TOML
+
+    Raises
+    ------
+    ModelError
+        It is not valid.
+    """
+
+    def __init__(self, text: str):
+        self._set(text)
+
+    def _set(self, text: str) -> None:
+        try:
+            self.data: dict[str, Any] = tomllib.loads(text)
+        except (tomllib.TOMLDecodeError, RecursionError) as error:
+            raise ModelError(f"the text is not valid TOML ({error}); correct it first") from None
+        self.text = text
+        self.places: dict[Keys, Place] = toml_places(text)
+
+    def names(self) -> set[str]:
+        """Names of all elements, parameters and other entries."""
+        tables = (self.data.get(section) for section in ORDER)
+        return {name for table in tables if isinstance(table, dict) for name in table}
+
+    def keys_at(self, at: int) -> Keys:
+        """Keys of the innermost value at a character; empty if there is none."""
+        inside = [
+            (place.end - place.value, keys)
+            for keys, place in self.places.items()
+            if place.start <= at <= place.end and keys
+        ]
+        return min(inside, default=(0, ()))[1]
+
+    def free_name(self, base: str, first: str = "") -> str:
+        """A name that no entry has.
+
+        Parameters
+        ----------
+        base : to which a number is appended; empty for capital letters
+        """
+        names = self.names()
+        letters = [chr(code) for code in range(ord("A"), ord("Z") + 1)] if not base else []
+        numbered = (f"{base or 'J'}{k}" for k in range(1, len(names) + 2))
+        return next(name for name in (*letters, *numbered) if name not in names)
+
+    def add(self, section: str, name: str, fields: Mapping[str, Any]) -> None:
+        """Add an entry at the end of a section, in the style of its other entries.
+
+        Raises
+        ------
+        ModelError
+            Invalid or used name, or value.
+        """
+        if not NAME.fullmatch(name):
+            raise ModelError(f"{name[:60]!r} is no name; use letters, digits and _", section)
+        if section not in ORDER:
+            raise ModelError("entries cannot be added to this section", section)
+        if name in self.names():
+            raise ModelError("the name is already used; choose another", key_path(section, name))
+        inline = self._is_inline(section)
+        if inline:
+            entry = f"{name} = {as_toml(dict(fields))}\n"
+        else:
+            rows = "".join(f"{key} = {as_toml(value)}\n" for key, value in fields.items())
+            entry = f"[{section}.{name}]\n{rows}"
+        at = self._end_of(section, inline)
+        before = self.text[:at].rstrip("\n")
+        after = self.text[at:].lstrip("\n")
+        heading = f"[{section}]\n" if inline and section not in self.data else ""
+        gap = "\n" if inline and not heading else "\n\n"
+        joined = (
+            before + (gap if before else "") + heading + entry + ("\n" + after if after else "")
+        )
+        self._set(joined)
+
+    def _is_inline(self, section: str) -> bool:
+        """Whether the entries of a section are written in one line each."""
+        entries = self.data.get(section)
+        if not entries:
+            return True
+        return any(
+            len(keys) == 2 and keys[0] == section and place.value > place.start
+            for keys, place in self.places.items()
+        )
+
+    def _end_of(self, section: str, inline: bool) -> int:
+        """Character behind a section, or where it begins if it is new.
+
+        Parameters
+        ----------
+        inline : behind the entries in one line, which tables of the section may follow
+        """
+        ends = [
+            place.end
+            for keys, place in self.places.items()
+            if keys[0] == section
+            and (not inline or (len(keys) == 2 and place.value > place.start) or len(keys) == 1)
+        ]
+        if ends:
+            return self._line_end(max(ends))
+        rank = ORDER.index(section)
+        former = [
+            place.end
+            for keys, place in self.places.items()
+            if keys[0] in ORDER[:rank] or (len(keys) == 1 and place.value > place.start)
+        ]
+        return self._line_end(max(former)) if former else len(self.text)
+
+    def _line_end(self, at: int) -> int:
+        """Character behind the line of a place."""
+        end = self.text.find("\n", at)
+        return len(self.text) if end < 0 else end + 1
+
+    def remove(self, section: str, name: str) -> None:
+        """Remove an entry with its tables.
+
+        Raises
+        ------
+        ModelError
+            There is none.
+        """
+        ranges = self._ranges((section, name))
+        if not ranges:
+            raise ModelError("there is no such entry", key_path(section, name))
+        text = self.text
+        for start, end in sorted(ranges, reverse=True):
+            text = text[:start] + text[end:]
+        self._set(text)
+        if not self.data.get(section, True):  # an empty table of a section
+            place = self.places.get((section,))
+            if place is not None and place.value == place.start:
+                end = self._line_end(place.end)
+                self._set(self.text[: place.start] + self.text[end:])
+
+    def _ranges(self, entry: Keys) -> list[tuple[int, int]]:
+        """Ranges of whole lines that an entry occupies."""
+        ranges = []
+        for keys, place in self.places.items():
+            if keys[: len(entry)] != entry:
+                continue
+            if place.value == place.start and self._begins_line(place.start):
+                ranges.append((place.start, self._end_of_table(place.end)))
+            elif keys == entry:
+                start = self.text.rfind("\n", 0, place.start) + 1
+                ranges.append((start, self._line_end(place.end)))
+        return ranges
+
+    def _end_of_table(self, at: int) -> int:
+        """Start of the next header behind a character, or of the comment above it."""
+        headers = (
+            place.start
+            for place in self.places.values()
+            if place.start >= at and place.value == place.start and self._begins_line(place.start)
+        )
+        end = min(headers, default=len(self.text))
+        if end == len(self.text):
+            return end
+        end = self.text.rfind("\n", 0, end) + 1
+        while end > at:
+            start = self.text.rfind("\n", 0, end - 1) + 1
+            if start <= at or not self.text[start:end].lstrip().startswith("#"):
+                break
+            end = start
+        return end
+
+    def _begins_line(self, start: int) -> bool:
+        """Whether a header starts here: the first character of its line is a bracket."""
+        line = self.text.rfind("\n", 0, start) + 1
+        return self.text[start] == "[" and not self.text[line:start].strip()
+
+    def set_value(self, keys: Sequence[str | int], value: Any) -> None:
+        """Replace a value, or add a key to a table; numbers are in SI units.
+
+        A number keeps its unit. A value that is the name of a parameter stays; the parameter gets
+        the number.
+
+        Raises
+        ------
+        ModelError
+            The value is a formula, or there is no such table.
+        """
+        path = tuple(keys)
+        place = self.places.get(path)
+        if place is None:
+            self._add_key(path, value)
+            return
+        old = tomllib.loads(f"k = {self.text[place.value : place.end]}")["k"]
+        if isinstance(old, str) and is_number(value):
+            if old in self.data.get("parameters", {}):
+                self.set_parameter(old, value)
+                return
+            value = with_unit(old, value)
+            if value is None:
+                message = f"is the formula {old!r}; change it in the text"
+                raise ModelError(message, key_path(*path))
+        self._replace(place, value)
+
+    def _replace(self, place: Place, value: Any) -> None:
+        self._set(self.text[: place.value] + as_toml(value) + self.text[place.end :])
+
+    def set_parameter(self, name: str, value: float) -> None:
+        """Give a parameter or input a value in SI units, written in its own unit.
+
+        Raises
+        ------
+        ModelError
+            There is none of this name, or its value is a formula.
+        """
+        section = next((s for s in VALUES if name in self.data.get(s, {})), "parameters")
+        entry = self.data.get(section, {}).get(name)
+        is_table = isinstance(entry, dict)
+        keys: Keys = (section, name, "value") if is_table else (section, name)
+        old: Any = entry.get("value") if isinstance(entry, dict) else entry
+        written: Any = value
+        if isinstance(old, str):
+            written = with_unit(old, value)
+        elif isinstance(entry, dict) and isinstance(entry.get("unit"), str):
+            written = in_unit(value, entry["unit"])
+        if not is_number(value) or old is None or written is None or keys not in self.places:
+            raise ModelError("has no number to replace; change it in the text", key_path(*keys))
+        self._replace(self.places[keys], written)
+
+    def extract(self, keys: Sequence[str | int], base: str) -> str:
+        """Replace a number by a new parameter with bounds around it; returns its name.
+
+        Raises
+        ------
+        ModelError
+            There is no number.
+        """
+        path = tuple(keys)
+        place = self.places.get(path)
+        text = self.text[place.value : place.end] if place is not None else '""'
+        value = tomllib.loads(f"k = {text}")["k"]
+        if place is None or not is_number(value) or path[0] in ("format", *VALUES):
+            raise ModelError("is no number of an element", key_path(*path))
+        name = base if NAME.fullmatch(base) and base not in self.names() else self.free_name(base)
+        spread = 0.5 * abs(value) or 1.0
+        bounds = [float(f"{value - spread:.9g}"), float(f"{value + spread:.9g}")]
+        self._replace(place, name)
+        self.add("parameters", name, {"value": value, "bounds": bounds})
+        return name
+
+    def _add_key(self, path: Keys, value: Any) -> None:
+        table = self.places.get(path[:-1])
+        if table is None or not isinstance(path[-1], str):
+            raise ModelError("there is no such entry", key_path(*path))
+        if table.value > table.start:  # an inline table
+            inner = self.text[table.value : table.end].rstrip("}").rstrip()
+            comma = "" if inner == "{" else ","
+            new = f"{inner}{comma} {path[-1]} = {as_toml(value)} }}"
+            self._set(self.text[: table.value] + new + self.text[table.end :])
+            return
+        at = self._line_end(table.end)
+        own = [p.end for k, p in self.places.items() if k[:-1] == path[:-1] and p.value > p.start]
+        at = self._line_end(max(own)) if own else at
+        before = self.text[:at] if self.text[:at].endswith("\n") else self.text[:at] + "\n"
+        self._set(f"{before}{path[-1]} = {as_toml(value)}\n{self.text[at:]}")
+
+    def rename(self, section: str, old: str, new: str) -> None:
+        """Give an entry another name, in references and formulas too.
+
+        Raises
+        ------
+        ModelError
+            Invalid or used name.
+        """
+        if not NAME.fullmatch(new):
+            raise ModelError(f"{new[:60]!r} is no name; use letters, digits and _", section)
+        if new in self.names():
+            raise ModelError("the name is already used; choose another", new)
+        if old not in self.data.get(section, {}):
+            raise ModelError("there is no such entry", key_path(section, old))
+        text = self.text
+        for start, end in sorted(uses_of(text, self.places, section, old), reverse=True):
+            text = text[:start] + new + text[end:]
+        self._set(text)

@@ -1,0 +1,63 @@
+"""A studio that runs for a test."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+
+@dataclass
+class Studio:
+    """A running studio.
+
+    Attributes
+    ----------
+    address : of its page, with the token
+    process : of the server
+    """
+
+    address: str
+    process: subprocess.Popen[str]
+
+    @property
+    def host(self) -> str:
+        """Host and port."""
+        return self.address.split("/")[2]
+
+    @property
+    def token(self) -> str:
+        """Token of the address."""
+        return self.address.split("/")[3]
+
+
+@contextmanager
+def running_studio(folder: Path, *arguments: Any) -> Iterator[Studio]:
+    """A studio in a folder, with drafts of its own; it is stopped at the end."""
+    environment = os.environ | {"XDG_STATE_HOME": str(folder / "state")}
+    process = subprocess.Popen(
+        [sys.executable, "-m", "dalembert", "studio", *map(str, arguments), "--no-open"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        cwd=folder,
+        env=environment,
+    )
+    assert process.stdout is not None
+    try:
+        line = process.stdout.readline()
+        assert line.startswith("studio: http://127.0.0.1:"), line + process.stdout.read()
+        yield Studio(line.split()[1], process)
+    finally:
+        process.terminate()
+        try:
+            process.wait(10)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+        process.stdout.close()

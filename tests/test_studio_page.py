@@ -1,0 +1,262 @@
+"""The studio in a browser: a four-bar is drawn, changed, undone and saved."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from browser import Visit
+from studio_runs import Studio, running_studio
+
+import dalembert as da
+from dalembert.io import load_model_file
+
+UNTITLED = 'format = 1\nname = "untitled"\ngravity = [0.0, -9.81]\n'
+PIXEL = """([x, y]) => {
+    const { canvas, view } = studio.pictures.page.scene, [u, v] = view.screen([x, y]);
+    const inner = canvas.getBoundingClientRect();
+    const outer = studio.pictures.frame.getBoundingClientRect();
+    return [u + inner.left + outer.left, v + inner.top + outer.top];
+}"""
+"""Position of a place of the drawing on the screen."""
+LOOK = """(() => {
+    const { view } = studio.pictures.page.scene;
+    Object.assign(view, { x: 0.5, y: 0.3, s: 400, fitted: false });
+    view.onChange();
+})()"""
+
+
+class Desk(Visit):
+    """Page of a studio that is worked on with the mouse and the keyboard."""
+
+    @property
+    def text(self) -> str:
+        return self.js("studio.editor.text")
+
+    @property
+    def shown(self) -> int:
+        """Number of the picture."""
+        return int((self.js("document.documentElement.dataset.picture") or "0").split()[0])
+
+    def settle(self, revision: int) -> None:
+        """Wait until the picture is that of a revision of the text."""
+        self.until(f"studio.described?.revision >= {revision}", 20)
+        self.until("studio.pictures.shown === studio.described?.number", 20)
+
+    def place(self, x: float, y: float) -> tuple[float, float]:
+        return tuple(self.page.evaluate(PIXEL, [x, y]))  # type: ignore[return-value]
+
+    def click(self, x: float, y: float) -> None:
+        self.page.mouse.move(*self.place(x, y))
+        self.page.mouse.down()
+        self.page.mouse.up()
+
+    def draw(self, key: str, *places: tuple[float, float]) -> None:
+        """Use a tool, chosen by its key."""
+        revision = self.js("studio.file.revision")
+        self.page.locator("#palette button").first.focus()
+        self.page.keyboard.press(key)
+        for place in places:
+            self.click(*place)
+        self.settle(revision + 1)
+
+    def press(self, keys: str) -> None:
+        revision = self.js("studio.file.revision")
+        self.page.keyboard.press(keys)
+        self.settle(revision + 1)
+
+
+@pytest.fixture
+def desk(browser: Any, tmp_path: Path) -> Iterator[tuple[Desk, Studio]]:
+    """An empty studio."""
+    with running_studio(tmp_path) as studio:
+        page = browser.new_page(viewport={"width": 1400, "height": 850}, reduced_motion="reduce")
+        visit = Desk(page)
+        page.on(
+            "request",
+            lambda r: (
+                r.url.startswith((studio.address, "data:", "blob:")) or visit.requests.append(r.url)
+            ),
+        )
+        page.on("console", lambda m: visit.console.append(m.text))
+        page.on("pageerror", lambda e: visit.errors.append(str(e)))
+        page.goto(studio.address)
+        visit.until("window.studio?.pictures.shown >= 1", 60)
+        visit.js(LOOK)
+        yield visit, studio
+        assert (visit.requests, visit.console, visit.errors) == ([], [], [])
+        page.close()
+
+
+def test_a_four_bar_is_drawn_moved_and_saved(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
+    visit, _ = desk
+    texts = [visit.text]
+    assert texts == [UNTITLED]
+    for key, *places in (
+        ("b", (0, 0), (0.1, 0.3)),
+        ("b", (0.1, 0.3), (0.8, 0.5)),
+        ("b", (0.8, 0.5), (0.9, 0)),
+        ("o", (0, 0)),
+        ("o", (0.9, 0)),
+        ("m", (0, 0)),
+    ):
+        visit.draw(key, *places)
+        texts.append(visit.text)
+    assert visit.page.inner_text("#summary") == "1 degree of freedom, 1 driven, 0 free"
+    visit.page.keyboard.press("v")
+    visit.page.mouse.move(*visit.place(0.8, 0.5))
+    visit.page.mouse.down()
+    visit.page.mouse.move(*visit.place(0.85, 0.45), steps=4)
+    visit.page.mouse.up()
+    visit.settle(len(texts))
+    texts.append(visit.text)
+
+    visit.page.keyboard.press("Control+s")
+    visit.page.keyboard.type(str(tmp_path / "drawn.toml"))
+    visit.page.keyboard.press("Enter")
+    visit.until("!studio.file.changed", 20)
+    assert (tmp_path / "drawn.toml").read_text() == visit.text
+    model = load_model_file(tmp_path / "drawn.toml").model()
+    motion = da.solve_kinematics(model, 2.0, outputs=5)
+    ends = {"bar1": (0, 0, 0.1, 0.3), "bar2": (0.1, 0.3, 0.85, 0.45), "bar3": (0.85, 0.45, 0.9, 0)}
+    for name, (x0, y0, x1, y1) in ends.items():
+        for end, x, y in (("start", x0, y0), ("end", x1, y1)):
+            assert motion[f"{name}.{end}.x"][0].item() == pytest.approx(x, abs=1e-6)
+            assert motion[f"{name}.{end}.y"][0].item() == pytest.approx(y, abs=1e-6)
+    assert motion["bar1.angle"][-1].item() == pytest.approx(math.atan2(3, 1) + 2 * math.pi)
+
+    for text in reversed(texts[:-1]):
+        visit.press("Control+z")
+        assert visit.text == text
+    for text in texts[1:]:
+        visit.press("Control+y")
+        assert visit.text == text
+
+
+def test_plates_springs_forces_and_sliders(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    visit.draw("p", (0.2, 0.2), (0.6, 0.2), (0.6, 0.4), (0.2, 0.4), (0.2, 0.2))
+    visit.draw("k", (0.2, 0.4), (0.2, 0.6))
+    visit.draw("f", (0.6, 0.4), (0.6, 0.1))
+    visit.draw("s", (0.4, 0.3), (0.4, 0.6))
+    document = visit.js("studio.file.document")
+    plate = document["bodies"]["plate1"]
+    assert plate["mass"] == pytest.approx(10 * 0.4 * 0.2)
+    assert plate["inertia"] == pytest.approx(10 * 0.4 * 0.2 * (0.4**2 + 0.2**2) / 12)
+    assert plate["position"] == pytest.approx([0.4, 0.3])
+    assert document["forces"]["force1"]["vector"] == pytest.approx([0, -10])
+    assert document["forces"]["spring1"]["free_length"] == pytest.approx(0.2)
+    assert document["joints"]["slot1"]["axis"] == pytest.approx([0, 1])
+    assert visit.page.inner_text("#summary") == "2 degrees of freedom"
+    visit.page.keyboard.press("v")
+    visit.click(0.45, 0.25)
+    assert visit.js("studio.drawing.selected") == "plate1"
+    visit.press("Delete")
+    assert visit.js("studio.file.document").get("bodies", {}) == {}
+    assert "forces" not in visit.js("studio.file.document")
+
+
+def test_errors_are_marked_and_the_last_picture_stays(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    visit.draw("b", (0, 0), (0.5, 0))
+    shown = visit.shown
+    visit.page.click(".cm-content")
+    visit.page.keyboard.press("Control+End")
+    visit.page.keyboard.type("wrong = 3\n")
+    visit.until("document.querySelector('#problems .error')", 20)
+    assert "line 7\nbodies.wrong: expected a table" in visit.page.inner_text("#problems")
+    assert visit.page.locator(".canvas.outdated").count() == 1 and visit.shown == shown
+    visit.page.keyboard.press("Control+z")
+    visit.until("!document.querySelector('#problems .error')", 20)
+    visit.until("!document.querySelector('.canvas.outdated')", 20)
+
+
+def test_a_page_shows_changes_of_another(desk: tuple[Desk, Studio], browser: Any) -> None:
+    visit, studio = desk
+    other = browser.new_page()
+    other.goto(studio.address)
+    visit.draw("b", (0, 0), (0.5, 0))
+    end = time.monotonic() + 20
+    while "bar1" not in other.evaluate("studio.editor.text") and time.monotonic() < end:
+        time.sleep(0.02)
+    assert other.evaluate("studio.editor.text") == visit.text
+    other.close()
+
+
+def test_sliders_write_their_values_into_the_text(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    visit.draw("b", (0, 0), (0.5, 0))
+    visit.draw("o", (0, 0))
+    text = visit.text
+    visit.js("""(() => {
+        const { view } = studio.editor, at = studio.editor.text.indexOf("length = 0.5") + 10;
+        view.dispatch({ selection: { anchor: at } });
+    })()""")
+    visit.page.click("text=Parameter")
+    visit.until("studio.pictures.page?.design?.parameters.length === 1", 60)
+    assert 'length = "bar1_length"' in visit.text
+    frame = visit.js("studio.pictures.frame.src")
+    visit.js("studio.pictures.page.design.set(0, 0.625)")
+    visit.until("studio.file.document.parameters.bar1_length.value === 0.625", 20)
+    visit.until("studio.described.revision === studio.file.revision", 20)
+    assert visit.js("studio.pictures.frame.src") == frame  # the picture that computes stays
+    visit.press("Control+z")
+    visit.press("Control+z")
+    assert visit.text == text
+
+
+def test_files_and_examples_are_opened(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
+    visit, _ = desk
+    (tmp_path / "beside.toml").write_text(UNTITLED.replace("untitled", "beside"))
+    visit.draw("b", (0, 0), (0.5, 0))
+    for value, name in (("beside.toml", "beside"), ("example: slider_crank", "slider")):
+        visit.page.click("text=Open…")
+        visit.page.locator("#ask input").fill(value)
+        visit.page.keyboard.press("Enter")
+        visit.until(f"studio.editor.text.includes({name!r})", 20)
+    visit.until("studio.described?.summary.includes('driven')", 30)
+    visit.page.click("text=Open…")
+    visit.page.locator("#ask input").fill("nothing.toml")
+    visit.page.keyboard.press("Enter")
+    visit.until("document.getElementById('notice').textContent.includes('no such file')", 20)
+    assert "slider" in visit.text
+
+
+COMPLETED = {
+    "[jo": {"joints"},
+    '[bodies.new]\ntype = "B': {"Bar", "Body"},
+    "[bodies.rod]\nangle = 1\nin": {"inertia"},
+    '[joints.A]\ntype = "Revolute"\nconnect = ["ro': {"rod", "rod.start", "rod.end"},
+    '[joints]\nA = { type = "Revo': {"Revolute"},
+    "[joints]\nA = { co": {"connect"},
+    '[analysis]\ntype = "Dynamics"\ninteg': {"integrator"},
+    '[analysis]\nintegrator = "Dorm': {"DormandPrince", "DormandPrince853"},
+    "gra": {"gravity"},
+}
+"""End of a text → some of the completions there."""
+
+
+def test_completion(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    text = 'format = 1\n[bodies.rod]\ntype = "Bar"\nlength = 0.4\nmass = 1\n'
+    visit.page.click(".cm-content")
+    visit.page.keyboard.press("Control+a")
+    visit.page.keyboard.insert_text(text)
+    visit.settle(1)
+    visit.until("studio.completion !== null")
+    for end, offered in COMPLETED.items():
+        whole = end if end == "gra" else f"{text}{end}"
+        script = f"studio.completion.options({json.dumps(whole)}, {len(whole)}, true)"
+        options = {option["label"].strip('"') for option in visit.js(script)["options"]}
+        assert offered <= options, end
+        assert not {"Prismatic"} & options or "joints" in end
+    visit.page.keyboard.press("Control+End")
+    visit.page.keyboard.type("ine")
+    visit.page.wait_for_selector(".cm-tooltip-autocomplete")
+    visit.page.keyboard.press("Enter")
+    visit.until(f"studio.editor.text === {json.dumps(text + 'inertia')}", 10)

@@ -1,0 +1,389 @@
+"""Texts of the studio: places, changes that keep the rest, drafts and their journal."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import random
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings, strategies as st
+
+import dalembert as da
+from dalembert.io.toml_places import line_and_column, parse_keys, toml_places
+from dalembert.studio.draft import PAUSE, Draft
+from dalembert.studio.drawing_edits import apply
+from dalembert.studio.journal import Journal
+from dalembert.studio.text_edits import TextEdits
+from dalembert.studio.toml_values import as_toml
+
+EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
+FOUR_BAR = (Path(__file__).parents[1] / "examples" / "four_bar.toml").read_text("utf-8")
+
+
+def entries(value: Any, keys: tuple = ()):
+    """Key path → value of all keys below a table."""
+    inner = value.items() if isinstance(value, dict) else enumerate(value)
+    for key, item in inner:
+        yield (*keys, key), item
+        if isinstance(item, (dict, list)):
+            yield from entries(item, (*keys, key))
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_places_are_those_of_the_values(path: Path) -> None:
+    text = path.read_text("utf-8")
+    places, data = toml_places(text), tomllib.loads(text)
+    values = 0
+    for keys, value in entries(data):
+        place = places.get(keys)
+        if place is None or (text[place.start] == "[" and place.value == place.start != place.end):
+            continue
+        if place.value > place.start or isinstance(keys[-1], int):
+            written = text[place.value : place.end]
+            assert tomllib.loads(f"k = {written}")["k"] == value, keys
+            values += 1
+    leaves = [keys for keys, value in entries(data) if not isinstance(value, (dict, list))]
+    assert all(keys in places for keys in leaves)
+    assert values >= len(leaves)
+
+
+KEYS = st.sampled_from(["a", "b c", "d.e", 'f"g', "é", "-", "0"])
+VALUES = st.recursive(
+    st.one_of(
+        st.integers(-(10**6), 10**6),
+        st.floats(-1e9, 1e9),
+        st.booleans(),
+        st.text(st.characters(min_codepoint=32, max_codepoint=126), max_size=8),
+    ),
+    lambda inner: st.one_of(st.lists(inner, max_size=3), st.dictionaries(KEYS, inner, max_size=3)),
+    max_leaves=12,
+)
+
+
+def written(value: Any) -> str:
+    """TOML with comments and line ends wherever they may be."""
+    if isinstance(value, dict):
+        inner = ", ".join(
+            f"{json.dumps(k, ensure_ascii=False)} = {written(v)}" for k, v in value.items()
+        )
+        return f"{{ {inner} }}"
+    if isinstance(value, list):
+        return "[ # first\n" + "".join(f"  {written(v)}, # ] }} \n" for v in value) + "]"
+    return json.dumps(value)
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.dictionaries(KEYS, VALUES, min_size=1, max_size=4))
+def test_places_of_random_texts(table: dict[str, Any]) -> None:
+    rows = (
+        f"{json.dumps(k, ensure_ascii=False)} = {written(v)} # = [x]\n" for k, v in table.items()
+    )
+    text = "# [no]\n[ head . 'x' ]\n" + "".join(rows)
+    data = tomllib.loads(text)
+    places = toml_places(text)
+    for keys, value in entries(data):
+        if keys in (("head",), ("head", "x")):
+            continue
+        place = places[keys]
+        assert tomllib.loads(f"k = {text[place.value : place.end]}")["k"] == value
+
+
+def test_keys_of_messages() -> None:
+    assert parse_keys('joints.A."b c"[2].at') == ("joints", "A", "b c", 2, "at")
+    assert line_and_column("ab\ncd", 4) == (2, 2)
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_an_entry_that_is_added_and_removed_leaves_the_text(path: Path) -> None:
+    text = path.read_text("utf-8")
+    edits = TextEdits(text)
+    if edits.data.get("kind") == "structure":
+        return
+    edits.add("bodies", "added_bar", {"type": "Bar", "length": 0.25})
+    added = tomllib.loads(edits.text)
+    assert added["bodies"].pop("added_bar") == {"type": "Bar", "length": 0.25}
+    former = {k: v for k, v in added.items() if v != {}}
+    assert former == {k: v for k, v in tomllib.loads(text).items() if v != {}}
+    edits.remove("bodies", "added_bar")
+    assert edits.text.split() == text.split()
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_every_number_can_be_replaced(path: Path) -> None:
+    text = path.read_text("utf-8")
+    for keys, value in entries(tomllib.loads(text)):
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or keys[0] == "format":
+            continue
+        edits = TextEdits(text)
+        if keys not in edits.places:
+            continue
+        edits.set_value(keys, 123.25)
+        changed = dict(entries(edits.data))
+        assert changed[keys] == 123.25
+        assert edits.text.count("\n") == text.count("\n")
+        edits.set_value(keys, value)
+        assert edits.data == tomllib.loads(text)
+
+
+def test_a_named_element_is_renamed_everywhere() -> None:
+    edits = TextEdits(FOUR_BAR)
+    edits.rename("bodies", "coupler", "rod")
+    edits.rename("parameters", "l1", "crank_length")
+    assert edits.text == FOUR_BAR.replace("coupler", "rod").replace("l1", "crank_length").replace(
+        "rod length", "coupler length"
+    ).replace("the rod joins", "the coupler joins").replace("Crank, rod", "Crank, coupler")
+
+
+def test_formulas_are_not_overwritten() -> None:
+    edits = TextEdits(FOUR_BAR)
+    edits.set_value(("bodies", "crank", "length"), 0.4)
+    assert edits.data["parameters"]["l1"]["value"] == 0.4
+    with pytest.raises(da.ModelError, match=r"bodies.crank.mass: is the formula 'rho\*l1'"):
+        edits.set_value(("bodies", "crank", "mass"), 2.0)
+    with pytest.raises(da.ModelError, match="no such entry"):
+        edits.set_value(("bodies", "nobody", "mass"), 2.0)
+
+
+def test_removal_includes_what_depends_on_it() -> None:
+    text = apply(FOUR_BAR, [{"op": "remove", "section": "bodies", "name": "coupler"}])
+    data = tomllib.loads(text)
+    assert set(data["bodies"]) == {"crank", "rocker"} and set(data["joints"]) == {"O1", "O2"}
+
+
+def test_new_names() -> None:
+    add = {"op": "add", "section": "bodies", "base": "bar", "as": "$bar", "fields": {"type": "Bar"}}
+    pin = {"type": "Revolute", "connect": ["$bar.start", {"body": "ground", "at": [0, 1]}]}
+    joint = {"op": "add", "section": "joints", "base": "", "fields": pin}
+    data = tomllib.loads(apply(apply("format = 1\n", [add, joint]), [add, joint]))
+    assert list(data["bodies"]) == ["bar1", "bar2"] and list(data["joints"]) == ["A", "B"]
+    assert data["joints"]["B"]["connect"][0] == "bar2.start"
+
+
+@pytest.mark.parametrize(
+    "operations",
+    [
+        [],
+        None,
+        "remove",
+        [1],
+        [{"op": "eval"}],
+        [{"op": "add", "section": "bodies", "name": 'x"\n[y]', "fields": {}}],
+        [{"op": "add", "section": "__class__", "base": "b", "fields": {}}],
+        [{"op": "add", "section": "bodies", "base": "b", "fields": {"a\n": 1}}],
+        [{"op": "add", "section": "bodies", "base": "b", "fields": {"a": float("nan")}}],
+        [{"op": "add", "section": "bodies", "base": "b", "fields": {"a": "x\ny"}}],
+        [{"op": "set", "keys": [], "value": 1}],
+        [{"op": "set", "keys": ["name", "x"], "value": 1}],
+        [{"op": "set", "keys": ["name"], "value": None}],
+        [{"op": "remove", "section": "bodies", "name": "nobody"}],
+        [{"op": "rename", "section": "bodies", "name": "crank", "to": "rocker"}],
+        [{"op": "rename", "section": "bodies", "name": "crank", "to": "a b"}],
+        [{"op": "add", "section": "bodies", "base": "b"}],
+    ],
+)
+def test_wrong_operations_are_refused(operations: Any) -> None:
+    with pytest.raises(da.ModelError):
+        apply(FOUR_BAR, operations)
+
+
+@given(st.recursive(st.one_of(st.floats(), st.text(), st.none()), st.lists, max_leaves=5))
+def test_values_are_written_or_refused(value: Any) -> None:
+    try:
+        text = as_toml(value)
+    except da.ModelError:
+        return
+    assert tomllib.loads(f"k = {text}")["k"] == value
+
+
+class Clock:
+    now = 0.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+def test_undo_restores_every_text(tmp_path: Path) -> None:
+    path = tmp_path / "model.toml"
+    path.write_bytes(FOUR_BAR.replace("\n", "\r\n").encode("utf-8-sig"))
+    clock = Clock()
+    draft = Draft(path, clock=clock)
+    texts = [draft.text]
+    for k in range(20):
+        clock.now += 2 * PAUSE
+        draft.replace(f"{FOUR_BAR}# {k}\n", f"change {k}", typed=k % 2 == 0)
+        texts.append(draft.text)
+    for text in reversed(texts[:-1]):
+        assert draft.undo() and draft.text == text
+    assert not draft.undo() and not draft.is_changed
+    assert draft.encoded() == path.read_bytes()
+    for text in texts[1:]:
+        assert draft.redo() and draft.text == text
+    draft.save()
+    assert path.read_bytes() == f"{FOUR_BAR}# 19\n".replace("\n", "\r\n").encode("utf-8-sig")
+
+
+def test_typing_is_undone_in_one_step() -> None:
+    clock = Clock()
+    draft = Draft(None, "a", clock)
+    for text in ("ab", "abc", "abcd"):
+        clock.now += PAUSE / 2
+        draft.replace(text, "edit text", typed=True)
+    assert draft.undo() and draft.text == "a"
+
+
+def test_a_file_that_another_program_changed_is_not_replaced(tmp_path: Path) -> None:
+    path, other = tmp_path / "model.toml", tmp_path / "other.toml"
+    path.write_text("a = 1\n")
+    other.write_text("b = 1\n")
+    draft = Draft(path)
+    draft.replace("a = 2\n", "edit")
+    path.write_text("a = 3\n")
+    with pytest.raises(da.FileError, match="another program"):
+        draft.save()
+    with pytest.raises(da.FileError, match="exists already"):
+        draft.save(other)
+    with pytest.raises(da.FileError, match=r"end the name with \.toml"):
+        draft.save(tmp_path / "x.py")
+    assert path.read_text() == "a = 3\n" and other.read_text() == "b = 1\n"
+    draft.save(replace=True)
+    assert path.read_text() == "a = 2\n" and not draft.is_changed
+    path.write_text("a = 4\n")
+    assert draft.reload() and draft.text == "a = 4\n"
+    assert draft.undo() and draft.text == "a = 2\n"
+
+
+def test_unsaved_changes_of_a_killed_process_are_restored(tmp_path: Path) -> None:
+    path = tmp_path / "model.toml"
+    script = (
+        "import os, signal; from pathlib import Path; from dalembert.studio.journal import Journal;"
+        f"journal = Journal(Path({str(path)!r}), Path({str(tmp_path)!r}));"
+        "journal.write('kept'); print('ready', flush=True); input()"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "ready\n"
+    journal = Journal(path, tmp_path)
+    assert journal.left_over() is None  # its process still runs
+    process.kill()
+    process.communicate()
+    left = journal.left_over()
+    assert left is not None and left.text == "kept"
+    assert Journal(tmp_path / "other.toml", tmp_path).left_over() is None
+    (tmp_path / "damaged.json").write_text("{")
+    assert journal.left_over() == left
+    journal.write("mine")
+    assert os.stat(journal.file).st_size > 0
+    journal.clear()
+    assert not journal.file.exists()
+    journal.close()
+
+
+@pytest.mark.parametrize("count", [200, pytest.param(1000, marks=pytest.mark.thorough)])
+def test_random_edits_are_undone_byte_by_byte(tmp_path: Path, count: int) -> None:
+    """Texts stay valid, names unique, references complete; undo and redo reach every text."""
+    path = tmp_path / "model.toml"
+    path.write_text(FOUR_BAR)
+    draft = Draft(path)
+    rng = random.Random(5)
+    texts = [draft.text]
+    for _ in range(count):
+        data = tomllib.loads(draft.text)
+        bodies = list(data.get("bodies", {}))
+        choice = rng.choice(["bar", "bar", "pin", "move", "remove", "rename", "undo", "type"])
+        try:
+            if choice == "undo":
+                if draft.undo():
+                    texts.pop()
+                    assert draft.text == texts[-1]
+                continue
+            if choice == "type":
+                lines = draft.text.split("\n")
+                lines.insert(rng.randrange(len(lines)), "# remark [x] = { \"'")
+                text = "\n".join(lines)
+            else:
+                text = apply(draft.text, [random_operation(rng, choice, bodies, data)])
+        except da.ModelError:
+            continue
+        if draft.replace(text, choice):
+            texts.append(text)
+        data = tomllib.loads(text)
+        assert not data["bodies"].keys() & data["joints"].keys()
+        for joint in data["joints"].values():
+            for end in joint["connect"]:
+                body = end.split(".")[0] if isinstance(end, str) else end["body"]
+                assert body == "ground" or body in data["bodies"]
+    for text in reversed(texts[:-1]):
+        assert draft.undo() and draft.text == text
+    assert not draft.undo() and draft.encoded() == path.read_bytes()
+    for text in texts[1:]:
+        assert draft.redo() and draft.text == text
+
+
+def random_operation(rng: random.Random, kind: str, bodies: list[str], data: Any) -> dict[str, Any]:
+    """An operation of the drawing on a random element."""
+    body = rng.choice(bodies or ["none"])
+    number = round(rng.uniform(0.1, 2.0), 3)
+    if kind == "bar":
+        fields = {"type": "Bar", "length": number, "mass": 1.0, "position": [number, 0.5]}
+        return {"op": "add", "section": "bodies", "base": "bar", "fields": fields}
+    if kind == "pin":
+        connect = [{"body": "ground", "at": [number, 0]}, f"{body}.start"]
+        fields = {"type": "Revolute", "connect": connect}
+        if body == "none":
+            raise da.ModelError("no body")
+        return {"op": "add", "section": "joints", "base": "", "fields": fields}
+    if kind == "move":
+        return {
+            "op": "set",
+            "keys": ["bodies", body, rng.choice(["length", "angle"])],
+            "value": number,
+        }
+    if kind == "rename":
+        return {"op": "rename", "section": "bodies", "name": body, "to": f"b{rng.randrange(999)}"}
+    section = rng.choice(["bodies", "joints"])
+    names = [name for name in data.get(section, {}) if len(data[section]) > 2]
+    return {"op": "remove", "section": section, "name": rng.choice(names or ["none"])}
+
+
+PARAMETERS = """format = 1
+[parameters]
+a = { value = 300, unit = "mm" }  # kept
+b = "45 deg"
+c = 2
+d = "2*pi"
+[bodies]
+bar = { type = "Bar", length = "a", angle = "30 deg", position = [0.25, 1.5] }
+"""
+
+
+def test_values_keep_their_units() -> None:
+    edits = TextEdits(PARAMETERS)
+    edits.set_value(("bodies", "bar", "length"), 0.4)
+    edits.set_value(("bodies", "bar", "angle"), math.radians(12))
+    edits.set_parameter("b", math.radians(50))
+    edits.set_parameter("c", 5.5)
+    wanted = PARAMETERS.replace("300", "400.0").replace("30 deg", "12.0 deg")
+    assert edits.text == wanted.replace("45 deg", "50.0 deg").replace("c = 2", "c = 5.5")
+    for name in ("d", "unknown"):
+        with pytest.raises(da.ModelError, match="no number to replace"):
+            edits.set_parameter(name, 1.0)
+
+
+def test_a_number_becomes_a_parameter() -> None:
+    text = apply(PARAMETERS, [{"op": "extract", "at": PARAMETERS.index("0.25") + 1}])
+    data = tomllib.loads(text)
+    assert data["bodies"]["bar"]["position"] == ["bar_position_0", 1.5]
+    assert data["parameters"]["bar_position_0"] == {"value": 0.25, "bounds": [0.125, 0.375]}
+    assert "# kept" in text
+    for at in (0, PARAMETERS.index("Bar"), PARAMETERS.index("30 deg"), 10_000):
+        with pytest.raises(da.ModelError):
+            apply(PARAMETERS, [{"op": "extract", "at": at}])
