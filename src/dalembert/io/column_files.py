@@ -10,12 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.design.identification.data_table import MARKERS, read_markers
 from dalembert.errors import AnalysisError, FileError
 from dalembert.files import read_text, readable
 from dalembert.packages import optional_package
 
-PARQUET = ".parquet"
+PARQUET, MARKERS = ".parquet", ".c3d"
 WEIGHT = 20
 """Memory per byte of a file while it is read [bytes]."""
 DELIMITERS = (";", "\t", ",")
@@ -45,6 +44,8 @@ def read_columns(path: Path) -> Columns:
     if suffix == PARQUET:
         return _parquet(path)
     if suffix == MARKERS:
+        from dalembert.design.identification.data_table import read_markers
+
         readable(path, WEIGHT)
         try:
             columns = read_markers(path)

@@ -10,7 +10,6 @@ import numpy as np
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.options import options
 from dalembert.responses.base import Response
-from dalembert.results.harmonic_measures import part_name
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.arguments import check_arguments
@@ -114,5 +113,7 @@ def random_rms(measure: str | Expression, name: str = "") -> RandomRMS:
     """
     if isinstance(measure, Expression):
         measure = measure.name
+    from dalembert.results.harmonic_measures import part_name  # not loaded by other runs
+
     text = measure if measure.endswith(".psd") else part_name(measure, "psd")
     return RandomRMS(text, name or f"random_rms({measure.removesuffix('.psd')})")
