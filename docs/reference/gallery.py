@@ -16,7 +16,7 @@ CATEGORIES: dict[str, tuple[str, str]] = {
         "four_bar slider_crank quick_return_shaper sewing_machine cam_follower geneva_wheel "
         "double_parallelogram flat_four_bars n_four_bar massless_coupler ratchet rolling_disc "
         "carts cart_a cart_b cart_c "
-        "gait_torques smooth_torque chain_drive excavator four_bar_balancing",
+        "gait_torques smooth_torque chain_drive excavator four_bar_balancing jansen_leg",
     ),
     "Spatial mechanisms": (
         "rssr_four_bar",

@@ -19,7 +19,7 @@ from dalembert.interrupts import ctrl_c
 COMMANDS = {
     "examples": "List the example models, or copy one here.",
     "check": "Explain a model: degrees of freedom, parts, parameters and warnings.",
-    "import": "Write the model in a file of another program as a model file: URDF, MJCF, SDF.",
+    "import": "Write the model of another program or a drawing as a model file: URDF, DXF, STEP …",
     "run": "Run the analysis of a model file; writes results and an interactive report.",
     "sensitivity": "Derivatives of the responses of a model file by its parameters.",
     "compare": "Compare formulations and integrators on a model: cost, violations, errors.",
