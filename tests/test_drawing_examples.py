@@ -49,3 +49,30 @@ def test_foot_of_the_drawn_leg() -> None:
     drawn = motion["shank.foot.position"].values * 1e3 - start
     wanted = np.array([foot(angle) for angle in np.linspace(0, 2 * np.pi, 41)])
     np.testing.assert_allclose(drawn, np.c_[wanted.real, wanted.imag], atol=2e-3)
+
+
+@pytest.mark.parametrize("name", ["four_bar", "slider_crank", "jansen_leg"])
+def test_exported_positions_are_drawings_of_the_mechanism(tmp_path: Path, name: str) -> None:
+    pytest.importorskip("ezdxf")
+    drawing = EXAMPLES / f"{name}.svg"
+    if drawing.exists():
+        model = da.import_model(drawing).build()
+    else:
+        model = da.load_model(EXAMPLES / f"{name}.toml").build()
+    (path,) = da.export(model, tmp_path / "position.dxf").files
+    again = da.import_model(path).build()
+    assert again.diagnosis.degrees_of_freedom == model.diagnosis.degrees_of_freedom
+    ends = (("start.x", "start.y"), ("end.x", "end.y"))
+
+    def lengths(mechanism: da.Model) -> dict[str, float]:
+        motion = da.solve_dynamics(mechanism, 1e-9, step=1e-9)
+        bars = [body.name for body in mechanism.bodies if type(body).__name__ == "Bar"]
+        return {
+            bar: math.dist(*([motion[f"{bar}.{c}"][0].item() for c in end] for end in ends))
+            for bar in bars
+        }
+
+    drawn, original = lengths(again), lengths(model)
+    for bar in drawn.keys() & original.keys():
+        assert drawn[bar] == pytest.approx(original[bar], abs=1e-6)
+    assert drawn.keys() & original.keys() >= {"crank"}

@@ -197,13 +197,11 @@ class _Sheet:
     def _guide(self, joint: Any, place: np.ndarray) -> None:
         """The line of a sliding joint, and the block of a prismatic one."""
         direction = self.values(joint.direction)
-        start, half = self.place(joint.end_points[0]), BLOCK * self.size
-        reach = float(direction @ (place - start))
+        half = BLOCK * self.size
         owner = joint.ends()[0].name
         layer = self.layer(f"{owner}_slot", 8 if owner == "ground" else 7)
-        low, high = min(0.0, reach) - 3 * half, max(0.0, reach) + 3 * half
-        foot = place - direction * reach
-        self.line(foot + low * direction, foot + high * direction, layer)
+        # a guide up to the point of the other body could pass through pins that do not slide in it
+        self.line(place - 3 * half * direction, place + 3 * half * direction, layer)
         if isinstance(joint, Prismatic):
             across = np.array([-direction[1], direction[0]])
             corners = [
