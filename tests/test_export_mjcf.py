@@ -381,3 +381,47 @@ def test_examples_have_our_equations_or_name_what_they_lack(path):
     twin = Twin(model)
     if not twin.omissions:
         check_equations(model, 5)
+
+
+def motor_arm() -> da.System:
+    """Two links; the elbow has a geared motor that an input controls, the shoulder a biased one."""
+    system = da.System("arm", gravity=(0, 0, -9.81))
+    volts = system.input("volts", 0.3, bounds=(-12.0, 12.0))
+    push = system.input("push", -0.5, unit="N m")
+    constant = system.parameter("constant", 1.7)
+    turned = da.rotation.axis_angle((1, 0, 0), -np.pi / 2)
+    upper = system.add(spatial.Body("upper", mass=1.5, inertia=(0.02, 0.03, 0.025)))
+    lower = system.add(spatial.Body("lower", mass=0.8, inertia=(0.01, 0.012, 0.009)))
+    base = system.ground.frame((0, 0, 1), rotation=turned)
+    shoulder = system.add(
+        spatial.Revolute("shoulder", base, upper.frame((-0.2, 0, 0), rotation=turned))
+    )
+    ends = (upper.frame((0.2, 0, 0), rotation=turned), lower.frame((-0.15, 0, 0), rotation=turned))
+    elbow = system.add(spatial.Revolute("elbow", *ends))
+    system.add(spatial.JointActuator("gear", elbow, constant * volts, inertia=0.07))
+    system.add(spatial.JointActuator("hub", shoulder, 0.2 + push, inertia=0.03))
+    return system
+
+
+def test_rotors_and_inputs_are_armatures_and_controls() -> None:
+    model = motor_arm().build()
+    m, omissions = written(model)
+    assert [o for o in omissions if o.place in ("gear", "hub")] == []
+    d = mujoco.MjData(m)
+    mujoco.mj_resetDataKeyframe(m, d, 0)
+    names = [m.actuator(k).name for k in range(m.nu)]
+    np.testing.assert_allclose(d.ctrl[[names.index("gear"), names.index("hub")]], [0.3, -0.5])
+    limited = m.actuator_ctrllimited[[names.index("gear"), names.index("hub")]]
+    np.testing.assert_array_equal(limited, [1, 0])
+    np.testing.assert_allclose(m.actuator_ctrlrange[names.index("gear")], [-12, 12])
+    rng = np.random.default_rng(4)
+    for _ in range(5):
+        values = dict(zip(("volts", "push"), rng.uniform(-5, 5, 2), strict=True))
+        d.ctrl[names.index("gear")], d.ctrl[names.index("hub")] = values["volts"], values["push"]
+        mujoco.mj_forward(m, d)
+        motion = da.solve_dynamics(model, 1e-6, step=1e-6, parameters=values)
+        turns = [motion[f"{b}.angular_acceleration"].values[0, 1] for b in ("upper", "lower")]
+        ours = [turns[0], turns[1] - turns[0]]
+        named = {m.joint(k).name.removesuffix(".angle"): d.qacc[k] for k in range(m.njnt)}
+        theirs = [named["shoulder"], named["elbow"]]
+        np.testing.assert_allclose(theirs, ours, rtol=EXACT)

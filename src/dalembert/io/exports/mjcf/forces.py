@@ -14,6 +14,8 @@ from dalembert.elements.loads import Couple, Gravity, PointForce
 from dalembert.elements.springs import Actuator, AngularSpring, Spring, SpringDamper
 from dalembert.io.exports.mjcf.document import MjcfDocument
 from dalembert.io.exports.mjcf.loops import actuate, effort_law
+from dalembert.io.exports.rigid.kinematics import Affine
+from dalembert.symbolic.formulas.inputs import Input
 
 WORLD = "world"
 """Name of the site at the origin of the inertial frame."""
@@ -115,27 +117,79 @@ def _(force: JointFriction, document: MjcfDocument) -> None:
 def _(force: JointActuator, document: MjcfDocument) -> None:
     relation = document.affine(force.free_coordinate)
     if relation is None:
-        document.omit(force, "actuator", "its coordinate is no combination of joint coordinates")
+        reason = "its coordinate is no combination of joint coordinates"
+        document.omit(force, "actuator", reason)
+        if not force.rotor.is_zero():
+            document.omit(force, "inertia of the rotor", reason)
         return
-    actuate(document, force.name, relation, _value(force, force.value.sx, document))
+    _add_rotor(force, relation, document)
+    actuate(document, force.name, relation, _law(force, force.value.sx, document))
 
 
-def _value(force: Any, formula: ca.SX, document: MjcfDocument) -> float | None:
-    """The constant effort; None if it is a control, whose value at the start is recorded."""
+def _add_rotor(force: JointActuator, relation: Affine, document: MjcfDocument) -> None:
+    """The inertia of a rotor as the armature of its joint."""
+    if force.rotor.is_zero():
+        return
+    numbers = _coefficients(force, document, force.rotor)
+    indices = np.flatnonzero(relation.coefficients[0])
+    if numbers is None or len(indices) != 1:
+        if numbers is not None:
+            document.omit(force, "inertia of the rotor", "it turns with several joints of the tree")
+        return
+    ratio = float(relation.coefficients[0][indices[0]])
+    document.accumulate(document.tree.motions[indices[0]].name, armature=numbers[0] * ratio**2)
+
+
+def _law(force: Any, formula: ca.SX, document: MjcfDocument) -> dict[str, Any]:
+    """Attributes of an actuator: a control per input, a constant effort, or the effort itself.
+
+    An effort that is affine in one input of the model has this input as its control.
+    """
+    for name, entry in document.start.model.inputs.items():
+        if ca.depends_on(formula, entry.signal.sx):
+            law = _controlled(formula, name, entry, document)
+            if law is not None:
+                return law
     value = document.start.constant(formula)
     if value is not None:
         document.ctrl.append(0.0)
-        return float(value[0])
+        return effort_law(float(value[0]))
     (start,) = document.start.values(formula)
     document.ctrl.append(float(start[0]))
     document.omit(force, "formula of its effort", VARIES)
-    return None
+    return {}
+
+
+def _controlled(
+    formula: ca.SX, name: str, entry: Input, document: MjcfDocument
+) -> dict[str, Any] | None:
+    """Attributes of an actuator ``b + g u`` with the input ``u`` as control; None for another."""
+    signal = entry.signal.sx
+    if not signal.is_symbolic():  # a formula of time
+        return None
+    slope = ca.jacobian(formula, signal)
+    others = [i.signal.sx for n, i in document.start.model.inputs.items() if n != name]
+    rest = ca.substitute(formula, signal, ca.SX(0))
+    if ca.depends_on(slope, signal) or any(ca.depends_on(formula, other) for other in others):
+        return None
+    gain, bias = document.start.constant(slope), document.start.constant(rest)
+    if gain is None or bias is None:
+        return None
+    (start,) = document.start.values(signal)
+    document.ctrl.append(float(start[0]))
+    law: dict[str, Any] = {"gainprm": float(gain[0])}
+    if bias[0]:
+        law |= {"biastype": "affine", "biasprm": [float(bias[0]), 0.0, 0.0]}
+    low, high = entry.bounds or (-np.inf, np.inf)
+    if np.isfinite(low) and np.isfinite(high):
+        law |= {"ctrllimited": "true", "ctrlrange": [float(low), float(high)]}
+    return law
 
 
 @add_force.register
 def _(force: Actuator, document: MjcfDocument) -> None:
     document.spatial_tendon(force.name, force.end_points)
-    law = effort_law(_value(force, force.force.sx, document))
+    law = _law(force, force.force.sx, document)
     document.add("actuator", "general", name=force.name, tendon=force.name, **law)
 
 

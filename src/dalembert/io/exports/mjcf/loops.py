@@ -182,17 +182,17 @@ def _drive(document: MjcfDocument, driver: Driver) -> None:
 
 
 def actuate(
-    document: MjcfDocument, name: str, relation: Affine, value: float | None = None
+    document: MjcfDocument, name: str, relation: Affine, law: dict[str, Any] | None = None
 ) -> None:
     """Add an actuator along an affine coordinate.
 
     Parameters
     ----------
-    value : its constant effort; None for the control
+    law : attributes of its effort; None for one that is the control
     """
     row = relation.coefficients[0]
     indices = np.flatnonzero(row)
-    law = effort_law(value)
+    law = law or {}
     if len(indices) == 1:
         joint = document.tree.motions[indices[0]].name
         document.add("actuator", "general", name=name, joint=joint, gear=row[indices[0]], **law)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.elements.flexible.floating import FloatingFrame
+from dalembert.elements.joint_forces import AlongJoint
 from dalembert.errors import UnsupportedError
 from dalembert.io.exports.rigid.joints import CLOSED_BY_POINTS, Sequence, sequence_of
 from dalembert.io.exports.rigid.start import RigidBody, Start
@@ -101,7 +102,7 @@ def rigid_tree(
                 f"{'flexible' if isinstance(body, FloatingFrame) else 'a node'}"
             )
     for element in model.parts.elements.values():
-        if element.own_mass:
+        if element.own_mass and not isinstance(element, AlongJoint):  # rotors are of the formats
             raise UnsupportedError(
                 f"{file_format} has rigid bodies only, and {element.name!r} has mass of its own"
             )
