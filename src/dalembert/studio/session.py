@@ -55,6 +55,8 @@ class Session:
         self._revision = 0
         self.latest: dict[str, dict[str, Any]] = {}
         """Kind of picture → the last message about it."""
+        self._early: tuple[int, Picture] | None = None
+        """A live picture that is made before the still one, and its number."""
         self._clients: list[Send] = []
         self._tasks: set[asyncio.Task[None]] = set()
         self._builders: dict[str, BuildingProcess] = {}
@@ -132,8 +134,11 @@ class Session:
             builder.request(Request(self.number, self.draft.text, path))
 
     def _show(self, kind: str, number: int, picture: Picture) -> None:
-        """Send a picture to the pages."""
+        """Send a picture to the pages, the still one before the live one."""
         if number != self.number:
+            return
+        if kind == "live" and self.latest.get("still", {}).get("number") != number:
+            self._early = number, picture
             return
         message: dict[str, Any] = {"kind": "picture", "number": number, "live": kind == "live"}
         message["revision"] = self._revision
@@ -149,6 +154,9 @@ class Session:
             message["page"] = f"picture/{name}"
         self.latest[kind] = message
         self.broadcast(message)
+        if kind == "still" and self._early is not None:
+            early, self._early = self._early, None
+            self._show("live", *early)
 
     def state(self) -> dict[str, Any]:
         """The text and the state of its file, as a message."""

@@ -29,9 +29,10 @@ export class Pictures {
   receive({ number, page, live, revision }) {
     if (revision === this.own) {
       this.shown = number;
+      this.stage.classList.remove("outdated");
       return;
     }
-    this.stage.classList.toggle("outdated", !page && !live && this.frame !== null);
+    if (page || !live) this.stage.classList.toggle("outdated", !page && (this.frame ?? this.next) !== null);
     if (!page || number < this.shown || (number === this.shown && this.live)) return;
     this.next?.remove();
     const frame = el("iframe", { src: page, class: "loading", title: "Picture of the model" });
