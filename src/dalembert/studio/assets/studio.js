@@ -5,11 +5,13 @@
 
 import { ask } from "./ask.js";
 import { Completion } from "./completion.js";
-import { Drawing, TOOLS } from "./drawing.js";
+import { Drawing } from "./drawing.js";
 import { button, byId, el } from "./dom.js";
 import { Editor } from "./editor.js";
 import { Link } from "./link.js";
 import { Pictures } from "./pictures.js";
+import { Sheets } from "./sheets.js";
+import { TOOLS } from "./tools.js";
 
 /** Time for which a notice is shown [ms]. */
 const SHOWN = 6000;
@@ -62,6 +64,9 @@ class Studio {
     });
     byId("palette").append(...TOOLS.map(({ name, title, key, hint }) =>
       el("button", { type: "button", class: "button", "data-tool": name, "aria-pressed": name === "select", title: hint.join("; then "), onclick: () => this.drawing.choose(name) }, title, el("kbd", {}, key.toUpperCase()))));
+    this.sheets = new Sheets(byId("sheets"), byId("writing"), [{ name: "text", title: "Text", node: byId("text") }]);
+    /** Requests of other parts by the kind of their answer. @type {Record<string, (message: any) => void>} */
+    this.handlers = {};
     this.link = new Link((message) => this.receive(message), (connected) => this.connected(connected));
     this.bind();
   }
@@ -105,6 +110,7 @@ class Studio {
       case "notice": return this.say(message.text);
       case "failure": return this.say(message.text, true);
       case "conflict": return void this.resolve(message.text, message.path);
+      default: this.handlers[/** @type {{ kind: string }} */ (message).kind]?.(message);
     }
   }
 
