@@ -30,6 +30,16 @@ LOOK = """(() => {
     view.onChange();
 })()"""
 
+FOUR_BAR = (
+    ("b", (0, 0), (0.1, 0.3)),
+    ("b", (0.1, 0.3), (0.8, 0.5)),
+    ("b", (0.8, 0.5), (0.9, 0)),
+    ("o", (0, 0)),
+    ("o", (0.9, 0)),
+    ("m", (0, 0)),
+)
+"""Keys of tools and places: three bars, two pins at the ground and a motor."""
+
 
 class Desk(Visit):
     """Page of a studio that is worked on with the mouse and the keyboard."""
@@ -97,14 +107,7 @@ def test_a_four_bar_is_drawn_moved_and_saved(desk: tuple[Desk, Studio], tmp_path
     visit, _ = desk
     texts = [visit.text]
     assert texts == [UNTITLED]
-    for key, *places in (
-        ("b", (0, 0), (0.1, 0.3)),
-        ("b", (0.1, 0.3), (0.8, 0.5)),
-        ("b", (0.8, 0.5), (0.9, 0)),
-        ("o", (0, 0)),
-        ("o", (0.9, 0)),
-        ("m", (0, 0)),
-    ):
+    for key, *places in FOUR_BAR:
         visit.draw(key, *places)
         texts.append(visit.text)
     assert visit.page.inner_text("#summary") == "1 degree of freedom, 1 driven, 0 free"
@@ -198,10 +201,15 @@ def test_sliders_write_their_values_into_the_text(desk: tuple[Desk, Studio]) -> 
         view.dispatch({ selection: { anchor: at } });
     })()""")
     visit.page.click("text=Parameter")
-    visit.until("studio.pictures.page?.design?.parameters.length === 1", 60)
+    visit.until(
+        "studio.pictures.page?.design?.parameters.filter(({ drawn }) => !drawn).length === 1", 60
+    )
     assert 'length = "bar1_length"' in visit.text
     frame = visit.js("studio.pictures.frame.src")
-    visit.js("studio.pictures.page.design.set(0, 0.625)")
+    visit.js("""(() => {
+        const { design } = studio.pictures.page;
+        design.set(design.parameters.findIndex(({ name }) => name === "bar1_length"), 0.625);
+    })()""")
     visit.until("studio.file.document.parameters.bar1_length.value === 0.625", 20)
     visit.until("studio.described.revision === studio.file.revision", 20)
     assert visit.js("studio.pictures.frame.src") == frame  # the picture that computes stays
@@ -260,3 +268,48 @@ def test_completion(desk: tuple[Desk, Studio]) -> None:
     visit.page.wait_for_selector(".cm-tooltip-autocomplete")
     visit.page.keyboard.press("Enter")
     visit.until(f"studio.editor.text === {json.dumps(text + 'inertia')}", 10)
+
+
+DRAG = """async ([from, to]) => {
+    const { pictures, drawing } = studio, { canvas, view } = pictures.page.scene;
+    const box = canvas.getBoundingClientRect(), inner = pictures.frame.contentWindow;
+    const send = (kind, [x, y], buttons) => {
+        const [u, v] = view.screen([x, y]), place = { clientX: u + box.left, clientY: v + box.top };
+        const event = { ...place, buttons, altKey: true, bubbles: true };  // without the grid
+        canvas.dispatchEvent(new inner.PointerEvent(kind, event));
+    };
+    send("pointermove", from, 0);
+    send("pointerdown", from, 1);
+    if (!drawing.drag) throw new Error("nothing is dragged");
+    const { solver } = pictures.page, times = [];
+    let drawn = () => {};
+    solver.onResult.on(() => inner.requestAnimationFrame(() => drawn()));
+    for (let k = 1; k <= 40; k++) {
+        const at = from.map((start, i) => start + ((to[i] - start) * k) / 40);
+        const begin = performance.now();
+        await new Promise((done, fail) => {
+            drawn = () => done(times.push(performance.now() - begin));
+            setTimeout(() => fail(new Error("no picture of a dragged point")), 5000);
+            send("pointermove", at, 1);
+        });
+    }
+    const { motion } = pictures.page, point = motion.points.find(({ name }) => name === "bar2.end");
+    return { times, place: motion.placed(motion.pose(point.body), point.point) };
+}"""
+"""Drag a point in steps and wait for the picture of each: times [ms] and the final position."""
+
+
+def test_a_dragged_point_is_computed_in_the_page(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    for key, *places in FOUR_BAR:
+        visit.draw(key, *places)
+    visit.until("document.documentElement.dataset.picture?.endsWith('live')", 60)
+    visit.until("studio.pictures.page.solver.duration > 0", 20)
+    visit.page.keyboard.press("v")
+    text, shown = visit.text, visit.shown
+    seen = visit.page.evaluate(DRAG, [[0.8, 0.5], [0.7, 0.6]])
+    assert seen["place"] == pytest.approx([0.7, 0.6], abs=1e-6)
+    assert (visit.text, visit.shown) == (text, shown)  # neither written nor built
+    visit.page.keyboard.press("Escape")
+    visit.until("!studio.pictures.page.design.changed", 5)
+    assert visit.text == text

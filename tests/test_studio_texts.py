@@ -19,6 +19,7 @@ import dalembert as da
 from dalembert.io.toml_places import line_and_column, parse_keys, toml_places
 from dalembert.studio.draft import PAUSE, Draft
 from dalembert.studio.drawing_edits import apply
+from dalembert.studio.drawn_numbers import with_drawn_parameters
 from dalembert.studio.journal import Journal
 from dalembert.studio.text_edits import TextEdits
 from dalembert.studio.toml_values import as_toml
@@ -387,3 +388,29 @@ def test_a_number_becomes_a_parameter() -> None:
     for at in (0, PARAMETERS.index("Bar"), PARAMETERS.index("30 deg"), 10_000):
         with pytest.raises(da.ModelError):
             apply(PARAMETERS, [{"op": "extract", "at": at}])
+
+
+def test_numbers_of_a_drawing_are_parameters_of_its_live_picture() -> None:
+    data = {
+        "ground": {"points": {"O": [0.0, 0]}},
+        "bodies": {"a": {"type": "Bar", "length": 2, "angle": "phi", "points": {"P": ["l", 1.5]}}},
+        "joints": {"j": {"connect": ["a.start", {"body": "ground", "at": [1, 0]}]}},
+        "parameters": {"l": 1.0, "drawn_1": 5.0},
+    }
+    before = json.dumps(data)
+    drawn, places = with_drawn_parameters(data)
+    assert json.dumps(data) == before
+    assert set(places.values()) == {
+        ("bodies", "a", "length"),
+        ("bodies", "a", "points", "P", 1),
+        *(("ground", "points", "O", i) for i in (0, 1)),
+        *(("joints", "j", "connect", 1, "at", i) for i in (0, 1)),
+    }
+    for name, keys in places.items():
+        value, entry = data, drawn
+        for key in keys:
+            value, entry = value[key], entry[key]  # type: ignore[index, call-overload]
+        assert entry == name
+        assert drawn["parameters"][name]["value"] == value
+    assert drawn["parameters"]["drawn_1"] == 5.0
+    assert drawn["bodies"]["a"]["angle"] == "phi"

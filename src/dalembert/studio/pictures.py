@@ -17,6 +17,7 @@ from dalembert.io.toml_places import line_and_column, parse_keys, toml_places
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.report.page import render_page
 from dalembert.results.result import Result
+from dalembert.studio.drawn_numbers import Keys, with_drawn_parameters
 
 DURATION = 3.0
 """Duration of the motion of a file without an analysis [s]."""
@@ -94,6 +95,21 @@ def _picture_of(text: str, path: Path, live: bool) -> Picture:
     data = parse_document(path, text)
     if data.get("kind") != "structure" and not any(data.get(section) for section in PARTS):
         return Picture(_render(BLANK | {"title": path.stem}), summary="nothing is drawn yet")
+    if not live:
+        return _page_of(data, {}, text, path, live)
+    drawn, places = with_drawn_parameters(data)
+    try:
+        return _page_of(drawn, places, text, path, live)
+    except DalembertError:
+        if not places:
+            raise
+        return _page_of(data, {}, text, path, live)  # such as a number that cannot be a parameter
+
+
+def _page_of(
+    data: dict[str, Any], places: dict[str, Keys], text: str, path: Path, live: bool
+) -> Picture:
+    """Picture of a model whose parameters at ``places`` are numbers of the drawing."""
     file = check_model_data(data, path)
     model = file.model()
     summary, facts, notes = _diagnosis(model)
@@ -111,6 +127,9 @@ def _picture_of(text: str, path: Path, live: bool) -> Picture:
     problems = (*notes, *warnings, *wrong_choices)
     if not live:
         return Picture(_render(page), problems, summary, facts)
+    for row in page.get("parameters", ()):
+        if row["name"] in places:
+            row["drawn"] = places[row["name"]]
     responses = live_responses(file, model, page, result)
     page = result.live_page(
         page, file.document.report.live, responses, units=choices.get("units", ())

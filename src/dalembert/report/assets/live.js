@@ -48,12 +48,14 @@ export function buildLive(page, dimension) {
     panel.node, el("div", { class: "plot-head" }, el("h2", {}, "Responses"), el("div", { class: "live-tools" }, improvement.toggle, add)), table.node, reductionNote(live), improvement.node);
   const kept = new KeptDesigns(design, table, picture);
   panel.tools.append(kept.button, designMenu(design, (text) => panel.say(text)));
-  byId("board").hidden = false;  // also where there is nothing to plot
-  document.body.classList.remove("single");
-  byId("board").prepend(card, kept.node);
+  if (live.parameters.some(({ drawn }) => !drawn)) {
+    byId("board").hidden = false;  // also where there is nothing to plot
+    document.body.classList.remove("single");
+    byId("board").prepend(card, kept.node);
+  }
   linkDesigns(design, panel, live);
 
-  const request = () => solver.request({ parameters: design.values, responses: table.responses, gradients: table.responses.length ? [table.selected] : [], point: drag.request });
+  const request = (origin = "") => solver.request({ parameters: design.values, responses: table.responses, gradients: table.responses.length && origin !== "drawing" ? [table.selected] : [], point: drag.request });
   const connect = () => {
     solver.onResult.on((/** @type {LiveResult} */ result) => {
       picture.show(result);
@@ -74,8 +76,8 @@ export function buildLive(page, dimension) {
       drag.retreat();
     });
     solver.onBusy.on((time) => panel.busy(time, solver.duration));
-    design.onChange.on((origin) => { if (origin !== "improve") request(); });
-    for (const signal of [table.onSelect, table.onList, drag.onHold]) /** @type {Signal<any>} */ (signal).on(request);
+    design.onChange.on((origin) => { if (origin !== "improve") request(origin); });
+    for (const signal of [table.onSelect, table.onList, drag.onHold]) /** @type {Signal<any>} */ (signal).on(() => request());
     request();
   };
   /** @type {ReturnType<typeof setTimeout> | undefined} */

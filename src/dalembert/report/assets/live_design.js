@@ -14,7 +14,7 @@ export class Design {
     this.parameters = parameters;
     this.initial = parameters.map(({ value }) => value);
     this.values = [...this.initial];
-    this.locked = parameters.map(() => false);
+    this.locked = parameters.map(({ drawn }) => Boolean(drawn));
     /** @type {number[][]} */
     this.past = [];
     /** @type {number[][]} */

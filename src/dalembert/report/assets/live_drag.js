@@ -199,7 +199,7 @@ export class PathDrag {
       const [low, high] = design.range(k), [u, v] = scene.view.direction(jacobian.map((row) => row[k] * (high - low)));
       return /** @type {Pixel} */ ([u, v]);
     });
-    const most = Math.max(...ways.map(([u, v]) => Math.hypot(u, v)));
+    const most = Math.max(...ways.map(([u, v], k) => (design.parameters[k].drawn ? 0 : Math.hypot(u, v))));
     ctx.font = `12px ${Theme.font}`;
     ways.forEach((way, k) => {
       const length = (LONGEST * Math.hypot(...way)) / most;

@@ -78,7 +78,7 @@ export class KeptDesigns {
     const row = (/** @type {string} */ name, /** @type {string} */ unit, /** @type {number[]} */ values, look = "") => el("tr", { class: look }, el("th", { scope: "row" }, name),
       values.map((value) => el("td", { class: `right${value === values[0] ? " same" : ""}` }, tidy(value, 5))), el("td", { class: "unit" }, unit && unit !== "1" ? raised(unit) : ""));
     this.body.replaceChildren(
-      ...parameters.map(({ name, unit, factor }, k) => row(name, unit, columns.map(({ values }) => values[k] / factor))),
+      ...parameters.flatMap(({ name, unit, factor, drawn }, k) => drawn ? [] : row(name, unit, columns.map(({ values }) => values[k] / factor))),
       ...responses.map((response, k) => row(response.label, response.unit, columns.map(({ result }) => (result ? valueIn(result, response) : NaN)), k ? "" : "first-response")));
     this.mark();
   }

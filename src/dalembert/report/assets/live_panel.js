@@ -101,7 +101,9 @@ export class ParameterPanel {
   constructor(design) {
     this.design = design;
     this.rows = design.parameters.map((_, k) => new ParameterRow(design, k, (text, kind) => this.say(text, kind)));
-    this.search = el("input", { type: "search", id: "search-parameters", placeholder: "Search parameters", "aria-label": "Search parameters", autocomplete: "off", spellcheck: "false", hidden: this.rows.length < SEARCHED, oninput: () => this.filter() });
+    /** Rows of the parameters that have sliders. */
+    this.shown = this.rows.filter(({ k }) => !design.parameters[k].drawn);
+    this.search = el("input", { type: "search", id: "search-parameters", placeholder: "Search parameters", "aria-label": "Search parameters", autocomplete: "off", spellcheck: "false", hidden: this.shown.length < SEARCHED, oninput: () => this.filter() });
     this.search.addEventListener("keydown", (event) => event.stopPropagation());
     this.undo = iconButton("undo", "Undo", () => design.undo(), { id: "undo" });
     this.redo = iconButton("redo", "Redo", () => design.redo(), { id: "redo" });
@@ -110,7 +112,7 @@ export class ParameterPanel {
     this.elapsed = el("span");
     this.progress = el("p", { class: "caption live-progress", hidden: true }, el("i"), this.elapsed);
     this.tools = el("div", { class: "live-tools" }, this.undo, this.redo, this.reset);
-    this.node = el("div", {}, el("div", { class: "plot-head" }, el("h2", {}, "Parameters"), this.tools), this.search, el("div", { class: "parameters" }, this.rows.map(({ node }) => node)), this.progress, this.status);
+    this.node = el("div", {}, el("div", { class: "plot-head" }, el("h2", {}, "Parameters"), this.tools), this.search, el("div", { class: "parameters" }, this.shown.map(({ node }) => node)), this.progress, this.status);
     design.onChange.on(() => { this.update(); if (!this.failed) this.say(""); });
     this.update();
   }
@@ -135,7 +137,7 @@ export class ParameterPanel {
   showSlopes(slopes, response) {
     this.node.classList.toggle("with-slopes", Boolean(slopes && response));
     if (!slopes || !response) return;
-    const most = Math.max(...this.rows.map(({ low, high }, k) => Math.abs(slopes[k] * (high - low)) / 100));
+    const most = Math.max(...this.shown.map(({ k, low, high }) => Math.abs(slopes[k] * (high - low)) / 100));
     this.rows.forEach((row, k) => row.showSlope(slopes[k], most, response));
   }
 

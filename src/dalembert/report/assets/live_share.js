@@ -23,10 +23,10 @@ function tomlLine({ name, unit, factor, lower, upper, description }, value) {
 }
 
 /** Lines of a model file. @param {Design} design */
-export const tomlText = ({ parameters, values }) => `[parameters]\n${parameters.map((parameter, k) => tomlLine(parameter, values[k])).join("\n")}\n`;
+export const tomlText = ({ parameters, values }) => `[parameters]\n${parameters.flatMap((parameter, k) => (parameter.drawn ? [] : tomlLine(parameter, values[k]))).join("\n")}\n`;
 
 /** Argument of an analysis, in SI units. @param {Design} design */
-export const pythonText = ({ parameters, values }) => `parameters={${parameters.map(({ name }, k) => `${JSON.stringify(name)}: ${values[k]}`).join(", ")}}`;
+export const pythonText = ({ parameters, values }) => `parameters={${parameters.flatMap(({ name, drawn }, k) => (drawn ? [] : `${JSON.stringify(name)}: ${values[k]}`)).join(", ")}}`;
 
 /** The page with the present design as its first view. @param {Design} design */
 export const pageText = (design) => SOURCE.replace(/^(<!DOCTYPE html>\n<html\b[^>]*?)(?: data-design="[^"]*")?>/, (_, head) => `${head} data-design="${design.hash}">`);

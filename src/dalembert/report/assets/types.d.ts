@@ -253,7 +253,7 @@ export interface LiveCheck {
 export interface LiveStatus { outcome: string; message: string; time: number; residual: number; success: boolean }
 
 /** Parameter in SI units; `factor` leads to the unit that is shown. */
-export interface LiveParameter extends Bounds { name: string; unit: string; factor: number; description?: string; varies?: boolean }
+export interface LiveParameter extends Bounds { name: string; unit: string; factor: number; description?: string; varies?: boolean; /** Keys of the number of a drawing for which it stands; it has no slider. */ drawn?: (string | number)[] }
 /** Reduction of a row over time, multiplied by `weight`. */
 export interface LiveTerm {
   kind: "final" | "at" | "maximum" | "minimum" | "mean" | "rms" | "integral" | "sum" | "smooth";

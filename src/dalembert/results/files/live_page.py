@@ -46,6 +46,7 @@ def live_page(
     model = result.model
     bounded = any(np.isfinite(parameter.bounds).all() for parameter in model.parameters.values())
     bounded = bounded or (designs is not None and bool(designs.ranges))
+    bounded = bounded or any("drawn" in row for row in page.get("parameters", ()))
     if live is False or not (bounded or live):
         return page
     if not model.parameters:

@@ -6,6 +6,7 @@
 /** @import { Document } from "./types.d.ts" */
 
 import { move, otherEnd, remove, sectionOf } from "./operations.js";
+import { stillPage, valuesAfter } from "./preview.js";
 import { elementAt, inBody, namedPlaces, snap } from "./snapping.js";
 import { TOOLS } from "./tools.js";
 
@@ -21,7 +22,7 @@ export class Drawing {
     this.places = [];
     /** Place under the pointer. @type {Place | null} */
     this.now = null;
-    /** Place that is being dragged, and where to. @type {{ from: Place, to: Place, moved: boolean } | null} */
+    /** Place that is being dragged, and where to; the page before, and the values of its parameters. @type {{ from: Place, to: Place, moved: boolean, still: Page, values: number[] } | null} */
     this.drag = null;
     /** Selected element. @type {string | null} */
     this.selected = null;
@@ -104,7 +105,7 @@ export class Drawing {
     if (this.selected && this.document) this.actions.select(/** @type {string} */ (sectionOf(this.document, this.selected)), this.selected);
     if (place.names.length) {
       this.rest();
-      this.drag = resting ? { from: place, to: place, moved: false } : null;
+      this.drag = resting ? { from: place, to: place, moved: false, still: stillPage(page), values: [...(page.design?.values ?? [])] } : null;
     }
     this.refresh();
     return place.names.length > 0;
@@ -115,6 +116,7 @@ export class Drawing {
     if (this.drag) {
       const to = this.placeAt(event, at);
       this.drag = { ...this.drag, to, moved: this.drag.moved || Math.hypot(to.x - this.drag.from.x, to.y - this.drag.from.y) > 0 };
+      this.preview(this.drag);
       this.refresh();
       return true;
     }
@@ -129,10 +131,18 @@ export class Drawing {
     const { drag, page, document } = this;
     this.drag = null;
     if (!drag || !page || !document) return this.tool.name !== "select";
-    const change = drag.moved && move(page, document, drag.from, drag.to);
+    const change = drag.moved && move(drag.still, document, drag.from, drag.to);
     if (change) this.actions.change(change);
     this.refresh();
     return true;
+  }
+
+  /** Let a live page compute the position to which a point is dragged. @param {NonNullable<Drawing["drag"]>} drag */
+  preview({ from, to, still, values }) {
+    const { page, document } = this, design = page?.design;
+    if (!page || !document || design?.parameters.length !== values.length) return;
+    const change = move(still, document, from, to), next = change && valuesAfter(page, document, values, change.operations);
+    if (next) design.replace(next, "drawing");
   }
 
   finish() {
@@ -149,6 +159,7 @@ export class Drawing {
     if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
     const { key } = event;
     if (key === "Escape") {
+      if (this.drag) this.page?.design?.replace(this.drag.values, "drawing");
       if (this.places.length || this.drag) [this.places, this.drag] = [[], null];
       else this.choose("select");
     } else if (key === "Enter" && this.tool.clicks === 0 && this.places.length > 2) this.finish();

@@ -218,7 +218,7 @@ class Studio {
       clearTimeout(waiting);
       waiting = setTimeout(() => {
         if (this.pictures.page?.design !== design) return;
-        const operations = design.parameters.flatMap((/** @type {{ name: string }} */ { name }, /** @type {number} */ k) => (design.values[k] === written[k] ? [] : [{ op: "parameter", name, value: design.values[k] }]));
+        const operations = design.parameters.flatMap((/** @type {{ name: string, drawn?: unknown }} */ { name, drawn }, /** @type {number} */ k) => (drawn || design.values[k] === written[k] ? [] : [{ op: "parameter", name, value: design.values[k] }]));
         written = [...design.values];
         if (!operations.length) return;
         this.pictures.own = this.file.revision + this.pending + 1;
