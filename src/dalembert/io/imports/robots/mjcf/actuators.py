@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
+from functools import cached_property
+
 from dalembert.io.imports.robots.mjcf.actuator_law import Law
 from dalembert.io.imports.robots.mjcf.bodies import MjcfBodies
+from dalembert.io.imports.robots.mjcf.reference_inertia import ReferenceInertia
 from dalembert.io.imports.robots.parts import Actuator, Joint
 from dalembert.io.imports.xml.element import XmlElement
 
 CONVERTED = ("general", "motor", "position", "velocity", "damper")
 OTHER_PLACES = ("site", "body", "slidersite", "cranksite", "refsite", "geom")
 """Attributes that name what an actuator acts on, besides joints and tendons."""
-LIMITS = {"ctrl": "ctrlrange", "force": "forcerange"}
 
 
 class MjcfActuators:
@@ -64,18 +67,36 @@ class MjcfActuators:
             return
         name = element.attributes.get("name", f"{joints[0][0].name}_{element.tag}")
         gear = element.numbers("gear", default=(1.0,))[0]
-        gain, bias = self._law(element)
-        element.ignore("name", "class", "group", "user", "ctrllimited", "forcelimited")
-        limited = element.attributes.get("ctrllimited", "auto") != "false"
-        bounds = None
-        if limited and element.has("ctrlrange"):
-            low, high = element.numbers("ctrlrange", 2)
-            bounds = (low, high) if low < high else None
-        if element.has("inheritrange"):
-            element.ignore("ctrlrange")
         transmission = [(joint, gear * coefficient) for joint, coefficient in joints]
+        gain, bias = self._law(element, transmission)
+        element.ignore("name", "class", "group", "user")
+        forces = self._limits(element, "forcerange", "forcelimited")
+        bounds: tuple[float, float] | None
+        if element.number("inheritrange", 0.0) and not element.has("tendon"):
+            element.ignore("ctrlrange", "ctrllimited")
+            bounds = self._inherited(element, joints[0][0])
+        else:
+            bounds = self._limits(element, "ctrlrange", "ctrllimited")
         offset = sum(c * self.bodies.references[joint] for joint, c in transmission)
-        self.actuators.append(Actuator(name, transmission, offset, gain, bias, bounds))
+        self.actuators.append(Actuator(name, transmission, offset, gain, bias, bounds, forces))
+
+    @cached_property
+    def _inertia(self) -> ReferenceInertia:
+        return ReferenceInertia(self.bodies.links, self.bodies.positions())
+
+    def _limits(self, element: XmlElement, *names: str) -> tuple[float, float] | None:
+        limits = self.bodies.source.limits(element, *names)
+        return limits if limits is not None and limits[0] < limits[1] else None
+
+    def _inherited(self, element: XmlElement, joint: Joint) -> tuple[float, float]:
+        """Bounds of the control: the limits of the joint about their middle, times a factor."""
+        share = element.number("inheritrange")
+        if joint.range is None:
+            raise element.error(f"inheritrange: {joint.name} has no range; give it one")
+        reference = self.bodies.references[joint]
+        low, high = (limit + reference for limit in joint.range)
+        middle, half = (low + high) / 2, share * (high - low) / 2
+        return middle - half, middle + half
 
     def _omit(self, element: XmlElement, reason: str) -> None:
         element.visited = True
@@ -101,7 +122,9 @@ class MjcfActuators:
                 raise element.error(f"there is no joint {name!r}; add it, or correct the name")
         return [(self.bodies.joints[name], coefficient) for name, coefficient in named]
 
-    def _law(self, element: XmlElement) -> tuple[list[float], list[float]]:
+    def _law(
+        self, element: XmlElement, transmission: list[tuple[Joint, float]]
+    ) -> tuple[list[float], list[float]]:
         """Coefficients ``g`` and ``b``.
 
         Actuators of all kinds share one default. Each element of its classes, then the actuator
@@ -111,7 +134,6 @@ class MjcfActuators:
         for own in (*reversed(element.defaults), element):
             law.change(own)
         if law.has_damping_ratio:
-            law.bias[2] = 0.0
-            reason = "is computed from the inertia; write kv"
-            self.omissions.add(element, f"{element.tag} dampratio", reason)
+            inertia = self._inertia.along(transmission)
+            law.bias[2] *= -2 * math.sqrt(law.gain[0] * inertia)
         return law.coefficients
