@@ -113,3 +113,61 @@ def test_shapes_fitted_to_a_mesh(tmp_path, kind):
         tensor[i, j] = tensor[j, i] = product
     moments = np.linalg.eigvalsh(tensor)[::-1]
     assert moments == pytest.approx(model.body_inertia[1], rel=single)
+
+
+DRONE = """<mujoco><worldbody><body name="d" pos="0 0 1" euler="0 10 0"><freejoint/>
+  <geom type="box" size=".2 .2 .05" pos="0 0 .02"/>
+  <site name="left" pos="0 .3 0" euler="20 0 0"/><site name="right" pos="0 -.3 .1"/>
+  <body name="fan" pos=".1 0 0"><geom size=".05"/><site name="tail" pos=".2 0 0"/></body>
+  </body></worldbody><actuator>
+  <motor site="left" gear="0 0 2 0 0 -.3"/><motor site="right" gear="1 0 2 0 0 .3"/>
+  <general site="tail" gear="0 1 0" gainprm="3" biastype="affine" biasprm="1 0 0"/>
+  </actuator></mujoco>"""
+
+
+def test_forces_at_sites(tmp_path):
+    document = imported(tmp_path, DRONE, "xml").document
+    assert len(document["inputs"]) == 3
+    controls = [0.7, -0.4, 1.3]
+    for table, control in zip(document["inputs"].values(), controls, strict=True):
+        table["value"] = control
+    robot = imported(tmp_path, DRONE, "xml")
+    robot.document.update(document)
+    motion = da.solve_dynamics(robot.build(), 1e-6, step=1e-6)
+    path = tmp_path / "peer.xml"
+    path.write_text(DRONE)
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    data.ctrl[:] = controls
+    mujoco.mj_forward(model, data)
+    axes = data.xmat[1].reshape(3, 3)
+    spin = motion["d.angular_acceleration"][0].values
+    assert motion["d.acceleration"][0].values == pytest.approx(data.qacc[:3], rel=1e-9)
+    assert axes.T @ spin == pytest.approx(data.qacc[3:], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "actuator",
+    [
+        '<position joint="h" kp="30" kv="2" timeconst=".1"/>',
+        '<general joint="h" dyntype="filter" dynprm=".2" gainprm=".4"/>',
+        '<general joint="h" dyntype="integrator" gainprm="4" biastype="affine" biasprm="0 -4 -1"/>',
+    ],
+)
+def test_actuators_with_a_state(tmp_path, actuator):
+    text = f"""<mujoco><option timestep="1e-4" integrator="RK4"/><worldbody>
+      <body name="a"><joint name="h" axis="0 1 0" damping=".1"/>
+      <geom type="box" size=".2 .05 .05" pos=".2 0 0"/></body></worldbody>
+      <actuator>{actuator}</actuator></mujoco>"""
+    robot = imported(tmp_path, text, "xml")
+    (table,) = robot.document["inputs"].values()
+    table["value"] = 0.6
+    motion = da.solve_dynamics(robot.build(), 0.5)
+    path = tmp_path / "peer.xml"
+    path.write_text(text)
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    data.ctrl[:] = 0.6
+    for _ in range(5000):
+        mujoco.mj_step(model, data)
+    assert motion["h.angle"][-1].item() == pytest.approx(data.qpos[0], abs=1e-5)

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from dalembert.io.imports.robots.body_tables import BodyTables
 from dalembert.io.imports.robots.joint_forces import (
     actuator_formula,
@@ -184,7 +186,7 @@ class RobotDocument(BodyTables):
         }
 
     def _add_actuator(self, actuator: Actuator) -> None:
-        """An input, and a force along each joint of the actuator."""
+        """An input, and a force along each joint of the actuator, or at its site."""
         control = self.names.add(actuator.name, "input")
         low, high = actuator.bounds or (0.0, 0.0)
         table: dict[str, Any] = {"value": min(max(low, 0.0), high)}
@@ -192,7 +194,10 @@ class RobotDocument(BodyTables):
             table["bounds"] = [low, high]
         self.sections["inputs"][control] = table
         coordinates = [self.coordinate(joint) for joint, _ in actuator.joints]
-        formula = actuator_formula(actuator, control, coordinates)
+        activation = self._activation(actuator, control)
+        formula = actuator_formula(actuator, activation, coordinates)
+        if actuator.site is not None:
+            self._add_wrench(control, formula, actuator.site, actuator.wrench)
         for joint, coefficient in actuator.joints:
             name = self.names.add(f"{control}_force")
             value = scaled(coefficient, formula)
@@ -202,6 +207,38 @@ class RobotDocument(BodyTables):
                 "value": value,
             }
             self.efforts.setdefault(joint, []).append(name)
+
+    def _activation(self, actuator: Actuator, control: str) -> str:
+        """The control, or the output of a block that filters or integrates it."""
+        if not actuator.activation:
+            return control
+        name = self.names.add(f"{control}_activation")
+        if actuator.activation == "filter":
+            cutoff = 1 / actuator.time_constant
+            self.sections["blocks"][name] = {"type": "LowPass", "input": control, "cutoff": cutoff}
+            return f"{name}.output"
+        self.sections["blocks"][name] = {"type": "State", "rate": control}
+        return f"{name}.value"
+
+    def _add_wrench(
+        self, control: str, formula: str, site: tuple[Link, Pose], wrench: np.ndarray
+    ) -> None:
+        """A force and a moment at a site, in the axes of its body."""
+        carrier = self.kinematics.carrier(site[0])
+        if carrier.link is None:
+            return
+        body, pose = self.bodies[carrier.link], carrier.pose @ site[1]
+        force, moment = (
+            [scaled(c, formula) if c else 0.0 for c in tidy(pose.turned(part))]
+            for part in (wrench[:3], wrench[3:])
+        )
+        if any(force):
+            place = {"body": body, "at": tidy(pose.place)}
+            table = {"type": "Force", "connect": [place], "vector": force, "follows": body}
+            self._add_forces(control, {"force": table})
+        if any(moment):
+            table = {"type": "Torque", "connect": [body], "vector": moment, "follows": body}
+            self._add_forces(control, {"torque": table})
 
     def _limit_effort(self, joint: Joint, names: list[str]) -> None:
         """Replace the forces of the actuators of a joint by their limited sum."""

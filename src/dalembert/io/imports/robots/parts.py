@@ -145,7 +145,7 @@ class Dependence:
 
 @dataclass(eq=False)
 class Actuator:
-    """A force along joints, with a control ``u`` from outside.
+    """A force along joints, or at a site, with a control ``u`` from outside.
 
     With the length ``L = offset + Σ coefficient s`` of its joints the force along L is
     ``(g₀ + g₁ L + g₂ L̇) u + b₀ + b₁ L + b₂ L̇``.
@@ -158,6 +158,10 @@ class Actuator:
     gain, bias : (3,) ``g`` and ``b``
     bounds : of the control, or None
     force_range : limits of the force along L, or None
+    activation : ``"integrator"`` of the control or ``"filter"`` in place of it; empty for none
+    time_constant : of the filter [s]
+    site : link and pose of a site on which the force acts instead, L = 0; or None
+    wrench : (6,) force and moment at the site, in its axes, per force
     """
 
     name: str
@@ -167,6 +171,10 @@ class Actuator:
     bias: list[float]
     bounds: tuple[float, float] | None
     force_range: tuple[float, float] | None = None
+    activation: str = ""
+    time_constant: float = 0.0
+    site: tuple[Link, Pose] | None = None
+    wrench: np.ndarray = field(default_factory=lambda: np.zeros(6))
 
 
 @dataclass(eq=False)

@@ -5,15 +5,19 @@ from __future__ import annotations
 import math
 from functools import cached_property
 
+import numpy as np
+
 from dalembert.io.imports.robots.mjcf.actuator_law import Law
 from dalembert.io.imports.robots.mjcf.bodies import MjcfBodies
 from dalembert.io.imports.robots.mjcf.reference_inertia import ReferenceInertia
-from dalembert.io.imports.robots.parts import Actuator, Joint
+from dalembert.io.imports.robots.parts import Actuator, Joint, Link
+from dalembert.io.imports.robots.pose import Pose
 from dalembert.io.imports.xml.element import XmlElement
 
 CONVERTED = ("general", "motor", "position", "velocity", "damper")
-OTHER_PLACES = ("site", "body", "slidersite", "cranksite", "refsite", "geom")
-"""Attributes that name what an actuator acts on, besides joints and tendons."""
+OTHER_PLACES = ("body", "slidersite", "cranksite", "refsite", "geom")
+"""Attributes that name what an actuator acts on, besides joints, tendons and sites."""
+ACTIVATIONS = {"none": "", "integrator": "integrator", "filter": "filter", "filterexact": "filter"}
 
 
 class MjcfActuators:
@@ -58,27 +62,59 @@ class MjcfActuators:
             self._omit(element, reason)
             return
         self.bodies.source.with_defaults(element, None)
-        joints = self._transmission(element)
+        joints, site = self._transmission(element), self._site(element)
         if joints is None or not all(joint.has_angle for joint, _ in joints):
-            self._omit(element, "only actuators of hinges, slides and fixed tendons are converted")
+            reason = "only actuators of hinges, slides, fixed tendons and sites are converted"
+            self._omit(element, reason)
             return
-        if element.text("dyntype", "none") != "none":
-            self._omit(element, "actuators with states are not converted; use a block")
+        activation = self._activation(element)
+        if activation is None:
+            self._omit(element, "this kind of activation is not converted; use a block")
             return
-        name = element.attributes.get("name", f"{joints[0][0].name}_{element.tag}")
-        gear = element.numbers("gear", default=(1.0,))[0]
+        owner = element.text("site") if site is not None else joints[0][0].name
+        name = element.attributes.get("name", f"{owner}_{element.tag}")
+        wrench = np.array([*element.numbers("gear", default=(1.0,)), *[0.0] * 6])[:6]
+        gear = float(wrench[0])
         transmission = [(joint, gear * coefficient) for joint, coefficient in joints]
         gain, bias = self._law(element, transmission)
         element.ignore("name", "class", "group", "user")
         forces = self._limits(element, "forcerange", "forcelimited")
         bounds: tuple[float, float] | None
-        if element.number("inheritrange", 0.0) and not element.has("tendon"):
+        if element.number("inheritrange", 0.0) and element.has("joint"):
             element.ignore("ctrlrange", "ctrllimited")
             bounds = self._inherited(element, joints[0][0])
         else:
             bounds = self._limits(element, "ctrlrange", "ctrllimited")
         offset = sum(c * self.bodies.references[joint] for joint, c in transmission)
-        self.actuators.append(Actuator(name, transmission, offset, gain, bias, bounds, forces))
+        kind, constant = activation
+        own = Actuator(name, transmission, offset, gain, bias, bounds, forces, kind, constant)
+        own.site, own.wrench = site, wrench
+        self.actuators.append(own)
+
+    def _site(self, element: XmlElement) -> tuple[Link, Pose] | None:
+        """Link and pose of a site on which an actuator acts."""
+        if not element.has("site") or element.has("refsite"):
+            return None
+        name = element.text("site")
+        if name not in self.bodies.sites:
+            raise element.error(f"there is no site {name!r}; add it, or correct the name")
+        link, pose = self.bodies.sites[name]
+        return None if link is None else (link, pose)
+
+    def _activation(self, element: XmlElement) -> tuple[str, float] | None:
+        """Kind of the activation, which replaces the control, and its time constant."""
+        if element.tag == "position":
+            constant = element.number("timeconst", 0.0)
+            return ("filter", constant) if constant > 0 else ("", 0.0)
+        kind = ACTIVATIONS.get(element.text("dyntype", "none"))
+        if kind is None:
+            return None
+        if not kind:
+            return "", 0.0
+        constant = [*element.numbers("dynprm"), 1.0][0] if element.has("dynprm") else 1.0
+        if kind == "filter" and not constant > 0:
+            raise element.error(f"dynprm is {constant:g}; the time constant is positive")
+        return kind, constant
 
     @cached_property
     def _inertia(self) -> ReferenceInertia:
@@ -110,6 +146,8 @@ class MjcfActuators:
         """Joints with coefficients; None for another kind of transmission."""
         if any(element.has(place) for place in OTHER_PLACES):
             return None
+        if element.has("site"):
+            return [] if self._site(element) is not None else None
         if element.has("tendon"):
             named = self.tendons.get(element.text("tendon"))
             if named is None:
