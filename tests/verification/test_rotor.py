@@ -90,3 +90,34 @@ def test_rotors_stay_in_the_tree_of_a_loop():
     np.testing.assert_allclose(*(run["crank.angle"].values for run in runs), atol=1e-7)
     with pytest.raises(da.UnsupportedError, match="closes a loop"):
         da.solve_dynamics(model, 0.1, step=0.1, coordinates=da.JointCoordinates(cut=("B",)))
+
+
+def test_rotors_of_joints_whose_frames_are_turned_to_each_other():
+    """Bodies start turned by the identity, where the angle of such a joint is not defined."""
+    system = da.System("arm")
+    body = {"mass": 1.0, "inertia": (0.1, 0.1, 0.1)}
+    upper, lower = (system.add(spatial.Body(name, **body)) for name in ("upper", "lower"))
+    base = system.ground.frame(axis=(0, 0, 1))
+    system.add(spatial.Revolute("shoulder", base, upper.frame(axis=(0, 0, 1))))
+    frames = upper.frame((0, 0, 0.1), axis=(0, -1, 0), x=(1, 0, 0)), lower.frame(axis=(1, 0, 0))
+    elbow = system.add(spatial.Revolute("elbow", *frames))
+    system.add(spatial.JointActuator("motor", elbow, 0.0, inertia=0.2))
+    assert not system.build().diagnosis.massless
+
+
+def test_rotors_on_massless_bodies():
+    """A rotor gives a body an inertia about one axis; the range-space method needs the others."""
+    system = da.System("gimbal", gravity=(0, 0, -9.81))
+    ring = system.add(spatial.Body("ring"))
+    load = system.add(spatial.Body("load", mass=2.0, inertia=(0.1, 0.2, 0.3), position=(0.3, 0, 0)))
+    base = system.ground.frame(axis=(0, 0, 1))
+    yaw = system.add(spatial.Revolute("yaw", base, ring.frame(axis=(0, 0, 1))))
+    ends = ring.frame(axis=(0, 1, 0)), load.frame((-0.3, 0, 0), axis=(0, 1, 0))
+    pitch = system.add(spatial.Revolute("pitch", *ends))
+    system.add(spatial.JointActuator("motor", yaw, 0.5, inertia=ROTOR))
+    system.add(spatial.JointActuator("brake", pitch, 0.0, inertia=ROTOR))
+    motion = da.solve_dynamics(system.build(), 0.01, step=1e-3, formulation=da.RangeSpace())
+    assert motion.status.success
+    spin, turn = (motion[f"load.angular_acceleration.{axis}"][0].item() for axis in "zy")
+    assert spin == pytest.approx(0.5 / (ROTOR + 0.3 + 2 * 0.3**2), rel=1e-9)
+    assert turn == pytest.approx(2 * 9.81 * 0.3 / (ROTOR + 0.2 + 2 * 0.3**2), rel=1e-9)

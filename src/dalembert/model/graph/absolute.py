@@ -11,6 +11,7 @@ import casadi as ca
 
 from dalembert.elements.base import Element, Powers
 from dalembert.elements.coordinates import Coordinates, motion_rate_of, rate_of
+from dalembert.elements.joint_forces import AlongJoint
 from dalembert.elements.planar.body import Ground
 from dalembert.errors import ModelError
 from dalembert.model.graph.description import Description
@@ -116,6 +117,12 @@ def _contacts(d: Description) -> tuple[RigidGap, ...]:
                 gap.name,
             )
     return gaps
+
+
+def with_rotors(d: Description) -> list[AlongJoint]:
+    """Elements with an inertia along the free motion of a joint."""
+    elements = [e for e in d.elements.values() if isinstance(e, AlongJoint)]
+    return [element for element in elements if element.own_mass]
 
 
 def inertia_of(d: Description, v: ca.SX, without: Collection[Element] = ()) -> tuple[ca.SX, ca.SX]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.elements.flexible.shapes import FloatingShapes
-from dalembert.model.graph.absolute import absolute_equations, at_ground
+from dalembert.model.graph.absolute import absolute_equations, at_ground, inertia_of, with_rotors
 from dalembert.model.graph.assembly.closure import Closure
 from dalembert.model.graph.assembly.guesses import AssembledState, Guesses
 from dalembert.model.graph.checks import value_checks
@@ -110,13 +110,13 @@ class Model(ParametricModel):
         begin = perf_counter()
         nominal = parts.space.complete(np.array([p.value for p in parts.parameters.values()]))
         guesses, equations = Guesses.collect(parts), absolute_equations(parts)
-        mass = equations.mass_at(guesses.values(nominal)[0], nominal)
         equations = replace(
             equations,
             scales=scales_of(parts, equations, guesses, nominal),
-            massless=tuple(int(k) for k in np.flatnonzero(mass.diagonal() == 0)),
+            massless=_massless(parts, equations, guesses.values(nominal)[0], nominal),
         )
         closure = Closure(parts, equations, guesses, nominal, strict)
+        mass = equations.mass_at(closure.start.y, nominal)  # those of rotors may vary
         diagnosis = diagnose(parts, closure, mass)
         return cls(parts, equations, closure, diagnosis, perf_counter() - begin)
 
@@ -260,3 +260,11 @@ class Model(ParametricModel):
         diagnosis = self.diagnosis
         tables = (table(diagnosis.rows), parameter_table(self.parameters))
         return card(f"Model {self.name}", diagnosis.summary, messages(diagnosis.messages), *tables)
+
+
+def _massless(parts: Description, e: Equations, y: np.ndarray, p: np.ndarray) -> tuple[int, ...]:
+    """Speeds without mass; a rotor gives a body inertia about one axis only."""
+    driven = with_rotors(parts)
+    mass = inertia_of(parts, e.v, driven)[0] if driven else e.mass
+    diagonal = ca.Function("diagonal", [e.y, e.p], [ca.densify(ca.diag(mass))])(y, p).full()
+    return tuple(int(k) for k in np.flatnonzero(diagonal == 0))

@@ -102,7 +102,10 @@ class RobotDocument(BodyTables):
         if self.ground:
             document["ground"] = self.ground
         sections = {name: section for name, section in self.sections.items() if section}
-        return document | sections | {"analysis": {"type": "Dynamics", "duration": 1.0}}
+        analysis: dict[str, Any] = {"type": "Dynamics", "duration": 1.0}
+        if self.joints:  # robots are trees of many bodies with few degrees of freedom
+            analysis["coordinates"] = "JointCoordinates"
+        return document | sections | {"analysis": analysis}
 
     def _add_forces(self, name: str, forces: dict[str, dict[str, Any]]) -> None:
         for ending, force in forces.items():

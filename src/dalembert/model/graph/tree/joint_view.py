@@ -14,7 +14,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.model.graph.absolute import inertia_of
+from dalembert.model.graph.absolute import inertia_of, with_rotors
 from dalembert.model.graph.assembly.independence import independent_rows
 from dalembert.model.graph.coordinates import CoordinateView
 from dalembert.model.graph.equations import Equations
@@ -26,7 +26,6 @@ from dalembert.model.graph.tree.kinematic_tree import (
     between_neighbours,
     links_of,
     rotors_of,
-    with_rotors,
 )
 from dalembert.model.graph.tree.link import Link
 from dalembert.model.graph.tree.motion import TreeMotion

@@ -8,10 +8,10 @@ import casadi as ca
 
 from dalembert.elements.base import Constraint
 from dalembert.elements.body import BodyElement
-from dalembert.elements.joint_forces import AlongJoint
 from dalembert.elements.planar.joint import TreeJoint as PlanarJoint
 from dalembert.elements.spatial.joint import TreeJoint as SpatialJoint
 from dalembert.errors import ModelError, UnsupportedError
+from dalembert.model.graph.absolute import with_rotors
 from dalembert.model.graph.description import Description
 from dalembert.model.graph.tree.link import Link, free_link, planar_link
 from dalembert.model.graph.tree.spanning_tree import Edge, SpanningTree, spanning_tree
@@ -25,12 +25,6 @@ def carrying_joints(d: Description) -> dict[str, Any]:
     """Joints by name that can carry a body at either end."""
     joints = [c for c in d.constraints if isinstance(c, (PlanarJoint, SpatialJoint))]
     return {j.name: j for j in joints if all(j.carries(b) for b in j.ends() if b is not d.ground)}
-
-
-def with_rotors(d: Description) -> list[AlongJoint]:
-    """Elements with an inertia along the free motion of a joint."""
-    elements = [e for e in d.elements.values() if isinstance(e, AlongJoint)]
-    return [element for element in elements if element.own_mass]
 
 
 def rotors_of(d: Description, links: list[Link]) -> list[ca.SX]:
