@@ -52,7 +52,7 @@ def export(
     The format js is a module that runs without Python: it simulates the model for any parameter
     values and differentiates its responses. The format fmu is a functional mock-up unit, which runs
     in other simulation programs. Other formats are files of the model (mjcf, urdf, dxf,
-    latex) or of the results of its analysis; parts that a format cannot express are listed.
+    latex, python) or of the results of its analysis; parts that a format cannot express are listed.
 
     Parameters
     ----------
@@ -90,7 +90,9 @@ def _export_file(
 
     chosen, source = FORMATS[to], model
     target = folder / f"{file.path.stem}{chosen.suffix}"
-    if not chosen.of_model:
+    if chosen.of_file:
+        source = file
+    elif not chosen.of_model:
         with wrong_input():
             task = make_analysis(file, model, analysis)
         with file.located("analysis"):
