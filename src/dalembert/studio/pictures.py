@@ -113,7 +113,7 @@ def _page_of(
     file = check_model_data(data, path)
     model = file.model()
     summary, facts, notes = _diagnosis(model)
-    result = _result(file, model)
+    result = result_of(file, model)
     wrong_choices: list[Problem] = []
     choices: dict[str, Any] = {}
     try:
@@ -138,7 +138,7 @@ def _page_of(
     return Picture(_render(page) if is_live else "", problems, summary, facts, is_live)
 
 
-def _result(file: ModelFile, model: Any) -> Result:
+def result_of(file: ModelFile, model: Any) -> Result:
     """Result of the analysis of a file, or of a motion where it states none."""
     analysis: Any
     if file.document.analysis is None and not isinstance(model, StructuralModel):

@@ -7,16 +7,20 @@ import json
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from dataclasses import asdict
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from dalembert.errors import DalembertError
+from dalembert.files import read_text
 from dalembert.io.example_files import example_folder
 from dalembert.io.reading import parse_document
 from dalembert.studio.building import BuildingProcess, Request
 from dalembert.studio.draft import Draft
+from dalembert.studio.export_process import Exports
 from dalembert.studio.journal import Journal, Recovered
 from dalembert.studio.pictures import Picture
+from dalembert.studio.recent_files import recent_files, remember
 
 Send = Callable[[dict[str, Any]], Awaitable[None]]
 
@@ -52,6 +56,7 @@ class Session:
         self.pages: dict[int, str] = {}
         """Number of a picture → its page."""
         self.number = 0
+        self.exports = Exports()
         self._revision = 0
         self.latest: dict[str, dict[str, Any]] = {}
         """Kind of picture → the last message about it."""
@@ -68,6 +73,8 @@ class Session:
         for kind in KINDS:
             self._builders[kind] = BuildingProcess(kind == "live", self._receiver(kind))
         self.recovered = self._recover()
+        if self.draft.path is not None:
+            remember(self.draft.path, self._journals)
         self.build()
 
     def open(self, path: Path | None, text: str = UNTITLED) -> None:
@@ -88,6 +95,8 @@ class Session:
         self.journal.close()
         self.draft, self.journal = draft, Journal(draft.path, self._journals)
         draft.revision = revision  # pages compare revisions
+        if path is not None and draft.path is not None:
+            remember(draft.path, self._journals)
         self.recovered = self._recover() if path is not None else None
         self.broadcast(self.state())
         if self.recovered is not None:
@@ -98,13 +107,38 @@ class Session:
         """Model files beside the present one, and the examples, as a message."""
         folder = self.draft.path.parent if self.draft.path is not None else Path.cwd()
         beside = sorted(str(path) for path in folder.glob("*.toml"))[:MAX_FILES]
-        examples = sorted(path.stem for path in example_folder().glob("*.toml"))
-        return {"kind": "files", "folder": str(folder), "files": beside, "examples": examples}
+        recent = [str(path) for path in recent_files(self._journals)]
+        listed = {"kind": "files", "folder": str(folder), "files": beside, "recent": recent}
+        return listed | {"examples": example_texts()}
+
+    def export(self, to: str, share: float, send: Send) -> None:
+        """Write the text as a file of another kind, in a process of its own.
+
+        Raises
+        ------
+        FileError
+            Unknown kind, or another export runs.
+        """
+        loop = asyncio.get_running_loop()
+
+        def report(message: dict[str, Any]) -> None:
+            with suppress(RuntimeError):  # the loop is closed
+                loop.call_soon_threadsafe(self.reply, send, message)
+
+        path = self.draft.path or Path.cwd() / self.draft.name
+        number = self.exports.start(to, self.draft.text, path, share, report)
+        self.reply(send, {"kind": "export", "number": number, "state": "progress", "share": 0.0})
+
+    def cancel(self) -> None:
+        """Stop making pictures."""
+        for builder in self._builders.values():
+            builder.cancel()
 
     def close(self) -> None:
         """End the processes; a draft with unsaved changes remains in the journal."""
         for builder in self._builders.values():
             builder.close()
+        self.exports.close()
         self.journal.close()
 
     def _recover(self) -> Recovered | None:
@@ -245,6 +279,7 @@ class Session:
             former.close()
         else:
             former.clear()
+        remember(saved, self._journals)
         self.broadcast(self.state())
         return saved
 
@@ -252,6 +287,18 @@ class Session:
 async def _delivery(send: Send, message: dict[str, Any]) -> None:
     with suppress(Exception):  # the page has been closed
         await send(message)
+
+
+@cache
+def example_texts() -> list[dict[str, str]]:
+    """Name, title and description of the examples."""
+    listed = []
+    for path in sorted(example_folder().glob("*.toml")):
+        with suppress(DalembertError):
+            data = parse_document(path, read_text(path))
+            texts = {key: str(data.get(key, "")) for key in ("name", "description")}
+            listed.append({"example": path.stem} | texts)
+    return listed
 
 
 def failure(error: DalembertError) -> dict[str, Any]:
