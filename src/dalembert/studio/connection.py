@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import re
 from collections.abc import Callable
@@ -59,6 +60,7 @@ class Connection:
             await self.session.attach(self.send)
             while True:
                 await self.answer(await self.websocket.receive_text())
+                await asyncio.sleep(0)  # other pages are served between many messages of this one
         except (WebSocketDisconnect, RuntimeError, KeyError):  # KeyError: not a text
             pass
         finally:

@@ -11,14 +11,14 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from dalembert.errors import DalembertError
+from dalembert.errors import DalembertError, FileError
 from dalembert.files import read_text
 from dalembert.io.example_files import example_folder
 from dalembert.io.reading import parse_document
 from dalembert.studio.building import BuildingProcess, Request
 from dalembert.studio.draft import Draft
 from dalembert.studio.export_process import Exports
-from dalembert.studio.journal import Journal, Recovered
+from dalembert.studio.journal import Journal, Recovered, saving
 from dalembert.studio.pictures import Picture
 from dalembert.studio.recent_files import recent_files, remember
 
@@ -58,6 +58,8 @@ class Session:
         self.number = 0
         self.exports = Exports()
         self._revision = 0
+        self._is_stored = True
+        self._parsed: tuple[str, dict[str, Any] | None] = ("", None)
         self.latest: dict[str, dict[str, Any]] = {}
         """Kind of picture → the last message about it."""
         self._early: tuple[int, Picture] | None = None
@@ -142,14 +144,14 @@ class Session:
         self.journal.close()
 
     def _recover(self) -> Recovered | None:
-        """Continue with the unsaved text of a process that has ended."""
+        """Continue with the unsaved texts of processes that have ended."""
         left = self.journal.left_over()
-        if left is None or left.text == self.draft.text:
-            return None
-        self.draft.replace(left.text, "recover unsaved changes")
-        self.journal.write(left.text)
-        left.file.unlink(missing_ok=True)
-        return left
+        changes = [self.draft.replace(each.text, "recover unsaved changes") for each in left]
+        self._store()
+        if self._is_stored:  # older texts can be reached by undo
+            for each in left:
+                each.file.unlink(missing_ok=True)
+        return left[-1] if any(changes) and self.draft.is_changed else None
 
     def _receiver(self, kind: str) -> Callable[[int, Picture], None]:
         def receive(number: int, picture: Picture) -> None:
@@ -209,6 +211,11 @@ class Session:
 
     def _document(self) -> dict[str, Any] | None:
         """Contents of the text for the drawing; None if it is not valid."""
+        if self._parsed[0] != self.draft.text:
+            self._parsed = self.draft.text, self._parse()
+        return self._parsed[1]
+
+    def _parse(self) -> dict[str, Any] | None:
         try:
             data: dict[str, Any] = parse_document(Path(self.draft.name), self.draft.text)
             json.dumps(data, allow_nan=False)
@@ -250,14 +257,25 @@ class Session:
         ----------
         origin : page that has the new text already
         """
-        if self.draft.is_changed:
-            self.journal.write(self.draft.text)
-        else:
-            self.journal.clear()
+        self._store()
         self.broadcast(self.state(), origin)
         if origin is not None:
             self.confirm(origin)
         self.build()
+
+    def _store(self) -> None:
+        """Store unsaved changes; pages are warned once if they cannot be stored."""
+        try:
+            if self.draft.is_changed:
+                self.journal.write(self.draft.text)
+            else:
+                self.journal.clear()
+            self._is_stored = True
+        except FileError as error:
+            if self._is_stored:
+                text = f"unsaved changes would be lost with the program: {error}"
+                self.broadcast({"kind": "failure", "text": text})
+            self._is_stored = False
 
     def confirm(self, origin: Send) -> None:
         """Send a page the state of the file, without the text that it has."""
@@ -272,7 +290,9 @@ class Session:
             As ``Draft.save``.
         """
         former = self.journal
-        saved = self.draft.save(path, replace)
+        target = self.draft.path if path is None else path.resolve()
+        with saving(target or Path.cwd(), self._journals):
+            saved = self.draft.save(path, replace)
         if saved != former.path:
             self.journal = Journal(saved, self._journals)
             former.clear()
