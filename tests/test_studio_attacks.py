@@ -92,23 +92,27 @@ def test_deep_and_odd_texts_are_problems_not_ends(studio: Studio) -> None:
 def test_two_programs_on_one_file(tmp_path: Path) -> None:
     path = tmp_path / "model.toml"
     path.write_text(FOUR_BAR)
-    with running_studio(tmp_path, path) as first, running_studio(tmp_path, path) as second:
-        with page(first) as one, page(second) as two:
-            for socket, mark in ((one, "# one\n"), (two, "# two\n")):
-                revision = receive(socket, "text")["revision"]
-                send(socket, kind="text", text=FOUR_BAR + mark, revision=revision)
-                receive(socket, "text", changed=True)
-            send(two, kind="save")
-            assert "saved" in receive(two, "notice")["text"]
-            send(one, kind="save")
-            assert "another program" in receive(one, "conflict")["text"]
-            assert path.read_text() == FOUR_BAR + "# two\n"
-            send(one, kind="save", path=str(path))
-            assert "another program" in receive(one, "conflict")["text"]
-            send(one, kind="reload")
-            assert receive(one, "text", changed=False)["text"] == FOUR_BAR + "# two\n"
-            send(one, kind="undo")
-            assert receive(one, "text")["text"] == FOUR_BAR + "# one\n"
+    with (
+        running_studio(tmp_path, path) as first,
+        running_studio(tmp_path, path) as second,
+        page(first) as one,
+        page(second) as two,
+    ):
+        for socket, mark in ((one, "# one\n"), (two, "# two\n")):
+            revision = receive(socket, "text")["revision"]
+            send(socket, kind="text", text=FOUR_BAR + mark, revision=revision)
+            receive(socket, "text", changed=True)
+        send(two, kind="save")
+        assert "saved" in receive(two, "notice")["text"]
+        send(one, kind="save")
+        assert "another program" in receive(one, "conflict")["text"]
+        assert path.read_text() == FOUR_BAR + "# two\n"
+        send(one, kind="save", path=str(path))
+        assert "another program" in receive(one, "conflict")["text"]
+        send(one, kind="reload")
+        assert receive(one, "text", changed=False)["text"] == FOUR_BAR + "# two\n"
+        send(one, kind="undo")
+        assert receive(one, "text")["text"] == FOUR_BAR + "# one\n"
 
 
 def test_a_file_that_another_program_saves_is_waited_for(tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ from dalembert.model.assembled.model import StructuralModel
 from dalembert.report.page import render_page
 from dalembert.results.result import Result
 from dalembert.studio.drawn_numbers import Keys, with_drawn_parameters
+from dalembert.studio.fixes import Fix, fixes_of
 
 DURATION = 3.0
 """Duration of the motion of a file without an analysis [s]."""
@@ -42,6 +43,7 @@ class Problem:
     message : text
     start, end : characters of the place; None if it has no place
     line : from 1 on; zero without a place
+    fixes : remedies as replacements in the text
     """
 
     level: str
@@ -49,6 +51,7 @@ class Problem:
     start: int | None = None
     end: int | None = None
     line: int = 0
+    fixes: tuple[Fix, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -197,12 +200,14 @@ def problems_of(error: DalembertError, text: str, path: Path) -> list[Problem]:
 def _problem(message: str, places: dict[Any, Any], text: str) -> Problem:
     match = PATH.match(message)
     keys = parse_keys(match[1]) if match else ()
+    fixes = fixes_of(message, keys, places, text)
     while keys and keys not in places:
         keys = keys[:-1]
     if not keys:
-        return Problem("error", message)
+        return Problem("error", message, fixes=fixes)
     place = places[keys]
-    return Problem("error", message, place.start, place.end, line_and_column(text, place.start)[0])
+    line = line_and_column(text, place.start)[0]
+    return Problem("error", message, place.start, place.end, line, fixes)
 
 
 def _render(payload: dict[str, Any]) -> str:

@@ -7,28 +7,24 @@ import json
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from dataclasses import asdict
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 from dalembert.errors import DalembertError, FileError
-from dalembert.files import read_text
-from dalembert.io.example_files import example_folder
 from dalembert.io.reading import parse_document
 from dalembert.studio.building import BuildingProcess, Request
 from dalembert.studio.draft import Draft
 from dalembert.studio.export_process import Exports
 from dalembert.studio.journal import Journal, Recovered, saving
+from dalembert.studio.listed_files import listed_files
 from dalembert.studio.pictures import Picture
-from dalembert.studio.recent_files import recent_files, remember
+from dalembert.studio.recent_files import remember
 
 Send = Callable[[dict[str, Any]], Awaitable[None]]
 
 UNTITLED = 'format = 1\nname = "untitled"\ngravity = [0.0, -9.81]\n'
 """Text of a new model."""
 RESTORED = "unsaved changes were restored; undo returns to the file"
-MAX_FILES = 500
-"""Upper limit of listed files."""
 MAX_TEXT = 2_000_000
 """Upper limit of the length of a text [characters]."""
 KINDS = ("still", "live")
@@ -106,12 +102,9 @@ class Session:
         self.build()
 
     def files(self) -> dict[str, Any]:
-        """Model files beside the present one, and the examples, as a message."""
+        """Model files that can be opened, as a message."""
         folder = self.draft.path.parent if self.draft.path is not None else Path.cwd()
-        beside = sorted(str(path) for path in folder.glob("*.toml"))[:MAX_FILES]
-        recent = [str(path) for path in recent_files(self._journals)]
-        listed = {"kind": "files", "folder": str(folder), "files": beside, "recent": recent}
-        return listed | {"examples": example_texts()}
+        return {"kind": "files"} | listed_files(folder, self._journals)
 
     def export(self, to: str, share: float, send: Send) -> None:
         """Write the text as a file of another kind, in a process of its own.
@@ -307,18 +300,6 @@ class Session:
 async def _delivery(send: Send, message: dict[str, Any]) -> None:
     with suppress(Exception):  # the page has been closed
         await send(message)
-
-
-@cache
-def example_texts() -> list[dict[str, str]]:
-    """Name, title and description of the examples."""
-    listed = []
-    for path in sorted(example_folder().glob("*.toml")):
-        with suppress(DalembertError):
-            data = parse_document(path, read_text(path))
-            texts = {key: str(data.get(key, "")) for key in ("name", "description")}
-            listed.append({"example": path.stem} | texts)
-    return listed
 
 
 def failure(error: DalembertError) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 // Page of the studio: the drawing beside the text, with undo, saving and problems.
 
 /** @import { Page } from "./pictures.js" */
-/** @import { Document, Message, PictureMessage, Problem, TextMessage } from "./types.d.ts" */
+/** @import { Document, Fix, Message, PictureMessage, Problem, TextMessage } from "./types.d.ts" */
 
 import { ask } from "./ask.js";
 import { Completion } from "./completion.js";
@@ -278,9 +278,16 @@ class Studio {
   /** @param {Problem[]} problems */
   showProblems(problems) {
     this.editor.mark(problems);
-    byId("problems").replaceChildren(...problems.map(({ level, message, start, end, line }) =>
+    byId("problems").replaceChildren(...problems.map(({ level, message, start, end, line, fixes }) =>
       el("li", { class: level }, el("button", { type: "button", onclick: () => start !== null && this.editor.select(start, end ?? start) },
-        el("span", { class: "level" }), el("span", { class: "place" }, line ? `line ${line}` : ""), el("span", {}, message)))));
+        el("span", { class: "level" }), el("span", { class: "place" }, line ? `line ${line}` : ""), el("span", {}, message)),
+      ...(fixes ?? []).map((fix) => button(fix.title, () => this.fix(fix), { class: "button small fix" })))));
+  }
+
+  /** Carry out the remedy of a problem. @param {Fix} fix */
+  fix({ start, end, insert }) {
+    if (this.described?.revision !== this.file.revision || this.editor.waits || this.pending) return this.say("The text has changed meanwhile; wait for its problems.", true);
+    this.editor.replace(start, end, insert);
   }
 
   /** @param {PictureMessage} message */
