@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from dalembert.analysis.explore import usual_analysis
 from dalembert.errors import AssemblyError, DalembertError
 from dalembert.io.analyses import make_analysis
 from dalembert.io.model_file import ModelFile, check_model_data
@@ -20,10 +20,6 @@ from dalembert.results.result import Result
 from dalembert.studio.drawn_numbers import Keys, with_drawn_parameters
 from dalembert.studio.fixes import Fix, fixes_of
 
-DURATION = 3.0
-"""Duration of the motion of a file without an analysis [s]."""
-OUTPUTS = 151
-"""Instants of this motion."""
 EMBEDDED = "header.top, #footer, #panels { display: none } body { padding: 0.5rem }"
 """Style of a page in the studio, which has its own heading."""
 PARTS = ("bodies", "beams", "include")
@@ -143,15 +139,8 @@ def _page_of(
 
 def result_of(file: ModelFile, model: Any) -> Result:
     """Result of the analysis of a file, or of a motion where it states none."""
-    analysis: Any
-    if file.document.analysis is None and not isinstance(model, StructuralModel):
-        from dalembert.analysis.dynamics.dynamics import Dynamics
-        from dalembert.analysis.kinematics.kinematics import Kinematics
-
-        kind: Callable[..., Any] = Dynamics if model.diagnosis.free > 0 else Kinematics
-        analysis = kind(duration=DURATION, outputs=OUTPUTS)
-    else:
-        analysis = make_analysis(file, model)
+    stated = file.document.analysis is not None or isinstance(model, StructuralModel)
+    analysis: Any = make_analysis(file, model) if stated else usual_analysis(model)
     with file.located("analysis"):
         result: Result = analysis.run(model, progress=False)
     return result
