@@ -35,7 +35,9 @@ Record = Callable[[float, float, float], None]
 """Records the page with the pointer at a place for some seconds."""
 
 
-def build(visit: Desk, path: Path, record: Record = lambda x, y, seconds: None) -> None:
+def build(
+    visit: Desk, path: Path, record: Record = lambda x, y, seconds: None, shown: int = 0
+) -> None:
     """Draw a four-bar, improve it and save it, with the mouse and the keyboard only.
 
     Parameters
@@ -43,6 +45,7 @@ def build(visit: Desk, path: Path, record: Record = lambda x, y, seconds: None) 
     visit : an empty studio
     path : of the file that is saved
     record : called after each action
+    shown : number of records of the motion at the end
     """
     page = visit.page
     keys, mouse = page.keyboard, page.mouse
@@ -70,6 +73,7 @@ def build(visit: Desk, path: Path, record: Record = lambda x, y, seconds: None) 
                 revision += 1
                 visit.settle(revision)
                 record(*visit.place(*place), 0.5)
+    keys.press("v")
     for bar in FREE:
         row = page.locator(f".cm-line:has-text('{bar} = {{')")
         row.scroll_into_view_if_needed()
@@ -93,7 +97,8 @@ def build(visit: Desk, path: Path, record: Record = lambda x, y, seconds: None) 
     record(*middle(goal), 0.6)
     start = middle(frame.locator("#improve-start"))
     frame.locator("#improve-start").click()
-    ended = "(({ history, running }) => history.length > 1 && !running)(studio.pictures.page.improvement)"
+    improvement = "studio.pictures.page.improvement"
+    ended = f"(({{ history, running }}) => history.length > 1 && !running)({improvement})"
     for _ in range(400):
         record(*start, 0.15)
         visit.frames()
@@ -103,11 +108,10 @@ def build(visit: Desk, path: Path, record: Record = lambda x, y, seconds: None) 
     visit.until("studio.described.revision === studio.file.revision", 20)
     record(*start, 1.0)
     frame.locator("canvas").first.scroll_into_view_if_needed()
+    visit.js("studio.pictures.page.player.play()")
     play = middle(frame.locator("#play"))
-    for _ in range(2):
-        mouse.click(*play)
-        for _ in range(18 if record.__name__ != "<lambda>" else 0):
-            record(*play, 0.08)
+    for _ in range(shown):
+        record(*play, 0.08)
     keys.press("Control+s")
     page.wait_for_selector("#ask input")
     keys.type(path.name)
@@ -162,9 +166,12 @@ def film(target: Path, width: int = 720) -> None:
                 frames.append(image.resize(size, Image.Resampling.LANCZOS))
                 times.append(round(1000 * seconds))
 
-            build(visit, Path(name) / "four_bar.toml", record)
+            build(visit, Path(name) / "four_bar.toml", record, 24)
         engine.close()
-    palette = frames[-len(frames) // 3].quantize(96)
+    mosaic = Image.new("RGB", (width, 4 * frames[0].height))
+    for k in range(4):
+        mosaic.paste(frames[(len(frames) - 1) * k // 3], (0, k * frames[0].height))
+    palette = mosaic.quantize(200, method=Image.Quantize.MAXCOVERAGE)
     packed = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     with atomic_path(target) as temporary:
         packed[0].save(
