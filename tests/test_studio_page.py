@@ -224,12 +224,12 @@ def test_files_and_examples_are_opened(desk: tuple[Desk, Studio], tmp_path: Path
     visit.draw("b", (0, 0), (0.5, 0))
     for value, name in (("beside.toml", "beside"), ("example: slider_crank", "slider")):
         visit.page.click("text=Open…")
-        visit.page.locator("#ask input").fill(value)
+        visit.page.locator("#sheet input").fill(value)
         visit.page.keyboard.press("Enter")
         visit.until(f"studio.editor.text.includes({name!r})", 20)
     visit.until("studio.described?.summary.includes('driven')", 30)
     visit.page.click("text=Open…")
-    visit.page.locator("#ask input").fill("nothing.toml")
+    visit.page.locator("#sheet input").fill("nothing.toml")
     visit.page.keyboard.press("Enter")
     visit.until("document.getElementById('notice').textContent.includes('no such file')", 20)
     assert "slider" in visit.text

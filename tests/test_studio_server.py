@@ -35,7 +35,7 @@ def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
 def page(studio: Studio, **options: Any) -> Iterator[ClientConnection]:
     """A page without a browser."""
     address = studio.address.replace("http:", "ws:") + "socket"
-    options = {"origin": f"http://{studio.host}", "max_size": None} | options
+    options = {"origin": f"http://{studio.host}", "max_size": None, "close_timeout": 1} | options
     with connect(address, **options) as socket:
         yield socket
 

@@ -24,6 +24,7 @@ from dalembert.analysis.equilibrium.statics import (
     solve_statics as solve_statics,
 )
 from dalembert.analysis.events import Event as Event
+from dalembert.analysis.explore import explore as explore
 from dalembert.analysis.frequency.frequency_response import FrequencyResponse as FrequencyResponse
 from dalembert.analysis.frequency.random_response import RandomResponse as RandomResponse
 from dalembert.analysis.frequency.solve import frequency_response as frequency_response

@@ -120,7 +120,7 @@ def atomic_path(target: str | os.PathLike[str]) -> Iterator[Path]:
     temporary = Path(name)
     try:
         yield temporary
-        os.chmod(temporary, 0o666 & ~_umask())
+        os.chmod(temporary, _mode(target))
         os.replace(temporary, target)
     except OSError as error:
         raise FileError(f"{target}: cannot be written ({error.strerror or error})") from None
@@ -194,6 +194,14 @@ def _stem(target: Path) -> str:
 def _machine() -> str:
     """Eight characters that identify this machine among those that share a folder."""
     return f"{zlib.crc32(platform.node().encode('utf-8', 'replace')):08x}"
+
+
+def _mode(target: Path) -> int:
+    """Permissions of a file: those that it has, or the usual ones of a new file."""
+    try:
+        return stat.S_IMODE(target.stat().st_mode)
+    except OSError:
+        return 0o666 & ~_umask()
 
 
 def _umask() -> int:

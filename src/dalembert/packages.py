@@ -10,6 +10,7 @@ from dalembert.errors import UnsupportedError
 INSTALL = {
     "OCP": "dalembert[cad]",
     "SALib": "dalembert[study]",
+    "anywidget": "dalembert[notebook]",
     "cma": "dalembert[design]",
     "coacd": "dalembert[mesh]",
     "distributed": "dalembert[cluster]",

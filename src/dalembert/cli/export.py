@@ -52,7 +52,7 @@ def export(
     The format js is a module that runs without Python: it simulates the model for any parameter
     values and differentiates its responses. The format fmu is a functional mock-up unit, which runs
     in other simulation programs. Other formats are files of the model (mjcf, urdf, dxf,
-    latex) or of the results of its analysis; parts that a format cannot express are listed.
+    latex, python) or of the results of its analysis; parts that a format cannot express are listed.
 
     Parameters
     ----------
@@ -90,7 +90,9 @@ def _export_file(
 
     chosen, source = FORMATS[to], model
     target = folder / f"{file.path.stem}{chosen.suffix}"
-    if not chosen.of_model:
+    if chosen.of_file:
+        source = file
+    elif not chosen.of_model:
         with wrong_input():
             task = make_analysis(file, model, analysis)
         with file.located("analysis"):
@@ -124,6 +126,7 @@ def _export_module(
     """Write the analysis as a module for another language."""
     from dalembert.io.analyses import make_analysis
     from dalembert.io.decisions.responses import make_responses
+    from dalembert.io.report import exported_measures
     from dalembert.report.exports import write_export
     from dalembert.results.module import build_module
 
@@ -134,7 +137,7 @@ def _export_module(
     with file.located("analysis"):
         result = task.run(built, progress=not as_json and sys.stderr.isatty())
     with wrong_input():
-        measures = measure or _shown(file, built, result)
+        measures = measure or exported_measures(file, built, result)
     module = build_module(result, measures, chosen)
     files = write_export(to, module.data(), folder, file.path.stem)
     size = len(module.code)
@@ -154,21 +157,3 @@ def _named(responses: dict[str, Response], names: list[str]) -> list[Response]:
         if name not in responses:
             raise ExpressionError(unknown("response", name, responses))
     return [responses[name] for name in names]
-
-
-def _shown(file: ModelFile, model: Any, result: Any) -> list[str]:
-    """Measures of modes, or of the report of the file, else the coordinates of all bodies."""
-    from dalembert.io.report import report_choices
-    from dalembert.results.modes import Numbered
-    from dalembert.results.pictures.scene import is_spatial
-
-    if isinstance(result, Numbered):
-        return list(result.exported)
-    choices = report_choices(file, model)
-    names = [name for group in choices.get("plots") or () for name in group]
-    points = list(choices.get("trace") or ())
-    if not names and not points and model.kind == "mechanism":
-        points = [body.name for body in model.bodies]
-    axes = "xyz" if points and is_spatial(model) else "xy"
-    names += [f"{point}.{axis}" for point in points for axis in axes]
-    return [name for name in dict.fromkeys(names) if not name.endswith("_violation")]

@@ -52,7 +52,7 @@ class LawReader:
         self, registry: dict[str, Any], table: Any, where: KeyPath, scope: Scope, local: dict
     ) -> Any:
         cls, rows = registry[table.type], FROM_FILE.get(table.type, {})
-        keywords = self._columns(table, rows, where) if rows else {}
+        keywords = self.columns(table, rows, where) if rows else {}
         for field in keyed_fields(cls, frozenset()):
             if field.name not in table.model_fields_set or field.name in rows:
                 continue
@@ -66,7 +66,7 @@ class LawReader:
         with self.located(*where):
             return construct(cls, **keywords)
 
-    def _columns(
+    def columns(
         self, table: Any, fields: Mapping[str, tuple[str, ...]], where: KeyPath
     ) -> dict[str, Any]:
         """The rows, given in the table or in a file in the folder of the model."""

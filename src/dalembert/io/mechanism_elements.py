@@ -127,14 +127,14 @@ class MechanismElements:
         for section in ("blocks", "forces"):
             tables |= {n: (section, t) for n, t in getattr(self.document, section).items()}
         with self.located():
-            for name, part in self._order(tables):
+            for name, part in self.order(tables):
                 section, table = tables[name]
                 if part == INPUTS:
                     self._connect(section, name, table)
                 elif section == "forces":
                     self.add("forces", name)
 
-    def _order(self, tables: dict[str, tuple[str, Any]]) -> list[tuple[str, str]]:
+    def order(self, tables: dict[str, tuple[str, Any]]) -> list[tuple[str, str]]:
         """Names of forces and blocks, and which part of them, in order of dependence.
 
         A state of an element needs only the element, other measures its inputs, too.
@@ -154,14 +154,14 @@ class MechanismElements:
             }
 
         for name, (section, table) in tables.items():
-            cls = self._class(section, table)
+            cls = self.class_of(section, table)
             needs[name] = needed(_formula_texts(cls, table, inputs[name], False))
             if inputs[name]:
                 needs[name + INPUTS] = {name} | needed(_formula_texts(cls, table, inputs[name]))
         order = ordered({name: section for name, (section, _) in tables.items()}, needs)
         return [(n.removesuffix(INPUTS), INPUTS if n.endswith(INPUTS) else "") for n in order]
 
-    def _class(self, section: str, table: Any) -> Any:
+    def class_of(self, section: str, table: Any) -> Any:
         """Class of an element."""
         space = self.document.space
         classes = BLOCKS if section == "blocks" else elements_of(space, section)
@@ -169,18 +169,18 @@ class MechanismElements:
 
     def _inputs(self, section: str, table: Any) -> list[str]:
         """Inputs of an element in the file."""
-        fields = keyed_fields(self._class(section, table))
+        fields = keyed_fields(self.class_of(section, table))
         return [f.name for f in fields if f.is_signal and f.name in table.model_fields_set]
 
     def _states(self, name: str, section: str, table: Any) -> tuple[str, ...]:
         """Names of the states of an element."""
         if section == "blocks":
             return self.system.elements[name].states.coordinate_names  # type: ignore[attr-defined]
-        return getattr(self._class(section, table), "fixed_states", ())
+        return getattr(self.class_of(section, table), "fixed_states", ())
 
     def _connect(self, section: str, name: str, table: Any) -> None:
         """Assign the inputs of an element."""
-        cls, where = self._class(section, table), (section, name)
+        cls, where = self.class_of(section, table), (section, name)
         keys = read_fields(
             cls,
             table,
@@ -195,7 +195,7 @@ class MechanismElements:
 
     def add(self, section: str, name: str) -> None:
         table = getattr(self.document, section)[name]
-        cls, where = self._class(section, table), (section, name)
+        cls, where = self.class_of(section, table), (section, name)
         moving = issubclass(cls, (ForceElement, UserConstraint)) and section != "beams"
         scope = Scope.MOTION if moving else Scope.PARAMETERS
         with self.located(*where):

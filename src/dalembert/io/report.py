@@ -53,3 +53,20 @@ def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:
         if point not in points:
             raise file.located.error(unknown("point", point, points), "report", "trace", k)
     return {"plots": report.plots or None, "trace": report.trace or None, "units": units}
+
+
+def exported_measures(file: ModelFile, model: Any, result: Any) -> list[str]:
+    """Measures of modes, or of the report of the file, else the coordinates of all bodies."""
+    from dalembert.results.modes import Numbered
+    from dalembert.results.pictures.scene import is_spatial
+
+    if isinstance(result, Numbered):
+        return list(result.exported)
+    choices = report_choices(file, model)
+    names = [name for group in choices.get("plots") or () for name in group]
+    points = list(choices.get("trace") or ())
+    if not names and not points and model.kind == "mechanism":
+        points = [body.name for body in model.bodies]
+    axes = "xyz" if points and is_spatial(model) else "xy"
+    names += [f"{point}.{axis}" for point in points for axis in axes]
+    return [name for name in dict.fromkeys(names) if not name.endswith("_violation")]

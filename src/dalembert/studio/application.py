@@ -8,22 +8,27 @@ from __future__ import annotations
 
 import hmac
 import json
+import re
 from collections.abc import Awaitable, Callable, MutableMapping
+from dataclasses import asdict
 from functools import cache
 from importlib import resources
 from typing import Any
 
 from starlette.applications import Starlette
 from starlette.requests import Request
-from starlette.responses import HTMLResponse, PlainTextResponse, Response
+from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
 from dalembert.io.documents import json_schema
 from dalembert.studio.connection import Connection
+from dalembert.studio.exporting import CHOICES
 from dalembert.studio.session import Session
 
 MEDIA = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
+DOWNLOAD = "application/octet-stream"
+"""Media type of files that are stored, not shown."""
 POLICY = "; ".join(
     [
         "default-src 'none'",
@@ -69,11 +74,28 @@ def make_application(session: Session, token: str, port: int, stop: Callable[[],
     async def schema(request: Request) -> Response:
         return Response(_schema(), 200, HEADERS, "application/json")
 
+    async def exports(request: Request) -> Response:
+        choices = [{"to": to} | asdict(choice) for to, choice in CHOICES.items()]
+        return Response(json.dumps(choices), 200, HEADERS, "application/json")
+
     async def picture(request: Request) -> Response:
         page = session.pages.get(request.path_params["number"])
         if page is None:
             return PlainTextResponse("this picture is outdated", 404, HEADERS)
         return HTMLResponse(page, headers=HEADERS | {"X-Frame-Options": "SAMEORIGIN"})
+
+    async def export(request: Request) -> Response:
+        path = session.exports.files.get(request.path_params["number"])
+        if path is None or not path.is_file():
+            return PlainTextResponse("this file has been deleted; export it again", 404, HEADERS)
+        return FileResponse(path, headers=HEADERS, filename=path.name, media_type=DOWNLOAD)
+
+    async def example(request: Request) -> Response:
+        name = request.path_params["name"]
+        file = resources.files(__package__) / "assets" / "examples" / f"{name}.png"
+        if not re.fullmatch(r"\w+", name) or not file.is_file():
+            return PlainTextResponse("no such picture", 404, HEADERS)
+        return Response(file.read_bytes(), 200, HEADERS, "image/png")
 
     async def socket(websocket: WebSocket) -> None:
         await Connection(session, websocket, stop).run()
@@ -81,7 +103,10 @@ def make_application(session: Session, token: str, port: int, stop: Callable[[],
     routes = [
         Route("/", index),
         Route("/picture/{number:int}", picture),
+        Route("/export/{number:int}", export),
+        Route("/examples/{name}", example),
         Route("/assets/schema.json", schema),
+        Route("/assets/exports.json", exports),
         Route("/assets/{name}", asset),
         WebSocketRoute("/socket", socket),
     ]

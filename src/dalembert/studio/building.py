@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import multiprocessing
-import os
 import threading
 import time
 import traceback
@@ -14,11 +13,16 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
+from dalembert.studio.child import MEMORY, TIME, begin_child, memory_of
 from dalembert.studio.pictures import Picture, Problem, picture_of
 
 GRACE = 1.5
 """Time after which outdated work is cancelled; earlier its process is worth more [s]."""
 FRESH = "the building process ended unexpectedly; change the model to build it again"
+CANCELLED = "building was stopped; change the model to build it again"
+SMALLER = "use a shorter duration, fewer outputs or a coarser mesh"
+PERIOD = 0.25
+"""Time between checks of the limits of the process [s]."""
 
 
 @dataclass(frozen=True)
@@ -43,11 +47,21 @@ class BuildingProcess:
     ----------
     live : whether the pictures compute
     receive : called in a thread with the number of the request and its picture
+    memory : upper limit of the memory of the process [bytes]
+    time : upper limit of the time for one picture [s]
     """
 
-    def __init__(self, live: bool, receive: Callable[[int, Picture], None]):
+    def __init__(
+        self,
+        live: bool,
+        receive: Callable[[int, Picture], None],
+        memory: float = MEMORY,
+        time: float = TIME,
+    ):
         self.live = live
         self.receive = receive
+        self.memory, self.time = memory, time
+        self._reason = FRESH
         self._lock = threading.Lock()
         self._waiting: Request | None = None
         self._working: Request | None = None
@@ -57,7 +71,7 @@ class BuildingProcess:
         self._start()
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
-        self._watch = threading.Thread(target=self._cancel_outdated, daemon=True)
+        self._watch = threading.Thread(target=self._keep_limits, daemon=True)
         self._watch.start()
 
     def _start(self) -> None:
@@ -72,6 +86,13 @@ class BuildingProcess:
         with self._changed:
             self._waiting = request
             self._changed.notify_all()
+
+    def cancel(self) -> None:
+        """Stop making a picture."""
+        with self._changed:
+            self._waiting = None
+            if self._working is not None:
+                self._end(CANCELLED)
 
     def close(self) -> None:
         """End the process."""
@@ -92,6 +113,8 @@ class BuildingProcess:
                     return
                 request, self._waiting = self._waiting, None
                 self._working, self._since = request, time.monotonic()
+                self._reason = FRESH
+                self._changed.notify_all()
             assert request is not None
             picture = self._picture(request)
             with self._changed:
@@ -102,7 +125,7 @@ class BuildingProcess:
             if picture is not None:
                 self.receive(request.number, picture)
             elif not outdated:
-                self.receive(request.number, Picture(problems=(Problem("error", FRESH),)))
+                self.receive(request.number, Picture(problems=(Problem("error", self._reason),)))
 
     def _picture(self, request: Request) -> Picture | None:
         """Picture of a request; None if the process has ended, which is started again."""
@@ -117,24 +140,35 @@ class BuildingProcess:
                     self._start()
             return None
 
-    def _cancel_outdated(self) -> None:
-        """Kill the process while it works for long on a request that a newer one replaces."""
+    def _keep_limits(self) -> None:
+        """End the process if its work is outdated, or takes too much time or memory."""
         with self._changed:
             while not self._closed:
-                busy = self._working is not None and self._waiting is not None
-                left = self._since + GRACE - time.monotonic()
-                if busy and left <= 0:
-                    self._process.kill()
-                    self._working = None
-                self._changed.wait(max(left, 0.01) if busy else None)
+                if self._working is None:
+                    self._changed.wait()
+                    continue
+                spent = time.monotonic() - self._since
+                if self._waiting is not None and spent > GRACE:
+                    self._end(FRESH)
+                elif spent > self.time:
+                    self._end(f"building took more than {self.time:g} s and was stopped; {SMALLER}")
+                elif memory_of(self._process.pid or 0) > self.memory:
+                    size = f"{self.memory / 1e9:.3g} GB"
+                    self._end(
+                        f"building took more than {size} of memory and was stopped; {SMALLER}"
+                    )
+                self._changed.wait(PERIOD)
+
+    def _end(self, reason: str) -> None:
+        """End the work of the process, which is started again."""
+        self._reason = reason
+        self._process.kill()
+        self._working = None
 
 
 def work(connection: Connection, live: bool) -> None:
     """Loop of the process: requests in, pictures out."""
-    if os.name == "posix":
-        import signal
-
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # the server ends the process
+    begin_child()
     warnings.simplefilter("ignore")
     with suppress(EOFError, OSError, KeyboardInterrupt):
         while True:

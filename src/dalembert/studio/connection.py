@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import re
 from collections.abc import Callable
@@ -42,6 +43,9 @@ class Connection:
             "reload": self.reload,
             "open": self.open,
             "files": lambda _: session.reply(self.send, session.files()),
+            "export": self.export,
+            "stop export": lambda _: session.exports.stop(),
+            "cancel": lambda _: session.cancel(),
             "stop": lambda _: stop(),
         }
 
@@ -56,6 +60,7 @@ class Connection:
             await self.session.attach(self.send)
             while True:
                 await self.answer(await self.websocket.receive_text())
+                await asyncio.sleep(0)  # other pages are served between many messages of this one
         except (WebSocketDisconnect, RuntimeError, KeyError):  # KeyError: not a text
             pass
         finally:
@@ -122,6 +127,12 @@ class Connection:
                 raise Conflict(str(error), str(target or "")) from None
             raise
         self.session.broadcast({"kind": "notice", "text": f"saved {saved}"})
+
+    def export(self, request: dict[str, Any]) -> None:
+        """Write a file of another kind for download."""
+        to, share = request.get("to"), request.get("share")
+        usable = isinstance(share, (int, float)) and 0 <= share <= 1
+        self.session.export(str(to), float(share) if usable else 0.0, self.send)  # type: ignore[arg-type]
 
     def reload(self, request: dict[str, Any]) -> None:
         """Read the file again."""

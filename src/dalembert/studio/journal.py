@@ -12,15 +12,19 @@ import json
 import os
 import time
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from dalembert.errors import FileError
 from dalembert.files import atomic_path, locked_file
 
 KEPT = 30 * 24 * 3600.0
 """Age at which a draft that nobody has opened is deleted [s]."""
+
+PATIENCE = 2.0
+"""Time to wait for another program that saves the same file [s]."""
 
 LOCK = ".lock"
 """Suffix of the file that a process locks while it edits."""
@@ -60,9 +64,11 @@ class Journal:
     def __init__(self, path: Path | None, folder: Path | None = None):
         self.path = path
         self.folder = journal_folder() if folder is None else folder
-        self.folder.mkdir(parents=True, exist_ok=True, mode=0o700)
         self.file = self.folder / f"{_key(path)}-{os.getpid()}.json"
-        self._lock = locked_file(self.file.with_suffix(LOCK))
+        self._lock = None
+        with suppress(OSError):  # ``write`` reports a folder that cannot be written
+            self.folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+            self._lock = locked_file(self.file.with_suffix(LOCK))
 
     def write(self, text: str) -> None:
         """Store the text.
@@ -78,7 +84,8 @@ class Journal:
 
     def clear(self) -> None:
         """Delete the text, which is saved."""
-        self.file.unlink(missing_ok=True)
+        with suppress(OSError):
+            self.file.unlink(missing_ok=True)
 
     def close(self) -> None:
         """Release the draft; a text that is not saved remains for the next process."""
@@ -86,9 +93,9 @@ class Journal:
             self._lock.close()
             self.file.with_suffix(LOCK).unlink(missing_ok=True)
 
-    def left_over(self) -> Recovered | None:
-        """The newest text of this draft by a process that has ended."""
-        return max(self._left_over(), key=lambda draft: draft.time, default=None)
+    def left_over(self) -> list[Recovered]:
+        """Texts of this draft by processes that have ended, the newest last."""
+        return sorted(self._left_over(), key=lambda draft: draft.time)
 
     def _left_over(self) -> Iterator[Recovered]:
         for file in self.folder.glob("*.json"):
@@ -99,6 +106,35 @@ class Journal:
                 file.unlink(missing_ok=True)
             elif file.name.startswith(f"{_key(self.path)}-"):
                 yield Recovered(data["text"], data["time"], file)
+
+
+@contextmanager
+def saving(path: Path, folder: Path | None = None) -> Iterator[None]:
+    """Exclude other programs from saving a file meanwhile.
+
+    Parameters
+    ----------
+    path : of the file
+    folder : of the drafts; that of the user by default
+
+    Raises
+    ------
+    FileError
+        Another one is saving it.
+    """
+    lock = None
+    file = (journal_folder() if folder is None else folder) / f"{_key(path)}.saving"
+    with suppress(OSError):  # without such a folder, nothing is excluded
+        end = time.monotonic() + PATIENCE
+        while (lock := locked_file(file)) is None:
+            if time.monotonic() > end:
+                raise FileError(f"{path}: another program is saving it; save once more")
+            time.sleep(0.02)
+    try:
+        yield
+    finally:
+        if lock is not None:
+            lock.close()
 
 
 def _load(file: Path) -> dict[str, Any] | None:

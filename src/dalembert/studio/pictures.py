@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from dalembert.analysis.explore import usual_analysis
 from dalembert.errors import AssemblyError, DalembertError
 from dalembert.io.analyses import make_analysis
 from dalembert.io.model_file import ModelFile, check_model_data
@@ -18,11 +18,8 @@ from dalembert.model.assembled.model import StructuralModel
 from dalembert.report.page import render_page
 from dalembert.results.result import Result
 from dalembert.studio.drawn_numbers import Keys, with_drawn_parameters
+from dalembert.studio.fixes import Fix, fixes_of
 
-DURATION = 3.0
-"""Duration of the motion of a file without an analysis [s]."""
-OUTPUTS = 151
-"""Instants of this motion."""
 EMBEDDED = "header.top, #footer, #panels { display: none } body { padding: 0.5rem }"
 """Style of a page in the studio, which has its own heading."""
 PARTS = ("bodies", "beams", "include")
@@ -42,6 +39,7 @@ class Problem:
     message : text
     start, end : characters of the place; None if it has no place
     line : from 1 on; zero without a place
+    fixes : remedies as replacements in the text
     """
 
     level: str
@@ -49,6 +47,7 @@ class Problem:
     start: int | None = None
     end: int | None = None
     line: int = 0
+    fixes: tuple[Fix, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -113,7 +112,7 @@ def _page_of(
     file = check_model_data(data, path)
     model = file.model()
     summary, facts, notes = _diagnosis(model)
-    result = _result(file, model)
+    result = result_of(file, model)
     wrong_choices: list[Problem] = []
     choices: dict[str, Any] = {}
     try:
@@ -138,17 +137,10 @@ def _page_of(
     return Picture(_render(page) if is_live else "", problems, summary, facts, is_live)
 
 
-def _result(file: ModelFile, model: Any) -> Result:
+def result_of(file: ModelFile, model: Any) -> Result:
     """Result of the analysis of a file, or of a motion where it states none."""
-    analysis: Any
-    if file.document.analysis is None and not isinstance(model, StructuralModel):
-        from dalembert.analysis.dynamics.dynamics import Dynamics
-        from dalembert.analysis.kinematics.kinematics import Kinematics
-
-        kind: Callable[..., Any] = Dynamics if model.diagnosis.free > 0 else Kinematics
-        analysis = kind(duration=DURATION, outputs=OUTPUTS)
-    else:
-        analysis = make_analysis(file, model)
+    stated = file.document.analysis is not None or isinstance(model, StructuralModel)
+    analysis: Any = make_analysis(file, model) if stated else usual_analysis(model)
     with file.located("analysis"):
         result: Result = analysis.run(model, progress=False)
     return result
@@ -197,12 +189,14 @@ def problems_of(error: DalembertError, text: str, path: Path) -> list[Problem]:
 def _problem(message: str, places: dict[Any, Any], text: str) -> Problem:
     match = PATH.match(message)
     keys = parse_keys(match[1]) if match else ()
+    fixes = fixes_of(message, keys, places, text)
     while keys and keys not in places:
         keys = keys[:-1]
     if not keys:
-        return Problem("error", message)
+        return Problem("error", message, fixes=fixes)
     place = places[keys]
-    return Problem("error", message, place.start, place.end, line_and_column(text, place.start)[0])
+    line = line_and_column(text, place.start)[0]
+    return Problem("error", message, place.start, place.end, line, fixes)
 
 
 def _render(payload: dict[str, Any]) -> str:

@@ -10,21 +10,21 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from dalembert.errors import DalembertError
-from dalembert.io.example_files import example_folder
+from dalembert.errors import DalembertError, FileError
 from dalembert.io.reading import parse_document
 from dalembert.studio.building import BuildingProcess, Request
 from dalembert.studio.draft import Draft
-from dalembert.studio.journal import Journal, Recovered
+from dalembert.studio.export_process import Exports
+from dalembert.studio.journal import Journal, Recovered, saving
+from dalembert.studio.listed_files import listed_files
 from dalembert.studio.pictures import Picture
+from dalembert.studio.recent_files import remember
 
 Send = Callable[[dict[str, Any]], Awaitable[None]]
 
 UNTITLED = 'format = 1\nname = "untitled"\ngravity = [0.0, -9.81]\n'
 """Text of a new model."""
 RESTORED = "unsaved changes were restored; undo returns to the file"
-MAX_FILES = 500
-"""Upper limit of listed files."""
 MAX_TEXT = 2_000_000
 """Upper limit of the length of a text [characters]."""
 KINDS = ("still", "live")
@@ -52,7 +52,10 @@ class Session:
         self.pages: dict[int, str] = {}
         """Number of a picture → its page."""
         self.number = 0
+        self.exports = Exports()
         self._revision = 0
+        self._is_stored = True
+        self._parsed: tuple[str, dict[str, Any] | None] = ("", None)
         self.latest: dict[str, dict[str, Any]] = {}
         """Kind of picture → the last message about it."""
         self._early: tuple[int, Picture] | None = None
@@ -68,6 +71,8 @@ class Session:
         for kind in KINDS:
             self._builders[kind] = BuildingProcess(kind == "live", self._receiver(kind))
         self.recovered = self._recover()
+        if self.draft.path is not None:
+            remember(self.draft.path, self._journals)
         self.build()
 
     def open(self, path: Path | None, text: str = UNTITLED) -> None:
@@ -88,6 +93,8 @@ class Session:
         self.journal.close()
         self.draft, self.journal = draft, Journal(draft.path, self._journals)
         draft.revision = revision  # pages compare revisions
+        if path is not None and draft.path is not None:
+            remember(draft.path, self._journals)
         self.recovered = self._recover() if path is not None else None
         self.broadcast(self.state())
         if self.recovered is not None:
@@ -95,27 +102,49 @@ class Session:
         self.build()
 
     def files(self) -> dict[str, Any]:
-        """Model files beside the present one, and the examples, as a message."""
+        """Model files that can be opened, as a message."""
         folder = self.draft.path.parent if self.draft.path is not None else Path.cwd()
-        beside = sorted(str(path) for path in folder.glob("*.toml"))[:MAX_FILES]
-        examples = sorted(path.stem for path in example_folder().glob("*.toml"))
-        return {"kind": "files", "folder": str(folder), "files": beside, "examples": examples}
+        return {"kind": "files"} | listed_files(folder, self._journals)
+
+    def export(self, to: str, share: float, send: Send) -> None:
+        """Write the text as a file of another kind, in a process of its own.
+
+        Raises
+        ------
+        FileError
+            Unknown kind, or another export runs.
+        """
+        loop = asyncio.get_running_loop()
+
+        def report(message: dict[str, Any]) -> None:
+            with suppress(RuntimeError):  # the loop is closed
+                loop.call_soon_threadsafe(self.reply, send, message)
+
+        path = self.draft.path or Path.cwd() / self.draft.name
+        number = self.exports.start(to, self.draft.text, path, share, report)
+        self.reply(send, {"kind": "export", "number": number, "state": "progress", "share": 0.0})
+
+    def cancel(self) -> None:
+        """Stop making pictures."""
+        for builder in self._builders.values():
+            builder.cancel()
 
     def close(self) -> None:
         """End the processes; a draft with unsaved changes remains in the journal."""
         for builder in self._builders.values():
             builder.close()
+        self.exports.close()
         self.journal.close()
 
     def _recover(self) -> Recovered | None:
-        """Continue with the unsaved text of a process that has ended."""
+        """Continue with the unsaved texts of processes that have ended."""
         left = self.journal.left_over()
-        if left is None or left.text == self.draft.text:
-            return None
-        self.draft.replace(left.text, "recover unsaved changes")
-        self.journal.write(left.text)
-        left.file.unlink(missing_ok=True)
-        return left
+        changes = [self.draft.replace(each.text, "recover unsaved changes") for each in left]
+        self._store()
+        if self._is_stored:  # older texts can be reached by undo
+            for each in left:
+                each.file.unlink(missing_ok=True)
+        return left[-1] if any(changes) and self.draft.is_changed else None
 
     def _receiver(self, kind: str) -> Callable[[int, Picture], None]:
         def receive(number: int, picture: Picture) -> None:
@@ -175,6 +204,11 @@ class Session:
 
     def _document(self) -> dict[str, Any] | None:
         """Contents of the text for the drawing; None if it is not valid."""
+        if self._parsed[0] != self.draft.text:
+            self._parsed = self.draft.text, self._parse()
+        return self._parsed[1]
+
+    def _parse(self) -> dict[str, Any] | None:
         try:
             data: dict[str, Any] = parse_document(Path(self.draft.name), self.draft.text)
             json.dumps(data, allow_nan=False)
@@ -216,14 +250,25 @@ class Session:
         ----------
         origin : page that has the new text already
         """
-        if self.draft.is_changed:
-            self.journal.write(self.draft.text)
-        else:
-            self.journal.clear()
+        self._store()
         self.broadcast(self.state(), origin)
         if origin is not None:
             self.confirm(origin)
         self.build()
+
+    def _store(self) -> None:
+        """Store unsaved changes; pages are warned once if they cannot be stored."""
+        try:
+            if self.draft.is_changed:
+                self.journal.write(self.draft.text)
+            else:
+                self.journal.clear()
+            self._is_stored = True
+        except FileError as error:
+            if self._is_stored:
+                text = f"unsaved changes would be lost with the program: {error}"
+                self.broadcast({"kind": "failure", "text": text})
+            self._is_stored = False
 
     def confirm(self, origin: Send) -> None:
         """Send a page the state of the file, without the text that it has."""
@@ -238,13 +283,16 @@ class Session:
             As ``Draft.save``.
         """
         former = self.journal
-        saved = self.draft.save(path, replace)
+        target = self.draft.path if path is None else path.resolve()
+        with saving(target or Path.cwd(), self._journals):
+            saved = self.draft.save(path, replace)
         if saved != former.path:
             self.journal = Journal(saved, self._journals)
             former.clear()
             former.close()
         else:
             former.clear()
+        remember(saved, self._journals)
         self.broadcast(self.state())
         return saved
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
+from importlib import import_module
 from typing import Any, ClassVar
 
 import casadi as ca
@@ -53,6 +54,10 @@ class ParametricModel(CacheOwner, ABC):
     @abstractmethod
     def _all_names(self) -> list[str]:
         """Names of all measures and parameters."""
+
+    def explore(self, analysis: Any = None, *, height: int = 720, **first_view: Any) -> Any:
+        """The live page of an analysis as a widget of a notebook; see ``dalembert.explore``."""
+        return import_module("dalembert").explore(self, analysis, height=height, **first_view)
 
     @property
     def inputs(self) -> dict[str, Input]:

@@ -106,6 +106,24 @@ def nearest(name: Any, known: Iterable[str]) -> str:
     return "".join(f" (did you mean {close!r}?)" for close in similar(name, names, 1, NEAREST))
 
 
+SUGGESTION = re.compile(r"\((?:did you mean|renamed:) '([^']+)'\??\)")
+UNKNOWN = re.compile(r"\b(?:unknown|no) [a-z ]+ '([^']+)'\s*$")
+
+
+def suggestion_in(message: str) -> tuple[str, str] | None:
+    """The unknown name of a message, and the name that ``nearest`` suggests in it.
+
+    Returns
+    -------
+    The unknown name is empty where the message is about its key; None without a suggestion
+    """
+    match = SUGGESTION.search(message)
+    if match is None:
+        return None
+    named = UNKNOWN.search(message[: match.start()])
+    return named[1] if named else "", match[1]
+
+
 def unknown(kind: str, name: Any, known: Iterable[str]) -> str:
     """``unknown body 'crnk' (did you mean 'crank'?); known: ground, crank``."""
     names = list(known)

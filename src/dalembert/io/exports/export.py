@@ -10,6 +10,7 @@ from dalembert.errors import FileError, UnsupportedError
 from dalembert.files import atomic_path
 from dalembert.io.exports.exported import Exported, Files
 from dalembert.io.exports.registry import FORMATS, Format
+from dalembert.io.model_file import load_model_file
 from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import unknown
 
@@ -22,7 +23,8 @@ def export(source: Any, path: str | Path, to: str = "", **options: Any) -> Expor
 
     Parameters
     ----------
-    source : a model, a motion, modes, a result of a structure or of many designs
+    source : a model, a motion, modes, a result of a structure or of many designs; for a Python
+        script the path of a model file
     path : of the file; files of series are beside it
     to : name of the format, by default that of the suffix
     options : of the format, see the documentation of exports
@@ -55,6 +57,8 @@ def export(source: Any, path: str | Path, to: str = "", **options: Any) -> Expor
     """
     target = Path(path)
     file_format = _format(target, to)
+    if isinstance(source, (str, Path)):
+        source = load_model_file(source)
     if not target.suffix:
         target = target.with_name(target.name + file_format.suffix)
     contents = file_format.create(source, target.stem, options)

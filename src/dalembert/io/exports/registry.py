@@ -12,6 +12,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from dalembert.errors import UnsupportedError
+from dalembert.io.model_file import ModelFile
 from dalembert.model.graph.model import Model
 from dalembert.results.batch.batch import Batch
 from dalembert.results.labelled import LabelledRecording
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from dalembert.io.exports.exported import Files
 
 SOURCES = {
+    "model file": "a model file",
     "mechanism": "a mechanism",
     "structure model": "a model of a structure",
     "motion": "a motion of a mechanism",
@@ -57,6 +59,11 @@ class Format:
     def of_model(self) -> bool:
         """Whether the command line exports the model without running the analysis."""
         return self.takes[0] == "mechanism"
+
+    @property
+    def of_file(self) -> bool:
+        """Whether the source is the model file itself."""
+        return self.takes[0] == "model file"
 
     def create(self, source: Any, name: str, options: Mapping[str, Any]) -> Files:
         """Contents of the files.
@@ -124,6 +131,9 @@ FORMATS: dict[str, Format] = {
     "latex": _row(
         ".tex", "latex.equations:latex_file", ("mechanism",), "equations of a small mechanism"
     ),
+    "python": _row(
+        ".py", "python.script:python_file", ("model file",), "the model file as a Python script"
+    ),
     "mat": _row(".mat", "mat:mat_file", RESULTS, "measures over time, for MATLAB and Octave"),
     "parquet": _row(".parquet", "parquet:parquet_file", RESULTS, "measures over time, as a table"),
 }
@@ -138,6 +148,8 @@ def kind_of(source: Any) -> str:
     UnsupportedError
         It is neither a model nor a result.
     """
+    if isinstance(source, ModelFile):
+        return "model file"
     if isinstance(source, Model):
         return "mechanism"
     if isinstance(source, ParametricModel):
@@ -151,5 +163,6 @@ def kind_of(source: Any) -> str:
     if isinstance(source, LabelledRecording):
         return "motion"
     raise UnsupportedError(
-        f"export writes models and results of analyses; got {type(source).__name__} {source!r:.60}"
+        "export writes models, model files and results of analyses; got "
+        f"{type(source).__name__} {source!r:.60}"
     )

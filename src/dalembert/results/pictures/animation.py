@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -92,6 +93,7 @@ def write_film(
     seconds: float = 5.0,
     width: int = 720,
     state: str | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> Path:
     """Write the motion of a page as a film; a structure shows its states or oscillates.
 
@@ -103,6 +105,7 @@ def write_film(
     width : in pixels
     state : load case or mode of a structure that oscillates; by default all instants of a motion,
         else the first state
+    progress : called with the completed fraction
 
     Raises
     ------
@@ -126,9 +129,54 @@ def write_film(
     figure = picture.ax.figure
     figure.set_dpi(width / figure.get_figwidth())
     film = FuncAnimation(figure, picture.show, frames=frames, interval=1000 / fps, blit=False)
+
+    def drawn(frame: int, count: int) -> None:
+        if progress is not None:
+            progress((frame + 1) / frames)
+
     with atomic_path(path) as temporary:
         try:
-            film.save(temporary, writer=writer, fps=fps, dpi=figure.dpi)
+            film.save(temporary, writer, fps, figure.dpi, progress_callback=drawn)
+        finally:
+            plt.close(figure)
+    return path
+
+
+STILLS = (".svg", ".png", ".pdf")
+"""Suffixes of pictures."""
+
+
+def write_still(
+    page: dict[str, Any], path: Path, share: float = 0.0, *, dpi: int = 200, plain: bool = False
+) -> Path:
+    """Write an instant of the motion of a page, or a state of a structure, as a picture.
+
+    Parameters
+    ----------
+    path : with the suffix .svg, .png or .pdf
+    share : instant as a fraction of the motion
+    dpi : dots per inch, of 6.4 × 4.8 inches
+    plain : without axes, title and background
+
+    Raises
+    ------
+    FileError
+        Unknown suffix.
+    AnalysisError
+        No outputs.
+    """
+    if path.suffix not in STILLS:
+        raise FileError(f"{path}: a picture has the suffix {', '.join(STILLS)}")
+    frames = max(2, len(page.get("time", ())))
+    picture, count = _picture(unpack(page), frames, None)
+    picture.show(round(float(np.clip(share, 0, 1)) * (count - 1)))
+    figure = picture.ax.figure
+    with atomic_path(path) as temporary:
+        try:
+            if plain:
+                picture.ax.set_axis_off()
+                picture.ax.set_title("")
+            figure.savefig(temporary, format=path.suffix[1:], dpi=dpi, transparent=plain)
         finally:
             plt.close(figure)
     return path

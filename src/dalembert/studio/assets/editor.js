@@ -78,6 +78,13 @@ export class Editor {
     this.showing = false;
   }
 
+  /** Replace a part of the text, as if it were typed. @param {number} from @param {number} to @param {string} insert */
+  replace(from, to, insert) {
+    this.view.dispatch({ changes: { from, to, insert }, selection: { anchor: from + insert.length } });
+    this.flush();
+    this.view.focus();
+  }
+
   /** Mark problems at their places. @param {Problem[]} problems */
   mark(problems) {
     const { length } = this.view.state.doc;

@@ -1,22 +1,28 @@
 // Page of the studio: the drawing beside the text, with undo, saving and problems.
 
 /** @import { Page } from "./pictures.js" */
-/** @import { Document, FilesMessage, Message, PictureMessage, Problem, TextMessage } from "./types.d.ts" */
+/** @import { Document, Fix, Message, PictureMessage, Problem, TextMessage } from "./types.d.ts" */
 
 import { ask } from "./ask.js";
 import { Completion } from "./completion.js";
+import { Crosshair } from "./crosshair.js";
+import { Exports, chooseFile } from "./dialogs.js";
 import { Drawing } from "./drawing.js";
 import { button, byId, el } from "./dom.js";
 import { Editor } from "./editor.js";
+import { Guide } from "./guide.js";
 import { Link } from "./link.js";
 import { Pictures } from "./pictures.js";
 import { Sheets } from "./sheets.js";
+import { showShortcuts } from "./shortcuts.js";
 import { TOOLS } from "./tools.js";
 
 /** Time for which a notice is shown [ms]. */
 const SHOWN = 6000;
 /** Time without a change after which values of sliders are written into the text [ms]. */
 const REST = 250;
+/** Time after which the page says that a picture is being made [ms]. */
+const SLOW = 1200;
 const MODIFIER = /Mac|iPhone|iPad/.test(navigator.platform) ? "⌘" : "Ctrl+";
 
 class Studio {
@@ -44,45 +50,51 @@ class Studio {
     this.known = null;
     this.buttons = {
       open: button("Open…", () => this.request("files"), { title: "Open a file, an example or a new model" }),
-      save: button("Save", () => this.save(), { title: `Save the file (${MODIFIER}S)` }),
+      save: button("Save", () => this.save(), { id: "save", title: `Save the file (${MODIFIER}S)` }),
       saveAs: button("Save as…", () => this.saveAs()),
+      export: button("Export…", () => this.exports.open(), { title: "Page, picture, film, table, script, and files for other programs" }),
       undo: button("Undo", () => this.undo()),
       redo: button("Redo", () => this.redo()),
-      parameter: button("Parameter", () => this.extract(), { title: `Turn the number at the cursor into a parameter with a slider (${MODIFIER}E)` }),
+      parameter: button("Parameter", () => this.extract(), { id: "make-parameter", title: `Turn the number at the cursor into a parameter with a slider (${MODIFIER}E)` }),
     };
     byId("actions").append(...Object.values(this.buttons));
-    byId("more").append(button("Theme", () => this.turnTheme(), { id: "theme", title: "Light or dark" }), button("Stop", () => this.stop(), { title: "Stop the program; unsaved changes are kept" }));
+    this.exports = new Exports((kind, more) => this.request(kind, more), () => this.share);
+    byId("more").append(button("Help", () => this.help(), { title: "Keys, and a guided first build (?)" }), button("Theme", () => this.turnTheme(), { id: "theme", title: "Light or dark" }), button("Stop", () => this.stop(), { title: "Stop the program; unsaved changes are kept" }));
     this.setTheme(localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light"));
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.timer = undefined;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.slow = undefined;
     this.drawing = new Drawing(this.pictures, {
       change: ({ label, operations }) => this.edit(label, operations),
       hint: (text) => { byId("hint").textContent = text; },
       select: (section, name) => this.editor.reveal(section, name),
       refuse: (text) => this.say(text, true),
-      onTool: (name) => { for (const node of byId("palette").children) node.setAttribute("aria-pressed", String(/** @type {HTMLElement} */ (node).dataset.tool === name)); },
+      onTool: (name) => { for (const node of byId("palette").children) node.setAttribute("aria-pressed", String(/** @type {HTMLElement} */ (node).dataset.tool === name)); this.guide?.check(); },
     });
     byId("palette").append(...TOOLS.map(({ name, title, key, hint }) =>
       el("button", { type: "button", class: "button", "data-tool": name, "aria-pressed": name === "select", title: hint.join("; then "), onclick: () => this.drawing.choose(name) }, title, el("kbd", {}, key.toUpperCase()))));
+    this.crosshair = new Crosshair(byId("canvas"), this.drawing);
+    /** The guided first build. @type {Guide | undefined} */
+    this.guide = new Guide(byId("canvas"), () => ({ ...this.file, document: this.known, tool: this.drawing.tool.name }));
     this.sheets = new Sheets(byId("sheets"), byId("writing"), [{ name: "text", title: "Text", node: byId("text") }]);
     /** Requests of other parts by the kind of their answer. @type {Record<string, (message: any) => void>} */
-    this.handlers = {};
+    this.handlers = { export: (message) => this.exports.receive(message) };
     this.link = new Link((message) => this.receive(message), (connected) => this.connected(connected));
     this.bind();
   }
 
   bind() {
     document.addEventListener("keydown", (event) => this.drawing.key(event));
-    document.addEventListener("keydown", (event) => {
-      if (!(event.ctrlKey || event.metaKey) || event.defaultPrevented) return;
-      const act = { s: () => (event.shiftKey ? this.saveAs() : this.save()), z: () => (event.shiftKey ? this.redo() : this.undo()), y: () => this.redo() }[event.key.toLowerCase()];
-      if (act) {
-        event.preventDefault();
-        act();
-      }
-    });
+    document.addEventListener("keydown", (event) => this.key(event));
+    this.pictures.onShow.push(() => this.pictures.frame?.contentWindow?.addEventListener("keydown", (event) => this.key(event)));
+    byId("cancel").addEventListener("click", () => this.request("cancel"));
     const divider = byId("divider"), desk = byId("desk");
-    const setWidth = (/** @type {number} */ share) => desk.style.setProperty("--text-width", `${Math.min(75, Math.max(15, share))}%`);
+    const setWidth = (/** @type {number} */ share) => {
+      const width = Math.min(75, Math.max(15, share));
+      desk.style.setProperty("--text-width", `${width}%`);
+      divider.setAttribute("aria-valuenow", String(Math.round(width)));
+    };
     divider.addEventListener("pointerdown", (event) => {
       divider.setPointerCapture(event.pointerId);
       desk.classList.add("moving");
@@ -97,16 +109,39 @@ class Studio {
     });
   }
 
+  /** Keys of the whole page. @param {KeyboardEvent} event */
+  key(event) {
+    if (event.defaultPrevented || byId("ask").hasAttribute("open")) return;
+    const typing = /** @type {HTMLElement} */ (event.target)?.closest?.("input, textarea, .cm-editor");
+    if (event.key === "?" && !typing) return this.help();
+    if (!(event.ctrlKey || event.metaKey)) return;
+    const act = { s: () => (event.shiftKey ? this.saveAs() : this.save()), o: () => this.request("files"), z: () => (event.shiftKey ? this.redo() : this.undo()), y: () => this.redo() }[event.key.toLowerCase()];
+    if (!act) return;
+    event.preventDefault();
+    act();
+  }
+
+  /** Instant of the picture as a fraction of the motion. */
+  get share() {
+    const page = this.pictures.page, time = page ? page.player.time - page.motion.start : 0;
+    return page && page.motion.end > page.motion.start ? Math.min(1, Math.max(0, time / (page.motion.end - page.motion.start))) : 0;
+  }
+
+  help() { showShortcuts(MODIFIER, () => this.guide?.start()); }
+
   /** @param {Message} message */
   receive(message) {
     switch (message.kind) {
       case "text": return this.showFile(message);
       case "picture":
-        if (!message.live) this.described = message;
+        if (!message.live) {
+          this.described = message;
+          this.working();
+        }
         if (message.problems) this.showProblems(message.problems);
         if (message.summary !== undefined) this.showSummary(message);
         return this.pictures.receive(message);
-      case "files": return void this.open(message);
+      case "files": return chooseFile(message, (choice) => this.request("open", choice));
       case "notice": return this.say(message.text);
       case "failure": return this.say(message.text, true);
       case "conflict": return void this.resolve(message.text, message.path);
@@ -142,6 +177,15 @@ class Studio {
     }
     save.disabled = !changed && Boolean(file.path);
     document.documentElement.dataset.revision = String(file.revision);
+    this.guide?.check();
+    this.working();
+  }
+
+  /** Show that a picture is being made, if it takes a while. */
+  working() {
+    clearTimeout(this.slow);
+    byId("work").hidden = true;
+    this.slow = setTimeout(() => { byId("work").hidden = (this.described?.revision ?? -1) >= this.file.revision || !this.link.connected; }, SLOW);
   }
 
   /** @param {string} text */
@@ -178,16 +222,6 @@ class Studio {
     if (reply?.answer === "replace") this.request("save", { path, replace: true });
     if (reply?.answer === "reload") this.request("reload");
     if (reply?.answer === "other") this.saveAs();
-  }
-
-  /** @param {FilesMessage} listed */
-  async open({ folder, files, examples }) {
-    const choices = [...files.map((path) => ({ text: path.slice(folder.length + 1), value: path })), ...examples.map((name) => ({ text: `example: ${name}`, value: `example: ${name}` }))];
-    const reply = await ask("Open", `A file of ${folder}, a path, or an example. Unsaved changes of this model are kept.`, { open: "Open", fresh: "New model" }, { name: "File", value: "", choices });
-    const value = reply?.value.trim() ?? "", example = /^example: (\w+)$/.exec(value)?.[1];
-    if (reply?.answer === "fresh") this.request("open");
-    else if (example) this.request("open", { example });
-    else if (value) this.request("open", { path: value.includes("/") || value.includes("\\") ? value : `${folder}/${value}` });
   }
 
   /** Names for references and formulas: parameters, elements, points. */
@@ -244,9 +278,16 @@ class Studio {
   /** @param {Problem[]} problems */
   showProblems(problems) {
     this.editor.mark(problems);
-    byId("problems").replaceChildren(...problems.map(({ level, message, start, end, line }) =>
+    byId("problems").replaceChildren(...problems.map(({ level, message, start, end, line, fixes }) =>
       el("li", { class: level }, el("button", { type: "button", onclick: () => start !== null && this.editor.select(start, end ?? start) },
-        el("span", { class: "level" }), el("span", { class: "place" }, line ? `line ${line}` : ""), el("span", {}, message)))));
+        el("span", { class: "level" }), el("span", { class: "place" }, line ? `line ${line}` : ""), el("span", {}, message)),
+      ...(fixes ?? []).map((fix) => button(fix.title, () => this.fix(fix), { class: "button small fix" })))));
+  }
+
+  /** Carry out the remedy of a problem. @param {Fix} fix */
+  fix({ start, end, insert }) {
+    if (this.described?.revision !== this.file.revision || this.editor.waits || this.pending) return this.say("The text has changed meanwhile; wait for its problems.", true);
+    this.editor.replace(start, end, insert);
   }
 
   /** @param {PictureMessage} message */

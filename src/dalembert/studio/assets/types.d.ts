@@ -1,6 +1,8 @@
 // Types of the messages between the page and the server, see `studio/session.py`.
 
-export interface Problem { level: "error" | "warning" | "info" | "note"; message: string; start: number | null; end: number | null; line: number }
+/** A replacement in the text as remedy of a problem. */
+export interface Fix { title: string; start: number; end: number; insert: string }
+export interface Problem { fixes: Fix[]; level: "error" | "warning" | "info" | "note"; message: string; start: number | null; end: number | null; line: number }
 /** The text and the state of its file; `text` is null where the page has it already. */
 export interface TextMessage { kind: "text"; revision: number; text: string | null; name: string; path: string; changed: boolean; undo: string; redo: string; document: Document | null }
 /** Contents of the file: section → name → entry. */
@@ -10,7 +12,10 @@ export interface PictureMessage { kind: "picture"; number: number; revision: num
 export interface Facts { degrees_of_freedom?: number; free?: number; redundant?: number }
 export interface NoticeMessage { kind: "notice" | "failure"; text: string }
 export interface ConflictMessage { kind: "conflict"; text: string; path: string }
-export interface FilesMessage { kind: "files"; folder: string; files: string[]; examples: string[] }
-export type Message = FilesMessage | TextMessage | PictureMessage | NoticeMessage | ConflictMessage;
+export interface Example { example: string; name: string; description: string }
+export interface FilesMessage { kind: "files"; folder: string; files: string[]; recent: string[]; examples: Example[] }
+/** Progress, or the end of an export; `share` is the part that is done. */
+export interface ExportMessage { kind: "export"; number: number; state: "progress" | "done" | "failed" | "stopped"; share?: number; address?: string; name?: string; text?: string; omissions?: string[] }
+export type Message = FilesMessage | ExportMessage | TextMessage | PictureMessage | NoticeMessage | ConflictMessage;
 export type Attributes = Record<string, string | boolean | number | ((event: Event) => void) | null | undefined>;
 export type Child = Node | string | null | undefined | false;

@@ -1,0 +1,26 @@
+// List of the keys of the page.
+
+import { showSheet } from "./dialogs.js";
+import { button, el } from "./dom.js";
+import { TOOLS } from "./tools.js";
+
+/** @typedef {[string, string][]} Rows keys and their meaning */
+
+/** @param {string} modifier @returns {[string, Rows][]} */
+const groups = (modifier) => [
+  ["Tools", TOOLS.map(({ key, title }) => [key.toUpperCase(), title])],
+  ["Drawing", [["Arrows", "move the crosshair by a step of the grid, with Shift by a tenth"], ["Enter", "click at the crosshair; finish a plate"], ["Esc", "give up what is being drawn; select"], ["Delete", "remove the selected element"], ["Alt", "hold: no snapping"]]],
+  ["File", [[`${modifier}S`, "save"], [`${modifier}Shift+S`, "save as"], [`${modifier}O`, "open"], [`${modifier}Z`, "undo"], [`${modifier}Y`, "redo"]]],
+  ["Text", [[`${modifier}E`, "turn the number at the cursor into a parameter"], [`${modifier}F`, "search"], [`${modifier}Space`, "complete"], ["Tab", "next part of the page"]]],
+  ["Page", [["Tab", "next part: buttons, tools, drawing, text"], ["?", "this list"]]],
+];
+
+/** Show the keys. @param {string} modifier name of Control on this machine @param {() => void} guide begins the guided first build */
+export function showShortcuts(modifier, guide) {
+  const begin = button("Guided first build", () => {
+    dialog.close();
+    guide();
+  });
+  const section = (/** @type {[string, Rows]} */ [title, rows]) => el("section", {}, el("h3", {}, title), el("dl", {}, rows.flatMap(([keys, text]) => [el("dt", {}, keys.split(" ").map((key) => el("kbd", {}, key))), el("dd", {}, text)])));
+  const dialog = showSheet("Keys", [el("div", { class: "sheet-body shortcuts" }, groups(modifier).map(section)), el("div", { class: "chips" }, begin)]);
+}

@@ -1,0 +1,33 @@
+"""Processes of the studio: their begin, and their use of memory."""
+
+from __future__ import annotations
+
+import os
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+MEMORY = 3e9
+"""Upper limit of the memory of a building process [bytes]."""
+TIME = 300.0
+"""Upper limit of the time in which a picture is made [s]."""
+
+
+def begin_child() -> None:
+    """Leave interruptions to the server, and the output of models unprinted."""
+    if os.name == "posix":
+        import signal
+
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # the server ends the process
+    silent = os.open(os.devnull, os.O_WRONLY)
+    sys.stdout.flush()
+    os.dup2(silent, 1)
+    os.close(silent)
+
+
+def memory_of(process: int) -> float:
+    """Resident memory of a process [bytes]; zero where the system does not state it."""
+    with suppress(OSError, ValueError, IndexError):
+        pages = Path(f"/proc/{process}/statm").read_text().split()[1]
+        return int(pages) * float(os.sysconf("SC_PAGE_SIZE"))
+    return 0.0
