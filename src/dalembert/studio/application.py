@@ -75,12 +75,19 @@ def make_application(session: Session, token: str, port: int, stop: Callable[[],
             return PlainTextResponse("this picture is outdated", 404, HEADERS)
         return HTMLResponse(page, headers=HEADERS | {"X-Frame-Options": "SAMEORIGIN"})
 
+    async def task(request: Request) -> Response:
+        state = session.tasks.state(request.path_params["number"])
+        if state is None or not state.outcome.page:
+            return PlainTextResponse("this result is outdated", 404, HEADERS)
+        return HTMLResponse(state.outcome.page, headers=HEADERS | {"X-Frame-Options": "SAMEORIGIN"})
+
     async def socket(websocket: WebSocket) -> None:
         await Connection(session, websocket, stop).run()
 
     routes = [
         Route("/", index),
         Route("/picture/{number:int}", picture),
+        Route("/task/{number:int}", task),
         Route("/assets/schema.json", schema),
         Route("/assets/{name}", asset),
         WebSocketRoute("/socket", socket),

@@ -16,6 +16,7 @@ from dalembert.io.report import live_responses, report_choices
 from dalembert.io.toml_places import line_and_column, parse_keys, toml_places
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.report.page import render_page
+from dalembert.results.files.assembly_report import assembly_payload, position_payload
 from dalembert.results.result import Result
 from dalembert.studio.drawn_numbers import Keys, with_drawn_parameters
 
@@ -83,8 +84,6 @@ def picture_of(text: str, path: Path, live: bool) -> Picture:
     try:
         return _picture_of(text, path, live)
     except AssemblyError as error:
-        from dalembert.results.files.assembly_report import assembly_payload
-
         page = "" if error.position is None else _render(assembly_payload(error))
         return Picture(page, tuple(problems_of(error, text, path)))
     except DalembertError as error:
@@ -113,7 +112,13 @@ def _page_of(
     file = check_model_data(data, path)
     model = file.model()
     summary, facts, notes = _diagnosis(model)
-    result = _result(file, model)
+    try:
+        result = _result(file, model)
+    except DalembertError as error:
+        if live or isinstance(model, StructuralModel):
+            raise
+        still = _render(position_payload(model))
+        return Picture(still, (*notes, *problems_of(error, text, path)), summary, facts)
     wrong_choices: list[Problem] = []
     choices: dict[str, Any] = {}
     try:

@@ -17,6 +17,8 @@ from dalembert.studio.building import BuildingProcess, Request
 from dalembert.studio.draft import Draft
 from dalembert.studio.journal import Journal, Recovered
 from dalembert.studio.pictures import Picture
+from dalembert.studio.preview import Preview
+from dalembert.studio.tasks import Tasks
 
 Send = Callable[[dict[str, Any]], Awaitable[None]]
 
@@ -61,6 +63,8 @@ class Session:
         self._tasks: set[asyncio.Task[None]] = set()
         self._builders: dict[str, BuildingProcess] = {}
         self._loop: asyncio.AbstractEventLoop | None = None
+        self.tasks = Tasks(self._task_changed)
+        self.preview = Preview()
 
     def start(self) -> None:
         """Start the building processes; call inside the event loop."""
@@ -89,7 +93,9 @@ class Session:
         self.draft, self.journal = draft, Journal(draft.path, self._journals)
         draft.revision = revision  # pages compare revisions
         self.recovered = self._recover() if path is not None else None
-        self.broadcast(self.state())
+        self.preview.set(None)
+        for message in (self.state(), self.preview.message()):
+            self.broadcast(message)
         if self.recovered is not None:
             self.broadcast({"kind": "notice", "text": RESTORED})
         self.build()
@@ -105,6 +111,7 @@ class Session:
         """End the processes; a draft with unsaved changes remains in the journal."""
         for builder in self._builders.values():
             builder.close()
+        self.tasks.close()
         self.journal.close()
 
     def _recover(self) -> Recovered | None:
@@ -125,13 +132,46 @@ class Session:
 
         return receive
 
+    @property
+    def place(self) -> Path:
+        """Path of the model file, for relative paths in it."""
+        return self.draft.path or Path.cwd() / self.draft.name
+
     def build(self) -> None:
-        """Make pictures of the present text."""
+        """Make pictures of the present text, with the analysis of the preview."""
         self.number += 1
         self._revision = self.draft.revision
-        path = self.draft.path or Path.cwd() / self.draft.name
+        text = self.preview.apply(self.draft.text)
         for builder in self._builders.values():
-            builder.request(Request(self.number, self.draft.text, path))
+            builder.request(Request(self.number, text, self.place))
+
+    def show_analysis(self, fields: dict[str, Any] | None) -> None:
+        """Show another analysis than that of the text; None shows that of the text."""
+        if self.preview.set(fields):
+            self.broadcast(self.preview.message())
+            self.build()
+
+    def start_task(self, section: Any) -> None:
+        """Run a design task of the present text in a process of its own.
+
+        Raises
+        ------
+        ModelError
+            Unknown section, or another task runs.
+        """
+        draft = self.draft
+        state = self.tasks.start(section, draft.text, self.place, draft.revision)
+        self.broadcast(state.message())
+
+    def _task_changed(self, number: int) -> None:
+        def show() -> None:
+            state = self.tasks.state(number)
+            if state is not None:
+                self.broadcast(state.message())
+
+        assert self._loop is not None
+        with suppress(RuntimeError):  # the loop is closed
+            self._loop.call_soon_threadsafe(show)
 
     def _show(self, kind: str, number: int, picture: Picture) -> None:
         """Send a picture to the pages, the still one before the live one."""
@@ -143,7 +183,8 @@ class Session:
         message: dict[str, Any] = {"kind": "picture", "number": number, "live": kind == "live"}
         message["revision"] = self._revision
         if kind == "still":
-            message["problems"] = [asdict(problem) for problem in picture.problems]
+            problems = self.preview.in_text(picture.problems, self.draft.text)
+            message["problems"] = [asdict(problem) for problem in problems]
             message |= {"summary": picture.summary, "facts": picture.facts}
         message["page"] = ""
         if picture.page:
@@ -192,6 +233,8 @@ class Session:
             message = self.latest.get(kind)
             if message is not None and message["number"] == self.number:
                 await send(message)
+        for message in (*self.tasks.messages(), self.preview.message()):
+            await send(message)
 
     def detach(self, send: Send) -> None:
         """Stop showing the draft on a page."""

@@ -6,12 +6,16 @@
 import { ask } from "./ask.js";
 import { Completion } from "./completion.js";
 import { Drawing } from "./drawing.js";
+import { addInsight } from "./insight.js";
 import { button, byId, el } from "./dom.js";
 import { Editor } from "./editor.js";
 import { Link } from "./link.js";
 import { Pictures } from "./pictures.js";
 import { Sheets } from "./sheets.js";
+import { TARGET_TOOLS } from "./targets.js";
 import { TOOLS } from "./tools.js";
+
+TOOLS.push(...TARGET_TOOLS);
 
 /** Time for which a notice is shown [ms]. */
 const SHOWN = 6000;
@@ -67,6 +71,9 @@ class Studio {
     this.sheets = new Sheets(byId("sheets"), byId("writing"), [{ name: "text", title: "Text", node: byId("text") }]);
     /** Requests of other parts by the kind of their answer. @type {Record<string, (message: any) => void>} */
     this.handlers = {};
+    /** Listeners to the contents of the file. @type {((document: Document | null) => void)[]} */
+    this.onDocument = [];
+    this.insight = addInsight(this);
     this.link = new Link((message) => this.receive(message), (connected) => this.connected(connected));
     this.bind();
   }
@@ -103,6 +110,7 @@ class Studio {
       case "text": return this.showFile(message);
       case "picture":
         if (!message.live) this.described = message;
+        this.insight.describe(message);
         if (message.problems) this.showProblems(message.problems);
         if (message.summary !== undefined) this.showSummary(message);
         return this.pictures.receive(message);
@@ -142,6 +150,7 @@ class Studio {
     }
     save.disabled = !changed && Boolean(file.path);
     document.documentElement.dataset.revision = String(file.revision);
+    for (const listener of this.onDocument) listener(file.document);
   }
 
   /** @param {string} text */
@@ -273,5 +282,7 @@ class Studio {
 
   turnTheme() { this.setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"); }
 }
+
+/** @typedef {Studio} StudioPage */
 
 Object.assign(window, { studio: new Studio() });
