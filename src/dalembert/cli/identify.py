@@ -37,16 +37,10 @@ def identify(
     """
 
     def read(file: ModelFile, built: Any) -> Run:
-        from dalembert.design.identification.identify import identify as identify_parameters
-        from dalembert.io.analyses import make_analysis
-        from dalembert.io.decisions.estimation import check_files, make_identification
+        from dalembert.io.decisions.runs import identification
 
-        arguments = make_identification(file, built, data)
-        analysis = make_analysis(file, built) if file.document.analysis is not None else None
-        check_files([experiment.data for experiment in arguments["data"]])
-        return lambda show: identify_parameters(
-            built, **arguments, analysis=analysis, progress=iterations(show)
-        )
+        run = identification(file, built, data)
+        return lambda show: run(iterations(show))
 
     return DecisionCommand(model, output, options).execute(read, _show)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -65,23 +64,12 @@ def optimize(
     changes |= objective
 
     def read(file: ModelFile, built: Any) -> Run:
-        from dalembert.io.analyses import make_analysis
-        from dalembert.io.decisions.designs import make_design
+        from dalembert.io.decisions.runs import optimization
 
-        design = make_design(with_keys(file, "optimize", changes), built)
-        design["analysis"] = make_analysis(file, built)
-        search = _search("beta" in design)
-        return lambda show: search(built, **design, history=history, progress=iterations(show))
+        run = optimization(with_keys(file, "optimize", changes), built, history)
+        return lambda show: run(iterations(show))
 
     return DecisionCommand(model, output, options).execute(read, _show)
-
-
-def _search(reliable: bool) -> Callable[..., Any]:
-    """The optimisation function, deterministic or reliability-based."""
-    from dalembert.design.optimize.optimization import optimize as optimize_design
-    from dalembert.design.reliability.optimize_reliable import optimize_reliable
-
-    return optimize_reliable if reliable else optimize_design
 
 
 def _show(summary: dict[str, Any]) -> None:

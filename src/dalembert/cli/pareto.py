@@ -38,15 +38,9 @@ def pareto(
     from dalembert.io.model_file import with_keys
 
     def read(file: ModelFile, built: Any) -> Run:
-        from dalembert.design.pareto.pareto import pareto as compute_front
-        from dalembert.io.analyses import make_analysis
-        from dalembert.io.decisions.designs import make_front
+        from dalembert.io.decisions.runs import front
 
-        arguments = make_front(
-            with_keys(file, "pareto", {"points": points, "method": method}), built
-        )
-        analysis = make_analysis(file, built)
-        return lambda show: compute_front(built, **arguments, analysis=analysis, progress=show)
+        return front(with_keys(file, "pareto", {"points": points, "method": method}), built)
 
     return DecisionCommand(model, output, options).execute(read, _show)
 

@@ -43,15 +43,9 @@ def reliability(
     changes = {"samples": samples, "sampling": sampling, "starts": starts}
 
     def read(file: ModelFile, built: Any) -> Run:
-        from dalembert.design.reliability.reliability import reliability as compute_reliability
-        from dalembert.io.analyses import make_analysis
-        from dalembert.io.decisions.reliability import make_reliability
+        from dalembert.io.decisions.runs import failure_probability
 
-        arguments = make_reliability(with_keys(file, "reliability", changes), built)
-        analysis = make_analysis(file, built)
-        return lambda show: compute_reliability(
-            built, **arguments, analysis=analysis, progress=show
-        )
+        return failure_probability(with_keys(file, "reliability", changes), built)
 
     return DecisionCommand(model, output, options).execute(read, _show)
 

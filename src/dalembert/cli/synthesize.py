@@ -38,17 +38,9 @@ def synthesize(
     from dalembert.io.model_file import with_keys
 
     def read(model_file: ModelFile, _: Any) -> Run:
-        from dalembert.io.decisions.synthesis import make_synthesis
+        from dalembert.io.decisions.runs import synthesis
 
-        search = make_synthesis(with_keys(model_file, "synthesis", {"starts": starts}))
-
-        def run(show: bool) -> Any:
-            with model_file.located("synthesis"):
-                synthesis = search(progress=show)
-            synthesis.name = model_file.name
-            return synthesis
-
-        return run
+        return synthesis(with_keys(model_file, "synthesis", {"starts": starts}))
 
     return DecisionCommand(file, output, options).execute(read, _show, assembled=False)
 

@@ -35,23 +35,9 @@ def tolerance(
     from dalembert.io.model_file import with_keys
 
     def read(file: ModelFile, built: Any) -> Run:
-        from dalembert.design.tolerance.tolerance import tolerance as analyse_tolerances
-        from dalembert.io.analyses import make_analysis
-        from dalembert.io.decisions.reliability import make_tolerance
+        from dalembert.io.decisions.runs import scatter
 
-        arguments, allocation = make_tolerance(
-            with_keys(file, "tolerance", {"samples": samples}), built
-        )
-        analysis = make_analysis(file, built)
-
-        def run(show: bool) -> Any:
-            decision = analyse_tolerances(built, **arguments, analysis=analysis, progress=show)
-            if allocation is not None:
-                with file.located("tolerance", "allocate"):
-                    decision.allocated = decision.allocate(**allocation)
-            return decision
-
-        return run
+        return scatter(with_keys(file, "tolerance", {"samples": samples}), built)
 
     return DecisionCommand(model, output, options).execute(read, _show)
 

@@ -97,6 +97,12 @@ def make_application(session: Session, token: str, port: int, stop: Callable[[],
             return PlainTextResponse("no such picture", 404, HEADERS)
         return Response(file.read_bytes(), 200, HEADERS, "image/png")
 
+    async def task(request: Request) -> Response:
+        state = session.tasks.state(request.path_params["number"])
+        if state is None or not state.outcome.page:
+            return PlainTextResponse("this result is outdated", 404, HEADERS)
+        return HTMLResponse(state.outcome.page, headers=HEADERS | {"X-Frame-Options": "SAMEORIGIN"})
+
     async def socket(websocket: WebSocket) -> None:
         await Connection(session, websocket, stop).run()
 
@@ -105,6 +111,7 @@ def make_application(session: Session, token: str, port: int, stop: Callable[[],
         Route("/picture/{number:int}", picture),
         Route("/export/{number:int}", export),
         Route("/examples/{name}", example),
+        Route("/task/{number:int}", task),
         Route("/assets/schema.json", schema),
         Route("/assets/exports.json", exports),
         Route("/assets/{name}", asset),

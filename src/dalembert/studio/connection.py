@@ -15,7 +15,9 @@ from dalembert.errors import DalembertError, FileError
 from dalembert.files import read_text
 from dalembert.io.example_files import example_folder
 from dalembert.studio.drawing_edits import apply
+from dalembert.studio.preview import analysis_fields, section_operation
 from dalembert.studio.session import MAX_TEXT, Session, failure
+from dalembert.studio.text_edits import TextEdits
 
 
 class Connection:
@@ -42,6 +44,10 @@ class Connection:
             "save": self.save,
             "reload": self.reload,
             "open": self.open,
+            "preview": self.preview,
+            "write_preview": self.write_preview,
+            "start": lambda request: session.start_task(request.get("section")),
+            "cancel": lambda _: session.tasks.stop(),
             "files": lambda _: session.reply(self.send, session.files()),
             "export": self.export,
             "stop export": lambda _: session.exports.stop(),
@@ -103,6 +109,30 @@ class Connection:
             raise FileError(f"the text would have more than {MAX_TEXT} characters")
         label = request.get("label")
         if self.session.draft.replace(text, str(label)[:60] if label else "draw"):
+            self.session.changed()
+
+    def preview(self, request: dict[str, Any]) -> None:
+        """Show an analysis without writing it; that of the text without a type."""
+        kind, fields = request.get("type"), request.get("fields") or {}
+        if kind is None:
+            self.session.show_analysis(None)
+            return
+        if not isinstance(kind, str) or not isinstance(fields, dict):
+            raise FileError("an analysis has a type and a table of fields")
+        text = self.session.draft.text
+        shown = analysis_fields(TextEdits(text).data, kind, fields)
+        apply(text, [section_operation("analysis", shown)])
+        self.session.show_analysis(shown)
+
+    def write_preview(self, request: dict[str, Any]) -> None:
+        """Write the analysis that is shown into the text."""
+        preview = self.session.preview
+        if preview.fields is None:
+            raise FileError("the analysis of the text is shown; there is nothing to write")
+        text = preview.apply(self.session.draft.text)
+        preview.set(None)
+        self.session.broadcast(preview.message())
+        if self.session.draft.replace(text, "set analysis"):
             self.session.changed()
 
     def undo(self, request: dict[str, Any]) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from dalembert.errors import ModelError
+from dalembert.studio.section_edits import set_section, write_value
 from dalembert.studio.text_edits import TextEdits
 
 ELEMENTS = ("bodies", "beams", "joints", "drivers", "forces", "blocks")
@@ -25,7 +26,9 @@ def apply(text: str, operations: Any) -> str:
         ``base``, to which a number is appended; ``as`` is a placeholder such as ``$bar`` for the
         name in later operations. ``set`` has ``keys`` and ``value``, ``remove`` and ``rename``
         have ``section`` and ``name``; the new name is ``to``. ``parameter`` has ``name`` and
-        ``value``, ``extract`` has ``keys``, or the character ``at`` in the text.
+        ``value``, ``extract`` has ``keys``, or the character ``at`` in the text. ``section`` has
+        ``section`` and ``fields``: the new values of its keys, null for a removed one.
+        ``write`` replaces the value at ``keys`` also where it is a formula.
 
     Raises
     ------
@@ -103,6 +106,13 @@ def _extract(edits: TextEdits, operation: dict[str, Any], names: dict[str, str])
     edits.extract(keys, re.sub(r"\W", "_", "_".join(parts)) or "parameter")
 
 
+def _section(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    fields = operation.get("fields")
+    if not isinstance(fields, dict):
+        raise ModelError("the operation section needs the table 'fields'")
+    set_section(edits, _text(operation, "section"), fields)
+
+
 OPERATIONS: dict[str, Callable[[TextEdits, dict[str, Any], dict[str, str]], None]] = {
     "add": _add,
     "set": _set,
@@ -110,6 +120,10 @@ OPERATIONS: dict[str, Callable[[TextEdits, dict[str, Any], dict[str, str]], None
     "rename": _rename,
     "parameter": _parameter,
     "extract": _extract,
+    "section": _section,
+    "write": lambda edits, operation, _: write_value(
+        edits, operation.get("keys"), operation.get("value")
+    ),
 }
 
 

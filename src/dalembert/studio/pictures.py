@@ -16,6 +16,7 @@ from dalembert.io.report import live_responses, report_choices
 from dalembert.io.toml_places import line_and_column, parse_keys, toml_places
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.report.page import render_page
+from dalembert.results.files.assembly_report import assembly_payload, position_payload
 from dalembert.results.result import Result
 from dalembert.studio.drawn_numbers import Keys, with_drawn_parameters
 from dalembert.studio.fixes import Fix, fixes_of
@@ -82,8 +83,6 @@ def picture_of(text: str, path: Path, live: bool) -> Picture:
     try:
         return _picture_of(text, path, live)
     except AssemblyError as error:
-        from dalembert.results.files.assembly_report import assembly_payload
-
         page = "" if error.position is None else _render(assembly_payload(error))
         return Picture(page, tuple(problems_of(error, text, path)))
     except DalembertError as error:
@@ -112,7 +111,13 @@ def _page_of(
     file = check_model_data(data, path)
     model = file.model()
     summary, facts, notes = _diagnosis(model)
-    result = result_of(file, model)
+    try:
+        result = result_of(file, model)
+    except DalembertError as error:
+        if live or isinstance(model, StructuralModel):
+            raise
+        still = _render(position_payload(model))
+        return Picture(still, (*notes, *problems_of(error, text, path)), summary, facts)
     wrong_choices: list[Problem] = []
     choices: dict[str, Any] = {}
     try:

@@ -18,7 +18,9 @@ from dalembert.studio.export_process import Exports
 from dalembert.studio.journal import Journal, Recovered, saving
 from dalembert.studio.listed_files import listed_files
 from dalembert.studio.pictures import Picture
+from dalembert.studio.preview import Preview
 from dalembert.studio.recent_files import remember
+from dalembert.studio.tasks import Tasks
 
 Send = Callable[[dict[str, Any]], Awaitable[None]]
 
@@ -64,6 +66,8 @@ class Session:
         self._tasks: set[asyncio.Task[None]] = set()
         self._builders: dict[str, BuildingProcess] = {}
         self._loop: asyncio.AbstractEventLoop | None = None
+        self.tasks = Tasks(self._task_changed)
+        self.preview = Preview()
 
     def start(self) -> None:
         """Start the building processes; call inside the event loop."""
@@ -96,7 +100,9 @@ class Session:
         if path is not None and draft.path is not None:
             remember(draft.path, self._journals)
         self.recovered = self._recover() if path is not None else None
-        self.broadcast(self.state())
+        self.preview.set(None)
+        for message in (self.state(), self.preview.message()):
+            self.broadcast(message)
         if self.recovered is not None:
             self.broadcast({"kind": "notice", "text": RESTORED})
         self.build()
@@ -134,6 +140,7 @@ class Session:
         for builder in self._builders.values():
             builder.close()
         self.exports.close()
+        self.tasks.close()
         self.journal.close()
 
     def _recover(self) -> Recovered | None:
@@ -154,13 +161,46 @@ class Session:
 
         return receive
 
+    @property
+    def place(self) -> Path:
+        """Path of the model file, for relative paths in it."""
+        return self.draft.path or Path.cwd() / self.draft.name
+
     def build(self) -> None:
-        """Make pictures of the present text."""
+        """Make pictures of the present text, with the analysis of the preview."""
         self.number += 1
         self._revision = self.draft.revision
-        path = self.draft.path or Path.cwd() / self.draft.name
+        text = self.preview.apply(self.draft.text)
         for builder in self._builders.values():
-            builder.request(Request(self.number, self.draft.text, path))
+            builder.request(Request(self.number, text, self.place))
+
+    def show_analysis(self, fields: dict[str, Any] | None) -> None:
+        """Show another analysis than that of the text; None shows that of the text."""
+        if self.preview.set(fields):
+            self.broadcast(self.preview.message())
+            self.build()
+
+    def start_task(self, section: Any) -> None:
+        """Run a design task of the present text in a process of its own.
+
+        Raises
+        ------
+        ModelError
+            Unknown section, or another task runs.
+        """
+        draft = self.draft
+        state = self.tasks.start(section, draft.text, self.place, draft.revision)
+        self.broadcast(state.message())
+
+    def _task_changed(self, number: int) -> None:
+        def show() -> None:
+            state = self.tasks.state(number)
+            if state is not None:
+                self.broadcast(state.message())
+
+        assert self._loop is not None
+        with suppress(RuntimeError):  # the loop is closed
+            self._loop.call_soon_threadsafe(show)
 
     def _show(self, kind: str, number: int, picture: Picture) -> None:
         """Send a picture to the pages, the still one before the live one."""
@@ -172,7 +212,8 @@ class Session:
         message: dict[str, Any] = {"kind": "picture", "number": number, "live": kind == "live"}
         message["revision"] = self._revision
         if kind == "still":
-            message["problems"] = [asdict(problem) for problem in picture.problems]
+            problems = self.preview.in_text(picture.problems, self.draft.text)
+            message["problems"] = [asdict(problem) for problem in problems]
             message |= {"summary": picture.summary, "facts": picture.facts}
         message["page"] = ""
         if picture.page:
@@ -226,6 +267,8 @@ class Session:
             message = self.latest.get(kind)
             if message is not None and message["number"] == self.number:
                 await send(message)
+        for message in (*self.tasks.messages(), self.preview.message()):
+            await send(message)
 
     def detach(self, send: Send) -> None:
         """Stop showing the draft on a page."""

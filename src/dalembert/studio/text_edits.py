@@ -225,6 +225,15 @@ class TextEdits:
                 raise ModelError(message, key_path(*path))
         self._replace(place, value)
 
+    def append(self, lines: str) -> None:
+        """Add lines at the end of the text."""
+        before = self.text.rstrip("\n")
+        self._set(f"{before}\n\n{lines}" if before else lines)
+
+    def replace(self, keys: Keys, value: Any) -> None:
+        """Replace a value as it is written, formulas included."""
+        self._replace(self.places[keys], value)
+
     def _replace(self, place: Place, value: Any) -> None:
         self._set(self.text[: place.value] + as_toml(value) + self.text[place.end :])
 

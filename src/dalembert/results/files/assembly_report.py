@@ -12,6 +12,7 @@ import numpy as np
 from dalembert.errors import AssemblyError
 from dalembert.model.graph.absolute import at_ground
 from dalembert.model.graph.assembly.failure import OpenPosition
+from dalembert.model.graph.model import Model
 from dalembert.report.page import write_page
 from dalembert.results.files.contents import Contents
 from dalembert.results.files.tables import diagnosis, parameter_rows
@@ -81,6 +82,31 @@ def assembly_payload(error: AssemblyError) -> dict[str, Any]:
         "diagnosis": diagnosis("cannot be assembled", items, [("error", str(error))]),
         "statistics": [],
         "parameters": parameter_rows(parameters, position.parameters),
+    }
+
+
+def position_payload(model: Model) -> dict[str, Any]:
+    """Payload of a page with a mechanism at its initial position, for one whose analysis fails.
+
+    Parameters
+    ----------
+    model : assembled mechanism
+    """
+    p = model.values(None)
+    y = model.assemble(p, 0.0).y
+    position = OpenPosition(model.parts, p, 0.0, y, y, "", None, "", "", ())
+    recording: Any = _PositionRecording(position)
+    return {
+        "format": 1,
+        "kind": "spatial" if is_spatial(model.parts) else "mechanism",
+        "title": model.name,
+        "subtitle": "initial position",
+        "time": [0.0],
+        "scene": motion_scene(recording, BEST, loads=False),
+        "series": [],
+        "events": [],
+        "statistics": [],
+        "parameters": parameter_rows(model.parts.parameters, p),
     }
 
 

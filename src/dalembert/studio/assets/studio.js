@@ -8,6 +8,7 @@ import { Completion } from "./completion.js";
 import { Crosshair } from "./crosshair.js";
 import { Exports, chooseFile } from "./dialogs.js";
 import { Drawing } from "./drawing.js";
+import { addInsight } from "./insight.js";
 import { button, byId, el } from "./dom.js";
 import { Editor } from "./editor.js";
 import { Guide } from "./guide.js";
@@ -15,7 +16,10 @@ import { Link } from "./link.js";
 import { Pictures } from "./pictures.js";
 import { Sheets } from "./sheets.js";
 import { showShortcuts } from "./shortcuts.js";
+import { TARGET_TOOLS } from "./targets.js";
 import { TOOLS } from "./tools.js";
+
+TOOLS.push(...TARGET_TOOLS);
 
 /** Time for which a notice is shown [ms]. */
 const SHOWN = 6000;
@@ -80,6 +84,9 @@ class Studio {
     this.sheets = new Sheets(byId("sheets"), byId("writing"), [{ name: "text", title: "Text", node: byId("text") }]);
     /** Requests of other parts by the kind of their answer. @type {Record<string, (message: any) => void>} */
     this.handlers = { export: (message) => this.exports.receive(message) };
+    /** Listeners to the contents of the file. @type {((document: Document | null) => void)[]} */
+    this.onDocument = [];
+    this.insight = addInsight(this);
     this.link = new Link((message) => this.receive(message), (connected) => this.connected(connected));
     this.bind();
   }
@@ -138,6 +145,7 @@ class Studio {
           this.described = message;
           this.working();
         }
+        this.insight.describe(message);
         if (message.problems) this.showProblems(message.problems);
         if (message.summary !== undefined) this.showSummary(message);
         return this.pictures.receive(message);
@@ -177,6 +185,7 @@ class Studio {
     }
     save.disabled = !changed && Boolean(file.path);
     document.documentElement.dataset.revision = String(file.revision);
+    for (const listener of this.onDocument) listener(file.document);
     this.guide?.check();
     this.working();
   }
@@ -314,5 +323,7 @@ class Studio {
 
   turnTheme() { this.setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"); }
 }
+
+/** @typedef {Studio} StudioPage */
 
 Object.assign(window, { studio: new Studio() });

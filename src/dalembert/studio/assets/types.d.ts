@@ -16,6 +16,12 @@ export interface Example { example: string; name: string; description: string }
 export interface FilesMessage { kind: "files"; folder: string; files: string[]; recent: string[]; examples: Example[] }
 /** Progress, or the end of an export; `share` is the part that is done. */
 export interface ExportMessage { kind: "export"; number: number; state: "progress" | "done" | "failed" | "stopped"; share?: number; address?: string; name?: string; text?: string; omissions?: string[] }
+/** Keys of `[analysis]` that are shown without being written. */
+export interface PreviewMessage { kind: "preview"; fields: Record<string, unknown> | null }
+/** A candidate of a synthesis; `lines` are places over the instants. */
+export interface Card { error: number; distance: number; dimensions: Record<string, number>; marks: string[]; target: number[][]; curve: number[][]; lines: number[][][][]; operations?: Record<string, unknown>[]; parameters?: Record<string, number> }
+/** State of a design task; `page` is the address of its result, empty if there is none. */
+export interface TaskMessage { kind: "task"; number: number; section: string; revision: number; status: "running" | "done" | "stopped" | "failed"; fraction: number | null; history: [number, number][]; text: string; ok: boolean; page: string; designs: Record<string, number>[]; cards: Card[] }
 export type Message = FilesMessage | ExportMessage | TextMessage | PictureMessage | NoticeMessage | ConflictMessage;
 export type Attributes = Record<string, string | boolean | number | ((event: Event) => void) | null | undefined>;
 export type Child = Node | string | null | undefined | false;

@@ -1,0 +1,51 @@
+// Insight and design tasks of the studio: their sheets, and what they draw on the picture.
+
+/** @import { StudioPage } from "./studio.js" */
+/** @import { PictureMessage, TaskMessage } from "./types.d.ts" */
+
+import { AnalysisSheet } from "./analysis.js";
+import { DesignSheet } from "./design.js";
+import { OverlayBar } from "./overlay_bar.js";
+import { SynthesisSheet } from "./synthesis.js";
+import { drawTargets } from "./targets.js";
+import { ResultPanel } from "./tasks.js";
+
+/** Add the sheets to the studio. @param {StudioPage} studio */
+export function addInsight(studio) {
+  const overlays = new OverlayBar(studio.pictures);
+  let marked = -1;
+  const result = new ResultPanel((task, values) => studio.edit(`adopt ${task.section}`, Object.entries(values).map(([name, value]) => ({ op: "parameter", name, value }))));
+  const shared = {
+    request: (/** @type {string} */ kind, more = {}) => void studio.request(kind, more),
+    edit: (/** @type {string} */ label, /** @type {Record<string, unknown>[]} */ operations) => void studio.edit(label, operations),
+    draw: (/** @type {string} */ tool) => studio.drawing.choose(tool),
+    start: (/** @type {string} */ section) => void studio.request("start", { section }),
+    stop: () => void studio.request("cancel"),
+    open: (/** @type {TaskMessage} */ task) => result.open(task),
+    revision: () => studio.file.revision,
+    measures: () => (studio.pictures.page?.motion.series ?? []).map((/** @type {{ name: string }} */ { name }) => name),
+    reveal: (/** @type {string} */ section) => {
+      const at = studio.editor.text.search(new RegExp(`^\\s*\\[+${section}\\b`, "m"));
+      studio.sheets.show("text");
+      if (at >= 0) studio.editor.select(studio.editor.text.indexOf("[", at), studio.editor.text.indexOf("]", at) + 1);
+    },
+    mark: (/** @type {number} */ entry) => { marked = entry; studio.pictures.page?.scene.invalidate(); },
+  };
+  const analysis = new AnalysisSheet(shared, [overlays.node]), design = new DesignSheet(shared), synthesis = new SynthesisSheet(shared);
+  studio.sheets.add({ name: "analysis", title: "Analysis", node: analysis.node });
+  studio.sheets.add({ name: "design", title: "Design", node: design.node, onShow: () => design.render() });
+  studio.sheets.add({ name: "synthesis", title: "Synthesis", node: synthesis.node });
+  studio.onDocument.push((document) => { analysis.show(document); design.show(document); synthesis.show(document); });
+  studio.handlers.preview = (message) => analysis.receive(message);
+  studio.handlers.task = (/** @type {TaskMessage} */ task) => {
+    design.receive(task);
+    if (task.section === "synthesis") synthesis.receive(task);
+  };
+  studio.pictures.onShow.push((page) => {
+    page.scene.overlays.push((/** @type {{ ctx: CanvasRenderingContext2D }} */ { ctx }) => {
+      const colour = getComputedStyle(document.documentElement).getPropertyValue("--error").trim();
+      if (page.scene.view && "s" in page.scene.view) drawTargets(ctx, page, studio.known, colour, marked);
+    });
+  });
+  return { analysis, design, synthesis, overlays, result, describe: (/** @type {PictureMessage} */ message) => analysis.describe(message) };
+}

@@ -1,0 +1,114 @@
+"""Analysis that is shown without being written into the text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+from dalembert.errors import DalembertError, ModelError
+from dalembert.io.fields import keyed_fields
+from dalembert.io.strategies import ANALYSES, STRUCTURAL_ANALYSES
+from dalembert.io.toml_places import line_and_column
+from dalembert.studio.drawing_edits import apply
+from dalembert.studio.pictures import DURATION, OUTPUTS, Problem
+from dalembert.text.wording import unknown
+
+TIMES = ("duration", "t_span", "outputs")
+"""Keys that analyses of other types share."""
+
+
+def section_operation(section: str, fields: Any) -> dict[str, Any]:
+    """Operation that changes keys of a section."""
+    return {"op": "section", "section": section, "fields": fields}
+
+
+def analysis_fields(data: Mapping[str, Any], kind: str, fields: Mapping[str, Any]) -> Any:
+    """Keys of ``[analysis]`` for another type: those of the text that it has too, and new ones.
+
+    Parameters
+    ----------
+    data : sections of the file
+    kind : type of the analysis
+    fields : key → value of new ones, None for a removed one
+
+    Returns
+    -------
+    key → value for ``section_operation``, None for keys that the type does not have
+
+    Raises
+    ------
+    ModelError
+        Unknown type, or a key that it does not have.
+    """
+    classes = STRUCTURAL_ANALYSES if data.get("kind") == "structure" else ANALYSES
+    if kind not in classes:
+        raise ModelError(unknown("type", kind, classes), "analysis")
+    keys = {field.name for field in keyed_fields(classes[kind], frozenset())}
+    for key in fields:
+        if key not in keys:
+            raise ModelError(unknown("key", str(key), keys), "analysis")
+    old = data.get("analysis")
+    table: Mapping[str, Any] = old if isinstance(old, dict) else {}
+    if kind != table.get("type"):
+        table = {key: value for key, value in table.items() if key in TIMES or key == "type"}
+    former = old if isinstance(old, dict) else {}
+    removed = {key: None for key in former if key != "type" and not (key in keys and key in table)}
+    shown = {"type": kind} | removed | dict(fields)
+    times = table | {key: value for key, value in shown.items() if value is not None}
+    if "duration" in keys and not {"duration", "t_span"} & times.keys():
+        shown |= {"duration": DURATION, "outputs": OUTPUTS}
+    return shown
+
+
+class Preview:
+    """Keys of ``[analysis]`` that replace those of the text in the picture."""
+
+    def __init__(self) -> None:
+        self.fields: dict[str, Any] | None = None
+        self._text = ""
+
+    def set(self, fields: dict[str, Any] | None) -> bool:
+        """Show other keys; None for those of the text. Returns whether they differ."""
+        changed = fields != self.fields
+        self.fields = fields
+        return changed
+
+    def apply(self, text: str) -> str:
+        """The text with the analysis that is shown; an invalid text stays as it is."""
+        self._text = text
+        if self.fields is not None:
+            try:
+                self._text = apply(text, [section_operation("analysis", self.fields)])
+            except DalembertError:  # such as a text that is not valid meanwhile
+                pass
+        return self._text
+
+    def in_text(self, problems: Iterable[Problem], text: str) -> Iterator[Problem]:
+        """Problems of the picture at their places in the text without the preview.
+
+        Parameters
+        ----------
+        problems : of the text with the analysis that is shown
+        text : without it
+        """
+        shown = self._text
+        limit = min(len(shown), len(text))
+        head = next((k for k in range(limit) if shown[k] != text[k]), limit)
+        tail = 0
+        while tail < limit - head and shown[-1 - tail] == text[-1 - tail]:
+            tail += 1
+        for problem in problems:
+            start, end = problem.start, problem.end
+            if shown == text or start is None or end is None or end <= head:
+                yield problem
+            elif start >= len(shown) - tail:
+                by = len(text) - len(shown)
+                line = line_and_column(text, start + by)[0]
+                yield replace(problem, start=start + by, end=end + by, line=line)
+            else:
+                yield replace(problem, start=None, end=None, line=0)
+
+    def message(self) -> dict[str, Any]:
+        """The keys as a message."""
+        return {"kind": "preview", "fields": self.fields}

@@ -1,0 +1,91 @@
+"""Keys of a section of a model file, such as ``[analysis]``: written, replaced and removed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from dalembert.errors import ModelError
+from dalembert.io.messages import key_path
+from dalembert.studio.toml_values import NAME, as_toml
+
+if TYPE_CHECKING:
+    from dalembert.studio.text_edits import TextEdits
+
+SECTIONS = (
+    *("analysis", "report", "responses", "optimize", "pareto", "tolerance", "reliability"),
+    *("identify", "sweep", "synthesis"),
+)
+"""Sections that a form may change."""
+
+
+def set_section(edits: TextEdits, section: str, fields: Mapping[str, Any]) -> None:
+    """Give keys of a section new values; the section is added at the end if there is none.
+
+    Parameters
+    ----------
+    edits : of the text
+    section : such as ``analysis``
+    fields : key → value; None removes the key with its tables
+
+    Raises
+    ------
+    ModelError
+        A section without a form, or an invalid key or value.
+    """
+    if section not in SECTIONS:
+        raise ModelError(f"the section {section[:40]!r} is not changed by forms; edit the text")
+    for key in fields:
+        if not NAME.fullmatch(str(key)):
+            raise ModelError(f"{str(key)[:60]!r} is no key", section)
+    old = edits.data.get(section)
+    values = {key: value for key, value in fields.items() if value is not None}
+    if old is None:
+        rows = "".join(f"{key} = {as_toml(value)}\n" for key, value in values.items())
+        edits.append(f"[{section}]\n{rows}")
+        return
+    if not isinstance(old, dict):
+        raise ModelError("is no table", section)
+    if _is_inline(edits, section):
+        kept = {key: value for key, value in old.items() if key not in fields}
+        edits.replace((section,), kept | values)
+        return
+    for key, value in fields.items():
+        if value is not None and old.get(key) == value:
+            continue
+        keys = (section, key)
+        place = edits.places.get(keys)
+        if value is not None and place is not None and place.value > place.start:
+            edits.replace(keys, value)
+            continue
+        if key in old:
+            edits.remove(section, key)
+        if value is not None:
+            _add(edits, section, key, value)
+
+
+def _is_inline(edits: TextEdits, section: str) -> bool:
+    place = edits.places.get((section,))
+    return place is not None and place.value > place.start
+
+
+def _add(edits: TextEdits, section: str, key: str, value: Any) -> None:
+    if (section,) not in edits.places:  # only tables below the section, or dotted keys
+        where = key_path(section, key)
+        raise ModelError("add the header of its section to the text first", where)
+    edits.set_value((section, key), value)
+
+
+def write_value(edits: TextEdits, keys: Any, value: Any) -> None:
+    """Replace a value as it is written, such as the law of a driver, which may be a formula.
+
+    Raises
+    ------
+    ModelError
+        There is no such value.
+    """
+    path = tuple(keys) if isinstance(keys, list) else ()
+    place = edits.places.get(path)
+    if place is None or place.value == place.start:
+        raise ModelError("there is no such value", key_path(*path) if path else "")
+    edits.replace(path, value)

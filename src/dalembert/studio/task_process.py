@@ -1,0 +1,148 @@
+"""A design task that runs beside the server: started, stopped, and reported to all pages."""
+
+from __future__ import annotations
+
+import multiprocessing
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from dalembert.studio.task_work import STOP, Iteration, Outcome, TaskRequest, work
+
+PATIENCE = 5.0
+"""Time in which a stopped task completes its result; it is killed afterwards [s]."""
+INTERVAL = 0.1
+"""Least time between two reports [s]."""
+MAX_HISTORY = 1000
+"""Upper limit of the reported iterations."""
+RUNNING, DONE, STOPPED, FAILED = "running", "done", "stopped", "failed"
+ENDED = "the process of the task ended unexpectedly ({}); start it again"
+
+
+@dataclass
+class TaskState:
+    """What pages show of a task.
+
+    Attributes
+    ----------
+    number : of the task
+    section : of the file
+    revision : of the text with which it was started
+    status : ``running``, ``done``, ``stopped`` or ``failed``
+    fraction : completed part; None if it reports iterations
+    history : number and objective of each iteration
+    outcome : at the end
+    """
+
+    number: int
+    section: str
+    revision: int
+    status: str = RUNNING
+    fraction: float | None = None
+    history: list[tuple[int, float]] = field(default_factory=list)
+    outcome: Outcome = field(default_factory=Outcome)
+
+    def message(self) -> dict[str, Any]:
+        """The state as a message; the page has an address of its own."""
+        outcome = self.outcome
+        return {
+            "kind": "task",
+            "number": self.number,
+            "section": self.section,
+            "revision": self.revision,
+            "status": self.status,
+            "fraction": self.fraction,
+            "history": self.history,
+            "text": outcome.sentence,
+            "ok": outcome.ok,
+            "page": f"task/{self.number}" if outcome.page else "",
+            "designs": list(outcome.designs),
+            "cards": list(outcome.cards),
+        }
+
+
+class TaskProcess:
+    """A task in a process of its own.
+
+    Parameters
+    ----------
+    request : the task
+    state : that is updated
+    report : called in a thread after a change of the state
+    """
+
+    def __init__(self, request: TaskRequest, state: TaskState, report: Callable[[], None]):
+        self.state = state
+        self._report = report
+        self._reported = 0.0
+        self._stopped = False
+        context = multiprocessing.get_context("spawn")
+        self._connection, other = context.Pipe()
+        self.process = context.Process(target=work, args=(other, request), daemon=True)
+        self.process.start()
+        other.close()
+        threading.Thread(target=self._receive, daemon=True).start()
+
+    def stop(self) -> None:
+        """End the search and keep its result so far; a second call kills the process."""
+        if self._stopped:
+            self.process.kill()
+            return
+        self._stopped = True
+        try:
+            self._connection.send(STOP)
+        except OSError:
+            return
+        timer = threading.Timer(PATIENCE, self._end_of_patience)
+        timer.daemon = True
+        timer.start()
+
+    def _end_of_patience(self) -> None:
+        if self.state.status == RUNNING:
+            self.process.kill()
+
+    def close(self) -> None:
+        """Kill the process."""
+        self._stopped = True
+        self.process.kill()
+
+    def _receive(self) -> None:
+        try:
+            while True:
+                message = self._connection.recv()
+                if isinstance(message, Outcome):
+                    break
+                self._progress(message)
+        except (EOFError, OSError):
+            self.process.join(5.0)
+            message = Outcome(sentence=self._reason())
+        self._finish(message)
+
+    def _reason(self) -> str:
+        if self._stopped:
+            return "stopped; there was no result yet"
+        code = self.process.exitcode or 0
+        return ENDED.format(f"signal {-code}" if code < 0 else f"exit code {code}")
+
+    def _progress(self, message: float | Iteration) -> None:
+        state = self.state
+        if isinstance(message, Iteration):
+            state.history.append((message.number, message.value))
+            del state.history[:-MAX_HISTORY]
+        else:
+            state.fraction = message
+        now = time.monotonic()
+        if now - self._reported > INTERVAL:
+            self._reported = now
+            self._report()
+
+    def _finish(self, outcome: Outcome) -> None:
+        self.state.outcome = outcome
+        ended = STOPPED if outcome.interrupted or self._stopped else FAILED
+        usable = bool(outcome.page) or outcome.ok
+        self.state.status = DONE if usable and not outcome.interrupted else ended
+        self._report()
+        self._connection.close()
+        self.process.join(5.0)
