@@ -238,5 +238,5 @@ def test_an_optimum_is_written_into_the_text(desk: tuple[Desk, Studio], browser:
     visit.page.click("text=Write its parameters into the text")
     visit.until("Math.abs(studio.file.document.parameters.c.value - 0.75) < 1e-4", 10)
     visit.page.keyboard.press("Control+z")
-    visit.until(f"studio.file.document.parameters.c.value < 0.74", 10)
+    visit.until("studio.file.document.parameters.c.value < 0.74", 10)
     assert visit.text == text

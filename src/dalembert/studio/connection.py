@@ -47,7 +47,7 @@ class Connection:
             "preview": self.preview,
             "write_preview": self.write_preview,
             "start": lambda request: session.start_task(request.get("section")),
-            "cancel": lambda _: session.tasks.stop(),
+            "stop task": lambda _: session.tasks.stop(),
             "files": lambda _: session.reply(self.send, session.files()),
             "export": self.export,
             "stop export": lambda _: session.exports.stop(),

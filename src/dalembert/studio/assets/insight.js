@@ -20,7 +20,7 @@ export function addInsight(studio) {
     edit: (/** @type {string} */ label, /** @type {Record<string, unknown>[]} */ operations) => void studio.edit(label, operations),
     draw: (/** @type {string} */ tool) => studio.drawing.choose(tool),
     start: (/** @type {string} */ section) => void studio.request("start", { section }),
-    stop: () => void studio.request("cancel"),
+    stop: () => void studio.request("stop task"),
     open: (/** @type {TaskMessage} */ task) => result.open(task),
     revision: () => studio.file.revision,
     measures: () => (studio.pictures.page?.motion.series ?? []).map((/** @type {{ name: string }} */ { name }) => name),
