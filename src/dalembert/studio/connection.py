@@ -14,7 +14,7 @@ from dalembert.errors import DalembertError, FileError
 from dalembert.files import read_text
 from dalembert.io.example_files import example_folder
 from dalembert.studio.drawing_edits import apply
-from dalembert.studio.session import MAX_TEXT, Session, failure
+from dalembert.studio.session import MAX_TEXT, UNTITLED_SPATIAL, Session, failure
 
 
 class Connection:
@@ -134,6 +134,8 @@ class Connection:
         if isinstance(example, str) and re.fullmatch(r"\w+", example):
             text = read_text(example_folder() / f"{example}.toml")
             self.session.open(None, text)
+        elif request.get("dimension") == 3:
+            self.session.open(None, UNTITLED_SPATIAL)
         else:
             target = Path(path).expanduser() if isinstance(path, str) and path else None
             self.session.open(target)

@@ -22,6 +22,8 @@ Send = Callable[[dict[str, Any]], Awaitable[None]]
 
 UNTITLED = 'format = 1\nname = "untitled"\ngravity = [0.0, -9.81]\n'
 """Text of a new model."""
+UNTITLED_SPATIAL = UNTITLED.replace("[0.0, -9.81]", "[0.0, 0.0, -9.81]")
+"""Text of a new spatial model."""
 RESTORED = "unsaved changes were restored; undo returns to the file"
 MAX_FILES = 500
 """Upper limit of listed files."""

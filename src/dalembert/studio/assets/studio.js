@@ -11,6 +11,7 @@ import { Editor } from "./editor.js";
 import { Link } from "./link.js";
 import { Pictures } from "./pictures.js";
 import { Sheets } from "./sheets.js";
+import { Space } from "./space.js";
 import { TOOLS } from "./tools.js";
 
 /** Time for which a notice is shown [ms]. */
@@ -64,7 +65,8 @@ class Studio {
     });
     byId("palette").append(...TOOLS.map(({ name, title, key, hint }) =>
       el("button", { type: "button", class: "button", "data-tool": name, "aria-pressed": name === "select", title: hint.join("; then "), onclick: () => this.drawing.choose(name) }, title, el("kbd", {}, key.toUpperCase()))));
-    this.sheets = new Sheets(byId("sheets"), byId("writing"), [{ name: "text", title: "Text", node: byId("text") }]);
+    this.space = new Space(this.pictures, this.drawing.actions, byId("canvas"));
+    this.sheets = new Sheets(byId("sheets"), byId("writing"), [{ name: "text", title: "Text", node: byId("text") }, { name: "model", title: "Model", node: this.space.tree.node }]);
     /** Requests of other parts by the kind of their answer. @type {Record<string, (message: any) => void>} */
     this.handlers = {};
     this.link = new Link((message) => this.receive(message), (connected) => this.connected(connected));
@@ -72,7 +74,7 @@ class Studio {
   }
 
   bind() {
-    document.addEventListener("keydown", (event) => this.drawing.key(event));
+    for (const drawn of [this.space, this.drawing]) document.addEventListener("keydown", (event) => drawn.key(event));
     document.addEventListener("keydown", (event) => {
       if (!(event.ctrlKey || event.metaKey) || event.defaultPrevented) return;
       const act = { s: () => (event.shiftKey ? this.saveAs() : this.save()), z: () => (event.shiftKey ? this.redo() : this.undo()), y: () => this.redo() }[event.key.toLowerCase()];
@@ -108,7 +110,9 @@ class Studio {
         return this.pictures.receive(message);
       case "files": return void this.open(message);
       case "notice": return this.say(message.text);
-      case "failure": return this.say(message.text, true);
+      case "failure":
+        this.space.revert();
+        return this.say(message.text, true);
       case "conflict": return void this.resolve(message.text, message.path);
       default: this.handlers[/** @type {{ kind: string }} */ (message).kind]?.(message);
     }
@@ -124,6 +128,7 @@ class Studio {
     }
     this.file = file;
     this.drawing.document = file.document;
+    this.space.show(file.document ?? this.known);
     this.known = file.document ?? this.known;
     if (this.unsent !== null) {
       const { unsent } = this;
@@ -183,9 +188,10 @@ class Studio {
   /** @param {FilesMessage} listed */
   async open({ folder, files, examples }) {
     const choices = [...files.map((path) => ({ text: path.slice(folder.length + 1), value: path })), ...examples.map((name) => ({ text: `example: ${name}`, value: `example: ${name}` }))];
-    const reply = await ask("Open", `A file of ${folder}, a path, or an example. Unsaved changes of this model are kept.`, { open: "Open", fresh: "New model" }, { name: "File", value: "", choices });
+    const reply = await ask("Open", `A file of ${folder}, a path, or an example. Unsaved changes of this model are kept.`, { open: "Open", fresh: "New model", spatial: "New spatial model" }, { name: "File", value: "", choices });
     const value = reply?.value.trim() ?? "", example = /^example: (\w+)$/.exec(value)?.[1];
     if (reply?.answer === "fresh") this.request("open");
+    else if (reply?.answer === "spatial") this.request("open", { dimension: 3 });
     else if (example) this.request("open", { example });
     else if (value) this.request("open", { path: value.includes("/") || value.includes("\\") ? value : `${folder}/${value}` });
   }

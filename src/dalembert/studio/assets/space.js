@@ -1,0 +1,392 @@
+// Spatial models in the studio: selection, gizmo, drawing tools.
+
+/** @import { Page, Pictures } from "./pictures.js" */
+/** @import { Change } from "./operations.js" */
+/** @import { Pose } from "./space_poses.js" */
+/** @import { Pixel, SpacePlace } from "./space_places.js" */
+/** @import { Choice } from "./space_targets.js" */
+/** @import { Setting } from "./space_tools.js" */
+/** @import { Grip, Handle } from "./space_gizmo.js" */
+/** @import { Document } from "./types.d.ts" */
+
+import { ModelTree } from "./model_tree.js";
+import { sectionOf } from "./operations.js";
+import { AXES } from "./space_math.js";
+import { drawGizmo, grip, gripText, handleAt, handles, pulled, withTyped } from "./space_gizmo.js";
+import { SpacePalette } from "./space_palette.js";
+import { namedPoints, settleAtStart, spaceSnap, stepAt } from "./space_places.js";
+import { Poses } from "./space_poses.js";
+import { Sketch } from "./space_sketch.js";
+import { axesOf, moved, poseOf, rotates } from "./space_targets.js";
+import { SPACE_TOOLS } from "./space_tools.js";
+
+/** Movement of the pointer up to which a press is a click [px]. */
+const STILL = 4;
+/** Length of the axes of frames [px]. */
+const TRIAD = 30;
+
+export class Space {
+  /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void }} actions @param {HTMLElement} stage */
+  constructor(pictures, actions, stage) {
+    /** The shown picture, if it is spatial. @type {Page | null} */
+    this.boundPage = null;
+    this.pictures = pictures;
+    this.actions = actions;
+    this.tool = SPACE_TOOLS[0];
+    /** @type {Document | null} */
+    this.document = null;
+    /** Poses of the shown picture. @type {Poses | null} */
+    this.poses = null;
+    /** Places clicked so far, and that under the pointer. @type {SpacePlace[]} */
+    this.places = [];
+    /** @type {SpacePlace | null} */
+    this.now = null;
+    /** @type {Choice | null} */
+    this.selected = null;
+    /** Names of hidden bodies. @type {Set<string>} */
+    this.hidden = new Set();
+    /** Whether the gizmo has the axes of the element. */
+    this.local = false;
+    /** Handle under the pointer, and the one that is held. @type {Handle | null} */
+    this.hover = null;
+    /** @type {Grip | null} */
+    this.held = null;
+    /** Pixel of the last press. @type {Pixel | null} */
+    this.pressed = null;
+    /** Characters typed as coordinates of the next place. */
+    this.typed = "";
+    this.tree = new ModelTree({
+      select: (choice) => this.select(choice), edit: (label, operations) => actions.change({ label, operations }),
+      hide: (name) => this.hide([...this.hidden].includes(name) ? [...this.hidden].filter((other) => other !== name) : [...this.hidden, name]),
+      isolate: (name) => this.hide(Object.keys(this.document?.bodies ?? {}).filter((other) => other !== name)), showAll: () => this.hide([]),
+    });
+    this.palette = new SpacePalette(stage, { choose: (name) => this.choose(name), change: () => this.refresh(), through: () => this.pose?.p ?? null });
+    pictures.onShow.push((page) => this.bind(page));
+  }
+
+  /** @returns {Page | null} */
+  get page() { return this.pictures.page; }
+
+  /** Whether the picture is a spatial mechanism that can be drawn on. */
+  get possible() { return Boolean(this.poses && this.poses.page === this.boundPage && !this.boundPage?.motion.mesh && !this.boundPage?.motion.swings); }
+
+  /** Whether the picture shows the position at the start, to which the file refers. */
+  get resting() { return Boolean(this.boundPage && !this.boundPage.player.playing && this.boundPage.player.time === this.boundPage.motion.start); }
+
+  /** Pose of the selected element. @returns {Pose | null} */
+  get pose() { return this.poses && this.document && this.selected ? poseOf(this.poses, this.document, this.selected) : null; }
+
+  /** Handles of the gizmo. */
+  get handles() {
+    const pose = this.pose, { document, selected } = this;
+    return pose && document && selected ? handles(pose, rotates(document, selected), this.local ? axesOf(pose) : Object.values(AXES)) : [];
+  }
+
+  /** @returns {Setting} */
+  get setting() {
+    const { plane, axis, kind } = this.palette, face = this.places[0]?.normal ?? this.now?.normal;
+    return { poses: /** @type {Poses} */ (this.poses), document: this.document ?? {}, normal: plane.normal, axis: axis ?? face ?? plane.normal, kind };
+  }
+
+  /** The contents of the last text. @param {Document | null} document */
+  show(document) {
+    this.document = document;
+    const { selected } = this;
+    if (document && selected && selected.section !== "ground" && !document[selected.section]?.[selected.name]) this.selected = null;
+    this.refresh();
+  }
+
+  /** @param {Page} page */
+  bind(page) {
+    const isSpatial = page.motion.dimension === 3 && !page.motion.mesh && !page.motion.swings;
+    this.palette.node.hidden = !isSpatial;
+    document.documentElement.dataset.space = String(isSpatial);
+    this.boundPage = isSpatial ? page : null;
+    this.poses = isSpatial ? new Poses(page, this.hidden) : null;
+    [this.held, this.hover] = [null, null];
+    if (!isSpatial) return this.refresh();
+    settleAtStart(page);
+    const { canvas } = page.scene, view = /** @type {Window} */ (this.pictures.frame?.contentWindow);
+    const on = (/** @type {string} */ kind, /** @type {(event: PointerEvent, at: Pixel) => boolean} */ act) => view.addEventListener(kind, (event) => {
+      if ((event.target !== canvas && !this.held) || this.boundPage !== page) return;
+      const { clientX, clientY } = /** @type {PointerEvent} */ (event), { left, top } = canvas.getBoundingClientRect();
+      if (act(/** @type {PointerEvent} */ (event), [clientX - left, clientY - top])) event.stopImmediatePropagation();
+    }, true);
+    on("pointerdown", (event, at) => this.down(event, at));
+    on("pointermove", (event, at) => this.over(event, at));
+    on("pointerup", (event, at) => this.up(event, at));
+    on("dblclick", () => this.tool.name !== "select");
+    view.addEventListener("keydown", (event) => this.key(event), true);
+    page.scene.overlays.push((/** @type {{ ctx: CanvasRenderingContext2D }} */ { ctx }) => this.draw(ctx));
+    if (this.tool.name !== "select" || this.selected) this.rest();
+    this.refresh();
+  }
+
+  rest() {
+    this.boundPage?.player.pause();
+    this.boundPage?.player.seek(this.boundPage.motion.start);
+  }
+
+  /** @param {string} name */
+  choose(name) {
+    this.tool = SPACE_TOOLS.find((tool) => tool.name === name) ?? SPACE_TOOLS[0];
+    [this.places, this.now, this.typed] = [[], null, ""];
+    if (this.tool.name !== "select") {
+      this.selected = null;
+      this.rest();
+    }
+    this.palette.show(this.tool.name);
+    this.refresh();
+  }
+
+  /** @param {Choice | null} choice */
+  select(choice) {
+    this.selected = choice;
+    if (choice) {
+      if (this.tool.name !== "select") this.choose("select");
+      this.selected = choice;
+      this.rest();
+      this.actions.select(choice.section === "ground" ? "ground" : choice.section, choice.name);
+    }
+    this.refresh();
+  }
+
+  /** @param {string[]} names of the bodies to hide, and no others */
+  hide(names) {
+    this.hidden.clear();
+    for (const name of names) this.hidden.add(name);
+    this.refresh();
+  }
+
+  // Pointer --------------------------------------------------------------------------------------
+
+  /** @param {PointerEvent} event @param {Pixel} at */
+  down(event, at) {
+    this.pressed = event.button === 0 ? at : null;
+    const page = this.boundPage, { pose } = this, handle = page && pose && this.resting && event.button === 0 ? handleAt(page, pose, this.handles, at) : null;
+    if (!page || !pose || !handle) return false;
+    this.held = grip(page, pose, handle, at);
+    this.pictures.held = true;
+    page.scene.canvas.setPointerCapture?.(event.pointerId);
+    this.refresh();
+    return true;
+  }
+
+  /** @param {PointerEvent} event @param {Pixel} at */
+  over(event, at) {
+    const page = this.boundPage;
+    if (!page) return false;
+    if (this.held) {
+      this.held = pulled(page, this.held, at, event.altKey);
+      this.preview();
+      return true;
+    }
+    if (this.tool.name === "select") {
+      const { pose, hover } = this;
+      this.hover = pose && this.resting && !event.buttons ? handleAt(page, pose, this.handles, at) : null;
+      if (hover !== this.hover) this.refresh();
+      return this.hover !== null;
+    }
+    if (!event.buttons) this.now = this.placeAt(event, at) ?? this.now;
+    this.refresh();
+    return false;
+  }
+
+  /** @param {PointerEvent} event @param {Pixel} at */
+  up(event, at) {
+    const { held, pressed } = this, still = pressed && Math.hypot(at[0] - pressed[0], at[1] - pressed[1]) < STILL;
+    this.pressed = null;
+    if (held) this.release(held);
+    else if (still && this.tool.name === "select") this.select(this.elementAt(at));
+    else if (still) {
+      const place = this.placeAt(event, at);
+      if (place) this.add(place);
+    }
+    return held !== null;
+  }
+
+  /** @param {{ altKey: boolean, shiftKey: boolean }} event @param {Pixel} at */
+  placeAt(event, at) {
+    const page = /** @type {Page} */ (this.boundPage), from = this.places.at(-1)?.p ?? null, lift = this.places.length === this.tool.lift || (event.shiftKey && from !== null);
+    const first = this.places[0]?.p, { plane } = this.palette, k = "xyz".indexOf(plane.axis), through = first && !this.tool.onBody ? { ...plane, origin: plane.origin.map((v, i) => (i === k ? first[k] : v)) } : plane;
+    return spaceSnap(page, at, through, { free: event.altKey, onBody: this.tool.onBody, from, lift });
+  }
+
+  /** @param {Pixel} at @returns {Choice | null} */
+  elementAt(at) {
+    const hit = this.boundPage?.scene.painter.hit(at), { document } = this;
+    if (!hit || !document) return null;
+    if (hit.kind === "point") {
+      const { body, name } = hit.item, key = name.slice(name.lastIndexOf(".") + 1);
+      return body.fixed ? { section: "ground", name: "ground", part: "points", key } : { section: "bodies", name: body.name, part: "points", key };
+    }
+    const name = hit.item.of?.name ?? hit.item.name, section = sectionOf(document, name);
+    return section ? { section, name } : null;
+  }
+
+  // Changes --------------------------------------------------------------------------------------
+
+  /** @param {SpacePlace} place */
+  add(place) {
+    this.places.push(place);
+    this.typed = "";
+    if (this.places.length === this.tool.clicks) this.finish();
+    this.refresh();
+  }
+
+  finish() {
+    const change = this.tool.make(this.places, this.setting);
+    this.places = [];
+    if (change) this.send(change);
+    else this.actions.refuse(`${this.tool.title}: ${this.tool.hint.join("; then ")}`);
+  }
+
+  /** @param {Change} change */
+  send(change) {
+    const view = this.boundPage?.scene.view;
+    if (view) view.fitted = false;  // the view stays while one draws
+    this.actions.change(change);
+  }
+
+  /** Show the held body where it is dragged to. */
+  preview() {
+    const { held, poses, selected } = this;
+    if (held && poses && selected?.section === "bodies" && !selected.part) poses.moved.set(selected.name, held.after);
+    this.refresh();
+  }
+
+  /** Write a movement into the text. @param {Grip} held */
+  release(held) {
+    const { poses, document, selected } = this;
+    this.held = null;
+    this.pictures.held = false;
+    if (poses && document && selected) {
+      poses.moved.clear();
+      try {
+        const operations = moved(poses, document, selected, held.before, held.after);
+        if (operations.length) {
+          this.preview();
+          if (selected.section === "bodies" && !selected.part) poses.moved.set(selected.name, held.after);
+          this.send({ label: `${held.handle.kind === "turn" ? "rotate" : "move"} ${selected.key ?? selected.name}`, operations });
+        }
+      } catch (error) {
+        this.actions.refuse(/** @type {Error} */ (error).message);
+      }
+    }
+    this.refresh();
+  }
+
+  /** A change was refused: the picture shows the text again. */
+  revert() {
+    this.poses?.moved.clear();
+    this.held = null;
+    this.pictures.held = false;
+    this.refresh();
+  }
+
+  // Keys -----------------------------------------------------------------------------------------
+
+  /** @param {KeyboardEvent} event */
+  key(event) {
+    const typing = /** @type {HTMLElement} */ (event.target)?.closest?.("input, select, textarea, .cm-editor, dialog");
+    if (!this.possible || typing || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (!this.answer(event.key)) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    this.refresh();
+  }
+
+  /** Carry out a key; returns whether it has a meaning. @param {string} key */
+  answer(key) {
+    const { held, selected, tool } = this, page = /** @type {Page} */ (this.boundPage);
+    if (/^[-\d.,; ]$/.test(key) && (held ?? (tool.clicks > 0 && this.typed + key !== " "))) return this.type(key);
+    if (key === "Backspace" && (held?.typed || this.typed)) return this.type("");
+    if (key === "Enter" && held) return this.release(held), true;
+    if (key === "Enter" && this.typed) return this.place(), true;
+    if (key === "Escape") {
+      if (held) this.revert();
+      if (held || this.places.length || this.typed) [this.held, this.places, this.typed] = [null, [], ""];
+      else if (tool.name === "select") this.select(null);
+      else this.choose("select");
+    } else if ((key === "Delete" || key === "Backspace") && selected && !selected.part) this.send({ label: `delete ${selected.name}`, operations: [{ op: "remove", section: selected.section, name: selected.name }] });
+    else if (key === "h") this.palette.throughSelected();
+    else if (key === "g" && tool.name === "select") this.local = !this.local;
+    else if (page.scene.keys[key]) page.scene.keys[key]();
+    else {
+      const next = SPACE_TOOLS.find((item) => item.key === key);
+      if (!next) return false;
+      this.choose(next.name);
+    }
+    return true;
+  }
+
+  /** @param {string} character empty to delete the last one */
+  type(character) {
+    const page = /** @type {Page} */ (this.boundPage), next = (/** @type {string} */ text) => (character ? text + character : text.slice(0, -1));
+    if (this.held) {
+      const typed = next(this.held.typed), value = withTyped(this.held, typed);
+      this.held = typed === "-" ? { ...this.held, typed } : typed ? value : pulled(page, { ...this.held, typed: "" }, this.held.pixel, this.held.free);
+      this.preview();
+    } else this.typed = next(this.typed);
+    return true;
+  }
+
+  /** A place with typed coordinates; a single number is one along the normal of the plane from the last place. */
+  place() {
+    const values = this.typed.split(/[\s,;]+/).filter(Boolean).map(Number), { plane } = this.palette, last = this.places.at(-1)?.p, k = "xyz".indexOf(plane.axis);
+    const p = values.length === 3 ? values : values.length === 1 && last ? last.map((v, i) => (i === k ? v + values[0] : v)) : null;
+    this.typed = "";
+    if (p?.every(Number.isFinite)) this.add({ p, names: [], body: null, joint: null, normal: null, how: "" });
+    else this.actions.refuse("type three coordinates, such as 0.1, 0, 0.25, or one along the normal of the plane from the last place");
+  }
+
+  // Drawing --------------------------------------------------------------------------------------
+
+  refresh() {
+    this.tree.show(this.document, this.selected, this.hidden, this.possible);
+    if (!this.possible) return;
+    const { hint } = this.tool, step = Math.min(this.places.length, hint.length - 1), page = /** @type {Page} */ (this.boundPage);
+    this.actions.hint(this.typed ? `${this.tool.title}: ${this.typed}` : this.selected && this.tool.name === "select" && this.pose ? `${this.selected.key ?? this.selected.name}: drag an arrow, a plane or a ring; type a value while dragging; G turns to ${this.local ? "the axes of space" : "its own axes"}` : `${this.tool.title}: ${hint[step]}`);
+    page.scene.invalidate();
+    page.scene.canvas.style.cursor = this.held ? "grabbing" : this.hover ? "grab" : this.tool.name === "select" ? "" : "crosshair";
+  }
+
+  /** @param {CanvasRenderingContext2D} ctx */
+  draw(ctx) {
+    const page = this.boundPage, { document, poses, tool, now } = this;
+    if (!page || !poses || !document || !this.resting) return;
+    ctx.save();
+    const sketch = new Sketch(ctx, page);
+    this.triads(sketch);
+    if (tool.name !== "select") {
+      for (const { p } of namedPoints(page)) sketch.mark(p, 3.5);
+      const focus = this.places.at(-1)?.p ?? now?.p;
+      if (focus && tool.name !== "motor") sketch.grid(this.palette.plane, now?.p ?? focus, stepAt(page, focus));
+      const chain = now && this.places.length ? [...this.places, now] : this.places;
+      ctx.setLineDash([6, 4]);
+      for (const line of chain.length > 1 ? tool.sketch?.(chain, this.setting) ?? [chain.map(({ p }) => p)] : []) sketch.line(line);
+      ctx.setLineDash([]);
+      if (now) {
+        sketch.mark(now.p, now.names.length ? 8 : 4);
+        sketch.text(now.p, `${now.how} (${now.p.map((v) => Number(v.toPrecision(4))).join(", ")})`);
+      }
+    } else if (this.pose && this.selected) {
+      const pose = this.held?.after ?? this.pose;
+      if (this.held) sketch.line([this.held.before.p, pose.p]);
+      drawGizmo(ctx, page, pose, this.held ? [this.held.handle] : this.handles, this.held?.handle ?? this.hover, Boolean(this.held));
+      if (this.held) sketch.text(pose.p, gripText(this.held));
+    }
+    ctx.restore();
+  }
+
+  /** Axes of named frames. @param {Sketch} sketch */
+  triads(sketch) {
+    const { document, poses } = this;
+    if (!document || !poses || (this.tool.name === "select" && !this.selected)) return;
+    const owners = /** @type {[string, string, any][]} */ ([["ground", "ground", document.ground], ...Object.entries(document.bodies ?? {}).map(([name, entry]) => ["bodies", name, entry])]);
+    for (const [section, name, entry] of owners) for (const key of Object.keys(entry?.frames ?? {})) {
+      const pose = this.hidden.has(name) ? null : poseOf(poses, document, { section, name, part: "frames", key });
+      if (pose) sketch.triad(pose, TRIAD);
+    }
+  }
+}
