@@ -188,6 +188,7 @@ export class SpatialView {
     this.camera.position.copy(other.camera.position);
     this.controls.target.copy(other.controls.target);
     this.controls.update();
+    this.aim(this.canvas.clientWidth, this.canvas.clientHeight);
     this.fitted = false;
     this.onChange();
   }

@@ -258,7 +258,7 @@ export class Space {
   /** Write a movement into the text. @param {Grip} held */
   release(held) {
     const { poses, document, selected } = this;
-    this.held = null;
+    [this.held, this.pressed] = [null, null];
     this.pictures.held = false;
     if (poses && document && selected) {
       poses.moved.clear();
@@ -355,6 +355,7 @@ export class Space {
   draw(ctx) {
     const page = this.boundPage, { document, poses, tool, now } = this;
     if (!page || !poses || !document || !this.resting) return;
+    if (tool.name !== "select" || this.held || this.hover) page.scene.pointer = null;  // no tip over what is drawn
     ctx.save();
     const sketch = new Sketch(ctx, page);
     this.triads(sketch);

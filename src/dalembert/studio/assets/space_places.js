@@ -85,9 +85,11 @@ export function settleAtStart({ motion, scene }) {
   view.radius = 0;
   view.enclose(cloud, motion.gravity);
   scene.restyle();
+  view.enclose = () => {};  // a live page that computes again leaves it so
   if (fitted) return scene.fit();
   camera.position.copy(from);
   view.controls.target.copy(target);
   view.controls.update();
+  view.aim(scene.canvas.clientWidth, scene.canvas.clientHeight);
   view.fitted = false;
 }

@@ -19,12 +19,13 @@ const STIFFNESS = 200, FORCE = 10, MOMENT = 1, PITCH = 0.01, STROKE = 0.05, TURN
 /** Joints between frames, with the axis along z of both. */
 export const JOINT_KINDS = ["Revolute", "Prismatic", "Cylindrical", "Spherical", "Universal", "Screw", "Weld", "Planar"];
 
-const numbers = (/** @type {Vec} */ v) => v.map((part) => neat(part));
+/** Coordinates without noise, relative to the largest. @param {Vec} v */
+const numbers = (v) => { const most = Math.max(...v.map(Math.abs)); return v.map((part) => (Math.abs(part) < 1e-7 * most ? 0 : neat(part))); };
 
 /** Rotation as a table of the file; none where it is the identity. @param {Vec} q */
 function rotation(q) {
   const { axis, angle } = axisAngle(q);
-  return Math.abs(angle) < 1e-12 ? {} : { rotation: { type: "axis_angle", axis: numbers(axis), angle: neat(angle) } };
+  return Math.abs(angle) < 1e-12 ? {} : { rotation: { type: "axis_angle", axis: numbers(axis), angle: Number(angle.toPrecision(12)) } };
 }
 
 /** @param {string} base @param {Record<string, unknown>} fields @param {Operation[]} [more] @returns {Change} */
@@ -78,8 +79,8 @@ function reference(poses, p, name, names = [], axes = {}) {
   const own = names.find((point) => point.slice(0, point.lastIndexOf(".")) === name);
   if (own && !Object.keys(axes).length) return own;
   const pose = /** @type {import("./space_poses.js").Pose} */ (poses.of(name)), back = inverse(pose.q);
-  const local = numbers(turned(back, minus(p, pose.p)).map((v) => Number(v.toFixed(9))));
-  return { body: name, at: local, ...Object.fromEntries(Object.entries(axes).map(([key, axis]) => [key, numbers(turned(back, unit(axis)).map((v) => Number(v.toFixed(9))))])) };
+  const local = numbers(turned(back, minus(p, pose.p)));
+  return { body: name, at: local, ...Object.fromEntries(Object.entries(axes).map(([key, axis]) => [key, numbers(turned(back, unit(axis)))])) };
 }
 
 /** @param {SpacePlace} place */
@@ -101,7 +102,7 @@ export function connection([from, to], poses, type) {
   const length = size(minus(to.p, from.p));
   if (!(length > 0) || owner(from) === owner(to)) return null;
   const connect = [from, to].map((place) => reference(poses, place.p, owner(place), place.names));
-  const isLink = type === "RigidLink", fields = isLink ? { type, connect, length: neat(Number(length.toFixed(7))) } : { type, connect, stiffness: STIFFNESS, free_length: neat(Number(length.toFixed(7))) };
+  const isLink = type === "RigidLink", fields = isLink ? { type, connect, length: neat(length) } : { type, connect, stiffness: STIFFNESS, free_length: neat(length) };
   return { label: `add ${isLink ? "link" : "spring"}`, operations: [{ op: "add", section: isLink ? "joints" : "forces", base: isLink ? "link" : "spring", fields }] };
 }
 

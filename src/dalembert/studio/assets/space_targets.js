@@ -19,6 +19,8 @@ const NONE = 1e-9;
 /** @param {Keys} keys @param {unknown} value @returns {Operation} */
 const set = (keys, value) => ({ op: "set", keys, value });
 const number = (/** @type {number} */ value) => neat(value);
+/** Angle in the file [rad]. @param {number} value */
+const radians = (value) => Number((Math.abs(value) < 1e-12 ? 0 : value).toPrecision(12));
 
 /** Value of the file at keys. @param {Document} document @param {Keys} keys @returns {any} */
 export const valueAt = (document, keys) => keys.reduce((/** @type {any} */ entry, key) => entry?.[key], document);
@@ -51,7 +53,7 @@ export function rotationChange(document, keys, q) {
   const table = valueAt(document, keys), { axis, angle } = axisAngle(q);
   const each = (/** @type {[Keys, number][]} */ entries) => entries.flatMap(([path, value]) => {
     const old = numberOf(valueAt(document, path), document);
-    return old !== null && Math.abs(old - value) < NONE ? [] : [set(path, number(value))];
+    return old !== null && Math.abs(old - value) < NONE ? [] : [set(path, radians(value))];
   });
   if (table?.type === "bryant") return each(euler(q, "xyz").map((value, k) => [[...keys, "xyz"[k]], value]));
   if (table?.type === "euler") {
@@ -64,7 +66,7 @@ export function rotationChange(document, keys, q) {
     const sign = same && old.reduce((/** @type {number} */ sum, /** @type {number} */ v, /** @type {number} */ k) => sum + v * axis[k], 0) < 0 ? -1 : 1;
     return each([...(same ? [] : axis.map((value, k) => /** @type {[Keys, number]} */ ([[...keys, "axis", k], value]))), [[...keys, "angle"], sign * angle]]);
   }
-  return [set(keys, { type: "axis_angle", axis: axis.map(number), angle: number(angle) })];
+  return [set(keys, { type: "axis_angle", axis: axis.map(number), angle: radians(angle) })];
 }
 
 /** Axes of a frame of the file in its body, as a rotation. @param {any} entry @param {Document} document @returns {Vec | null} */
