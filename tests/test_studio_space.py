@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from studio_runs import running_studio
 
 import dalembert as da
 from dalembert.io import load_model_file
+from dalembert.studio.drawing_edits import apply
 
 PIXEL = """(place) => {
     const { canvas, view } = studio.pictures.page.scene, [u, v] = view.screen(place);
@@ -245,3 +247,104 @@ def test_angles_of_a_rotation(desk: Desk, sequence: str) -> None:
         x, y, z, w = rotation.as_quat()
         angles = desk.page.evaluate(ANGLES, [[w, x, y, z], sequence])
         assert angles == pytest.approx(rotation.as_euler(sequence.upper()), abs=1e-9)
+
+
+def at_start(model: Any, body: str) -> list[float]:
+    """Position and Euler parameters of a body after assembly."""
+    pose = da.solve_assembly(model).pose(body)
+    return [pose[key] for key in ("x", "y", "z", "e0", "e1", "e2", "e3")]
+
+
+EQUATIONS = {
+    "Revolute": 5,
+    "Prismatic": 5,
+    "Cylindrical": 4,
+    "Spherical": 3,
+    "Universal": 4,
+    "Screw": 5,
+    "Weld": 6,
+    "Planar": 3,
+}
+"""Kind of a joint → its number of equations (docs/spatial.md)."""
+JOINT = """async (kind) => {
+    const { joint } = await import("./assets/space_shapes.js"), p = [-0.15, 0.02, 0.1];
+    const place = { p, names: [], body: "two", joint: null, normal: null, how: "" };
+    const ends = [place, { ...place, body: "one" }];
+    return joint(ends, studio.space.poses, kind, [0, 0.6, 0.8]).operations;
+}"""
+
+
+def test_joints_of_every_kind(desk: Desk, tmp_path: Path) -> None:
+    """Where they are drawn, they hold at the drawn position, and leave the free motion."""
+    desk.show(BOXES)
+    kinds = desk.js("[...document.querySelectorAll('#joint-kind option')].map((o) => o.value)")
+    assert set(kinds) == set(EQUATIONS)
+    for kind, equations in EQUATIONS.items():
+        text = apply(BOXES, desk.page.evaluate(JOINT, kind))
+        (tmp_path / f"{kind}.toml").write_text(text)
+        model = load_model_file(tmp_path / f"{kind}.toml").model()
+        assert model.diagnosis.degrees_of_freedom == 12 - equations, kind
+        assert at_start(model, "one")[:3] == pytest.approx((0.2, 0.3, 0.2), abs=1e-6), kind
+        assert at_start(model, "two")[:3] == pytest.approx((-0.2, 0.0, 0.1), abs=1e-6), kind
+
+
+FORMS = (
+    'rotation = { type = "axis_angle", axis = [0.0, 2.0, 0.0], angle = "5.729577951308232 deg" }',
+    'rotation = { type = "euler", sequence = "zxz", angles = [0.1, 0.2, 0.3] }',
+    'rotation = { type = "from_matrix", rows = [[0, 0, 1], [1, 0, 0], [0, 1, 0]] }',
+    "",
+)
+"""Orientations of a file."""
+ROTATED = """async ([document, after]) => {
+    const { moved, poseOf } = await import("./assets/space_targets.js"), { poses } = studio.space;
+    const choice = { section: "bodies", name: "one" }, before = poseOf(poses, document, choice);
+    return moved(poses, document, choice, before, { p: before.p, q: after });
+}"""
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_rotation_is_written_in_the_form_of_the_file(
+    desk: Desk, form: str, tmp_path: Path
+) -> None:
+    desk.show(BOXES)
+    text = BOXES.replace('rotation = { type = "bryant", x = 0.0, y = 0.1, z = 0.0 }', form)
+    rotation = Rotation.from_rotvec([0.4, -0.7, 0.2])
+    x, y, z, w = rotation.as_quat()
+    changed = apply(text, desk.page.evaluate(ROTATED, [tomllib.loads(text), [w, x, y, z]]))
+    (tmp_path / "rotated.toml").write_text(changed)
+    model = load_model_file(tmp_path / "rotated.toml").model()
+    e0, e1, e2, e3 = at_start(model, "one")[3:]
+    assert (Rotation.from_quat([e1, e2, e3, e0]).inv() * rotation).magnitude() < 1e-8
+    unchanged = [line for line in text.splitlines() if not line.startswith("rotation")]
+    assert [line for line in changed.splitlines() if not line.startswith("rotation")] == unchanged
+    if form:
+        kind = form.split('"')[1]
+        assert f'"{kind}"' in changed
+
+
+MOVED = """async ([choice, shift]) => {
+    const { moved, poseOf } = await import("./assets/space_targets.js"), { space } = studio;
+    const before = poseOf(space.poses, space.document, choice);
+    const p = before.p.map((v, k) => v + shift[k]);
+    return moved(space.poses, space.document, choice, before, { p, q: before.q });
+}"""
+
+
+def test_a_joint_moves_in_both_bodies(desk: Desk, tmp_path: Path) -> None:
+    """The joint of two bodies is elsewhere, and the bodies stay."""
+    desk.show(BOXES)
+    text = apply(BOXES, desk.page.evaluate(JOINT, "Revolute"))
+    desk.show(text)
+    choice = {"section": "joints", "name": "A"}
+    operations = desk.page.evaluate(MOVED, [choice, [0.05, 0.0, -0.1]])
+    moved = apply(text, operations)
+    assert moved != text
+    (tmp_path / "moved.toml").write_text(moved)
+    model = load_model_file(tmp_path / "moved.toml").model()
+    assert at_start(model, "one")[:3] == pytest.approx((0.2, 0.3, 0.2), abs=1e-6)
+    assert at_start(model, "two")[:3] == pytest.approx((-0.2, 0.0, 0.1), abs=1e-6)
+    places = [
+        next(end["at"] for end in data["joints"]["A"]["connect"] if end["body"] == "two")
+        for data in map(tomllib.loads, (text, moved))
+    ]
+    assert np.subtract(places[1], places[0]) == pytest.approx([0.05, 0.0, -0.1], abs=1e-6)

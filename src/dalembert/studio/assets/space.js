@@ -12,18 +12,17 @@
 import { ModelTree } from "./model_tree.js";
 import { sectionOf } from "./operations.js";
 import { AXES } from "./space_math.js";
-import { drawGizmo, grip, gripText, handleAt, handles, pulled, withTyped } from "./space_gizmo.js";
+import { grip, handleAt, handles, pulled } from "./space_gizmo.js";
+import { answer } from "./space_keys.js";
+import { drawOver } from "./space_overlay.js";
 import { SpacePalette } from "./space_palette.js";
-import { namedPoints, settleAtStart, spaceSnap, stepAt } from "./space_places.js";
+import { settleAtStart, spaceSnap } from "./space_places.js";
 import { Poses } from "./space_poses.js";
-import { Sketch } from "./space_sketch.js";
 import { axesOf, moved, poseOf, rotates } from "./space_targets.js";
 import { SPACE_TOOLS } from "./space_tools.js";
 
 /** Movement of the pointer up to which a press is a click [px]. */
 const STILL = 4;
-/** Length of the axes of frames [px]. */
-const TRIAD = 30;
 
 export class Space {
   /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void }} actions @param {HTMLElement} stage */
@@ -117,7 +116,7 @@ export class Space {
     on("pointerup", (event, at) => this.up(event, at));
     on("dblclick", () => this.tool.name !== "select");
     view.addEventListener("keydown", (event) => this.key(event), true);
-    page.scene.overlays.push((/** @type {{ ctx: CanvasRenderingContext2D }} */ { ctx }) => this.draw(ctx));
+    page.scene.overlays.push((/** @type {{ ctx: CanvasRenderingContext2D }} */ { ctx }) => drawOver(this, ctx));
     if (this.tool.name !== "select" || this.selected) this.rest();
     this.refresh();
   }
@@ -265,7 +264,6 @@ export class Space {
       try {
         const operations = moved(poses, document, selected, held.before, held.after);
         if (operations.length) {
-          this.preview();
           if (selected.section === "bodies" && !selected.part) poses.moved.set(selected.name, held.after);
           this.send({ label: `${held.handle.kind === "turn" ? "rotate" : "move"} ${selected.key ?? selected.name}`, operations });
         }
@@ -290,54 +288,10 @@ export class Space {
   key(event) {
     const typing = /** @type {HTMLElement} */ (event.target)?.closest?.("input, select, textarea, .cm-editor, dialog");
     if (!this.possible || typing || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (!this.answer(event.key)) return;
+    if (!answer(this, event.key)) return;
     event.preventDefault();
     event.stopImmediatePropagation();
     this.refresh();
-  }
-
-  /** Carry out a key; returns whether it has a meaning. @param {string} key */
-  answer(key) {
-    const { held, selected, tool } = this, page = /** @type {Page} */ (this.boundPage);
-    if (/^[-\d.,; ]$/.test(key) && (held ?? (tool.clicks > 0 && this.typed + key !== " "))) return this.type(key);
-    if (key === "Backspace" && (held?.typed || this.typed)) return this.type("");
-    if (key === "Enter" && held) return this.release(held), true;
-    if (key === "Enter" && this.typed) return this.place(), true;
-    if (key === "Escape") {
-      if (held) this.revert();
-      if (held || this.places.length || this.typed) [this.held, this.places, this.typed] = [null, [], ""];
-      else if (tool.name === "select") this.select(null);
-      else this.choose("select");
-    } else if ((key === "Delete" || key === "Backspace") && selected && !selected.part) this.send({ label: `delete ${selected.name}`, operations: [{ op: "remove", section: selected.section, name: selected.name }] });
-    else if (key === "h") this.palette.throughSelected();
-    else if (key === "g" && tool.name === "select") this.local = !this.local;
-    else if (page.scene.keys[key]) page.scene.keys[key]();
-    else {
-      const next = SPACE_TOOLS.find((item) => item.key === key);
-      if (!next) return false;
-      this.choose(next.name);
-    }
-    return true;
-  }
-
-  /** @param {string} character empty to delete the last one */
-  type(character) {
-    const page = /** @type {Page} */ (this.boundPage), next = (/** @type {string} */ text) => (character ? text + character : text.slice(0, -1));
-    if (this.held) {
-      const typed = next(this.held.typed), value = withTyped(this.held, typed);
-      this.held = typed === "-" ? { ...this.held, typed } : typed ? value : pulled(page, { ...this.held, typed: "" }, this.held.pixel, this.held.free);
-      this.preview();
-    } else this.typed = next(this.typed);
-    return true;
-  }
-
-  /** A place with typed coordinates; a single number is one along the normal of the plane from the last place. */
-  place() {
-    const values = this.typed.split(/[\s,;]+/).filter(Boolean).map(Number), { plane } = this.palette, last = this.places.at(-1)?.p, k = "xyz".indexOf(plane.axis);
-    const p = values.length === 3 ? values : values.length === 1 && last ? last.map((v, i) => (i === k ? v + values[0] : v)) : null;
-    this.typed = "";
-    if (p?.every(Number.isFinite)) this.add({ p, names: [], body: null, joint: null, normal: null, how: "" });
-    else this.actions.refuse("type three coordinates, such as 0.1, 0, 0.25, or one along the normal of the plane from the last place");
   }
 
   // Drawing --------------------------------------------------------------------------------------
@@ -349,45 +303,5 @@ export class Space {
     this.actions.hint(this.typed ? `${this.tool.title}: ${this.typed}` : this.selected && this.tool.name === "select" && this.pose ? `${this.selected.key ?? this.selected.name}: drag an arrow, a plane or a ring; type a value while dragging; G turns to ${this.local ? "the axes of space" : "its own axes"}` : `${this.tool.title}: ${hint[step]}`);
     page.scene.invalidate();
     page.scene.canvas.style.cursor = this.held ? "grabbing" : this.hover ? "grab" : this.tool.name === "select" ? "" : "crosshair";
-  }
-
-  /** @param {CanvasRenderingContext2D} ctx */
-  draw(ctx) {
-    const page = this.boundPage, { document, poses, tool, now } = this;
-    if (!page || !poses || !document || !this.resting) return;
-    if (tool.name !== "select" || this.held || this.hover) page.scene.pointer = null;  // no tip over what is drawn
-    ctx.save();
-    const sketch = new Sketch(ctx, page);
-    this.triads(sketch);
-    if (tool.name !== "select") {
-      for (const { p } of namedPoints(page)) sketch.mark(p, 3.5);
-      const focus = this.places.at(-1)?.p ?? now?.p;
-      if (focus && tool.name !== "motor") sketch.grid(this.palette.plane, now?.p ?? focus, stepAt(page, focus));
-      const chain = now && this.places.length ? [...this.places, now] : this.places;
-      ctx.setLineDash([6, 4]);
-      for (const line of chain.length > 1 ? tool.sketch?.(chain, this.setting) ?? [chain.map(({ p }) => p)] : []) sketch.line(line);
-      ctx.setLineDash([]);
-      if (now) {
-        sketch.mark(now.p, now.names.length ? 8 : 4);
-        sketch.text(now.p, `${now.how} (${now.p.map((v) => Number(v.toPrecision(4))).join(", ")})`);
-      }
-    } else if (this.pose && this.selected) {
-      const pose = this.held?.after ?? this.pose;
-      if (this.held) sketch.line([this.held.before.p, pose.p]);
-      drawGizmo(ctx, page, pose, this.held ? [this.held.handle] : this.handles, this.held?.handle ?? this.hover, Boolean(this.held));
-      if (this.held) sketch.text(pose.p, gripText(this.held));
-    }
-    ctx.restore();
-  }
-
-  /** Axes of named frames. @param {Sketch} sketch */
-  triads(sketch) {
-    const { document, poses } = this;
-    if (!document || !poses || (this.tool.name === "select" && !this.selected)) return;
-    const owners = /** @type {[string, string, any][]} */ ([["ground", "ground", document.ground], ...Object.entries(document.bodies ?? {}).map(([name, entry]) => ["bodies", name, entry])]);
-    for (const [section, name, entry] of owners) for (const key of Object.keys(entry?.frames ?? {})) {
-      const pose = this.hidden.has(name) ? null : poseOf(poses, document, { section, name, part: "frames", key });
-      if (pose) sketch.triad(pose, TRIAD);
-    }
   }
 }
