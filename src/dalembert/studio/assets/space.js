@@ -114,6 +114,7 @@ export class Space {
     on("pointerdown", (event, at) => this.down(event, at));
     on("pointermove", (event, at) => this.over(event, at));
     on("pointerup", (event, at) => this.up(event, at));
+    view.addEventListener("pointercancel", () => this.revert(), true);
     on("dblclick", () => this.tool.name !== "select");
     view.addEventListener("keydown", (event) => this.key(event), true);
     page.scene.overlays.push((/** @type {{ ctx: CanvasRenderingContext2D }} */ { ctx }) => drawOver(this, ctx));
@@ -162,10 +163,10 @@ export class Space {
   /** @param {PointerEvent} event @param {Pixel} at */
   down(event, at) {
     this.pressed = event.button === 0 ? at : null;
+    this.pictures.held = true;  // another picture would lose the end of the press
     const page = this.boundPage, { pose } = this, handle = page && pose && this.resting && event.button === 0 ? handleAt(page, pose, this.handles, at) : null;
     if (!page || !pose || !handle) return false;
     this.held = grip(page, pose, handle, at);
-    this.pictures.held = true;
     page.scene.canvas.setPointerCapture?.(event.pointerId);
     this.refresh();
     return true;
@@ -175,6 +176,7 @@ export class Space {
   over(event, at) {
     const page = this.boundPage;
     if (!page) return false;
+    if (!event.buttons) this.pictures.held = false;
     if (this.held) {
       this.held = pulled(page, this.held, at, event.altKey);
       this.preview();
@@ -195,6 +197,7 @@ export class Space {
   up(event, at) {
     const { held, pressed } = this, still = pressed && Math.hypot(at[0] - pressed[0], at[1] - pressed[1]) < STILL;
     this.pressed = null;
+    this.pictures.held = false;
     if (held) this.release(held);
     else if (still && this.tool.name === "select") this.select(this.elementAt(at));
     else if (still) {
