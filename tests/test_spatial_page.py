@@ -351,3 +351,26 @@ def test_a_film_of_space_moves() -> None:
     first = np.array(film._func(0)[0].get_data_3d())
     assert not np.allclose(first, np.array(film._func(1)[0].get_data_3d()))
     film._draw_was_started = True  # it is not meant to be rendered
+
+
+def test_a_parallel_projection_has_one_scale(show: Any) -> None:
+    """Pixels of the drawing are those of the camera, in both projections."""
+    page = show(heavy_top(), viewport=SMALL)
+    seen = """[[0, 0, 0], [0, -0.5, 0.8], [0.3, 0.4, 0.1]].map((p) => {
+        const { view, canvas } = dalembert.scene, { camera } = view;
+        const { x, y } = camera.position.clone().set(...p).project(camera);
+        const [u, v] = view.screen(p), [w, h] = [canvas.clientWidth, canvas.clientHeight];
+        return [u - ((1 + x) * w) / 2, v - ((1 - y) * h) / 2, view.scaleAt(p)];
+    })"""
+    perspective = np.array(page.js(seen))
+    page.page.click("#parallel")
+    page.frames()
+    parallel = np.array(page.js(seen))
+    assert abs(perspective[:, :2]).max() < 1e-3
+    assert abs(parallel[:, :2]).max() < 0.05
+    assert np.ptp(perspective[:, 2]) > 0.05 * perspective[0, 2]
+    assert np.ptp(parallel[:, 2]) < 0.005 * parallel[0, 2]
+    assert parallel[:, 2].mean() == pytest.approx(perspective[:, 2].mean(), rel=0.2)
+    page.page.click("#parallel")
+    page.frames()
+    assert np.array(page.js(seen)) == pytest.approx(perspective, abs=1e-3)

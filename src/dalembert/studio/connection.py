@@ -16,7 +16,7 @@ from dalembert.files import read_text
 from dalembert.io.example_files import example_folder
 from dalembert.studio.drawing_edits import apply
 from dalembert.studio.preview import analysis_fields, section_operation
-from dalembert.studio.session import MAX_TEXT, Session, failure
+from dalembert.studio.session import MAX_TEXT, UNTITLED_SPATIAL, Session, failure
 from dalembert.studio.text_edits import TextEdits
 
 
@@ -175,6 +175,8 @@ class Connection:
         if isinstance(example, str) and re.fullmatch(r"\w+", example):
             text = read_text(example_folder() / f"{example}.toml")
             self.session.open(None, text)
+        elif request.get("dimension") == 3:
+            self.session.open(None, UNTITLED_SPATIAL)
         else:
             target = Path(path).expanduser() if isinstance(path, str) and path else None
             self.session.open(target)

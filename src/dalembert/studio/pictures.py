@@ -26,6 +26,8 @@ EMBEDDED = "header.top, #footer, #panels { display: none } body { padding: 0.5re
 PARTS = ("bodies", "beams", "include")
 """Sections of the bodies of a mechanism; without any, the picture is blank."""
 BLANK: dict[str, Any] = {"format": 1, "time": [], "scene": {}}
+SPACE: dict[str, Any] = {"kind": "spatial", "scene": {"dimension": 3}}
+"""What a blank picture of a spatial mechanism has in addition."""
 PATH = re.compile(r'\s*((?:"(?:[^"\\]|\\.)*"|[A-Za-z0-9_-]+)(?:\.(?:"[^"]*"|[\w-]+)|\[\d+\])*): ')
 SYNTAX = re.compile(r"\(at line (\d+), column (\d+)\)|\(at end of document\)|: line (\d+): ")
 
@@ -92,7 +94,8 @@ def picture_of(text: str, path: Path, live: bool) -> Picture:
 def _picture_of(text: str, path: Path, live: bool) -> Picture:
     data = parse_document(path, text)
     if data.get("kind") != "structure" and not any(data.get(section) for section in PARTS):
-        return Picture(_render(BLANK | {"title": path.stem}), summary="nothing is drawn yet")
+        blank = BLANK | {"title": path.stem} | (SPACE if _is_spatial(data) else {})
+        return Picture(_render(blank), summary="nothing is drawn yet")
     if not live:
         return _page_of(data, {}, text, path, live)
     drawn, places = with_drawn_parameters(data)
@@ -102,6 +105,12 @@ def _picture_of(text: str, path: Path, live: bool) -> Picture:
         if not places:
             raise
         return _page_of(data, {}, text, path, live)  # such as a number that cannot be a parameter
+
+
+def _is_spatial(data: dict[str, Any]) -> bool:
+    """Whether the elements of a mechanism are spatial."""
+    gravity = data.get("gravity")
+    return data.get("dimension", len(gravity) if isinstance(gravity, list) else 2) == 3
 
 
 def _page_of(

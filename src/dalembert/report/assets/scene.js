@@ -72,7 +72,8 @@ export class Scene {
     motion.mesh?.update(motion.cursor, motion.mesh.scale);
     this.cloud = [...this.cloud, ...motion.cloud()];
     this.size = diagonal(this.cloud);
-    this.unit = symbolSize(motion, this.size);
+    const start = motion.dimension === 3 && motion.moves ? diagonal(motion.cloud([{ i: 0, f: 0 }])) : 0;
+    this.unit = symbolSize(motion, Math.min(this.size, 2 * start || Infinity));  // small also where bodies go far
     for (const mesh of motion.joints) if (mesh.mesh.length === 2) cutTeeth(motion, mesh);
     measureLinks(motion);
     motion.chooseTraces(this.size);

@@ -265,13 +265,16 @@ export class SpatialPainter {
   }
 
   /** @param {Pixel} pixel @returns {Hit | null} */
-  hit([x, y]) {
+  hit(pixel) { return this.struck(pixel)?.object.userData ?? null; }
+
+  /** Nearest solid at a pixel, with the point on it; symbols before the bodies around them. @param {Pixel} pixel @returns {{ distance: number, point: THREE.Vector3, face: any, object: THREE.Mesh } | null} */
+  struck([x, y]) {
     const { clientWidth: w, clientHeight: h } = this.scene.canvas, ray = new THREE.Raycaster();
     ray.setFromCamera(new THREE.Vector2((2 * x) / w - 1, 1 - (2 * y) / h), this.view.camera);
-    /** @type {{ distance: number, point: THREE.Vector3, object: THREE.Mesh }[]} */
+    /** @type {{ distance: number, point: THREE.Vector3, face: any, object: THREE.Mesh }[]} */
     const hits = ray.intersectObjects(this.picks, false).filter((/** @type {any} */ { point, object }) => visible(object) && !(this.materials.section && this.materials.cut.distanceToPoint(point) < 0 && object.userData.kind === "body"));
     const symbol = hits.find(({ object }) => object.userData.kind !== "body");
-    return (symbol && symbol.distance < hits[0].distance + 4 * this.unit ? symbol : hits[0])?.object.userData ?? null;
+    return (symbol && symbol.distance < hits[0].distance + 4 * this.unit ? symbol : hits[0]) ?? null;
   }
 
   labels() { return spatialLabels(this); }

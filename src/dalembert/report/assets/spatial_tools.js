@@ -13,7 +13,8 @@ export function buildSpatialTools(scene, toolbar) {
   const painter = /** @type {SpatialPainter} */ (scene.painter), view = /** @type {SpatialView} */ (scene.view), axes = /** @type {Axis[]} */ (Object.keys(AXES));
   const look = (/** @type {Axis | null} */ axis, /** @type {string} */ text, /** @type {string} */ title, /** @type {number} */ key) =>
     el("button", { type: "button", class: "icon axis", id: `look-${axis ?? "all"}`, title: `${title} (${key})`, "aria-label": title, onclick: () => view.lookAlong(axis) }, text);
-  byId("zoom").append(...axes.map((axis, k) => look(axis, axis, `Look along ${axis}`, k + 1)), look(null, "3D", "Oblique view from above", 4));
+  byId("zoom").append(...axes.map((axis, k) => look(axis, axis, `Look along ${axis}`, k + 1)), look(null, "3D", "Oblique view from above", 4),
+    toggleButton("∥", false, (on) => view.setParallel(on), { class: "icon axis", id: "parallel", title: "Parallel projection", "aria-label": "Parallel projection" }));
   if (!scene.motion.bodies.length) return;
   const box = sectionBox(painter);
   byId("view").append(box.node);

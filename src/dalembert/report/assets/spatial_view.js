@@ -10,9 +10,13 @@ import { discard, polyline } from "./solids.js";
 import { AXES, vector } from "./spatial_motion.js";
 import { Theme, mix } from "./theme.js";
 
-/** Vertical field of view in degrees; narrow, so that parallels stay nearly parallel. */
-const FIELD = 28;
-const TANGENT = Math.tan((FIELD * TAU) / 720);
+/** Vertical fields of view in degrees: narrow, so that parallels stay nearly parallel; and so narrow that they are parallel in the drawing. */
+const FIELD = 28, PARALLEL = 0.4;
+/** Tangent of half a field of view. @param {number} field */
+const tangentOf = (field) => Math.tan((field * TAU) / 720);
+
+/** Corners of the view of an empty scene [m]. @type {Point[]} */
+const EMPTY = [[-0.4, -0.4, 0], [0.4, 0.4, 0.3]];
 
 /** Size of another scene, relative to the present one, above which light and grid are built again. */
 const SLACK = 1.1;
@@ -33,6 +37,7 @@ export class SpatialView {
     this.fitted = true;
     this.world = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(FIELD, 1, 0.01, 100);
+    this.tangent = tangentOf(FIELD);
     this.renderer = rendererOf(canvas);
     this.up = vector(AXES.z);
     this.controls = this.orbit();
@@ -67,7 +72,7 @@ export class SpatialView {
 
   /** @param {Point[]} cloud @param {Point | null} gravity */
   enclose(cloud, gravity) {
-    const before = this.radius, up = upward(gravity), points = cloud.map(vector), sphere = sphereAbout(points);
+    const before = this.radius, up = upward(gravity), points = withExtent(cloud).map(vector), sphere = sphereAbout(points);
     if (before && this.up.equals(up) && sphere.centre.distanceTo(this.centre) + sphere.radius < SLACK * before) {  // another design of the same size
       this.cloud = points;
       return;
@@ -79,7 +84,7 @@ export class SpatialView {
       this.camera.up.copy(this.up);
       this.controls = this.orbit();
     }
-    Object.assign(this.controls, { minDistance: 0.02 * this.radius, maxDistance: 60 * this.radius });
+    this.limit();
     discard(this.surroundings);
     this.surroundings.clear();
     this.light();
@@ -156,6 +161,38 @@ export class SpatialView {
 
   // Camera -------------------------------------------------------------------------------------
 
+  /** Limits of the distance from the target. */
+  limit() {
+    const away = this.radius * (tangentOf(FIELD) / this.tangent);
+    Object.assign(this.controls, { minDistance: 0.02 * away, maxDistance: 60 * away });
+  }
+
+  get parallel() { return this.tangent === tangentOf(PARALLEL); }
+
+  /** Parallel projection, or perspective; what is in the middle keeps its size. @param {boolean} on */
+  setParallel(on) {
+    const before = this.tangent, { camera, controls, fitted } = this;
+    camera.fov = on ? PARALLEL : FIELD;
+    this.tangent = tangentOf(camera.fov);
+    this.limit();
+    camera.position.sub(controls.target).multiplyScalar(before / this.tangent).add(controls.target);
+    controls.update();
+    this.fitted = fitted;
+    document.getElementById("parallel")?.setAttribute("aria-pressed", String(on));
+    this.onChange();
+  }
+
+  /** Look from where another view looks. @param {SpatialView} other */
+  adopt(other) {
+    if (this.parallel !== other.parallel) this.setParallel(other.parallel);
+    this.camera.position.copy(other.camera.position);
+    this.controls.target.copy(other.controls.target);
+    this.controls.update();
+    this.aim(this.canvas.clientWidth, this.canvas.clientHeight);
+    this.fitted = false;
+    this.onChange();
+  }
+
   /** Look along an axis; obliquely from above without one. @param {Axis | null} axis */
   lookAlong(axis) { this.look(axis ? vector(AXES[axis]).multiplyScalar(axis === "y" ? -1 : 1) : this.oblique()); }
 
@@ -172,7 +209,7 @@ export class SpatialView {
   fit(cloud, { side, left, top, bottom }) {
     this.free = { left, top: Math.max(0, top - bottom) };
     this.share = clamp(1 - (1.5 * side) / Math.min(this.canvas.clientWidth, this.canvas.clientHeight), 0.5, 0.9);
-    this.cloud = cloud.map(vector);
+    this.cloud = withExtent(cloud).map(vector);
     this.centre = sphereAbout(this.cloud).centre;
     this.frame();
   }
@@ -181,13 +218,13 @@ export class SpatialView {
   frame() {
     this.camera.updateMatrixWorld();
     const { camera, canvas: { clientWidth: w, clientHeight: h }, centre, cloud, controls, free: { left, top } } = this;
-    const [wide, high] = [(w - left) / h, (h - top) / h].map((share) => Math.max(0.1, share || 1) * this.share * TANGENT);
+    const [wide, high] = [(w - left) / h, (h - top) / h].map((share) => Math.max(0.1, share || 1) * this.share * this.tangent);
     const [x, y, z] = [0, 1, 2].map((k) => new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, k));
     const spots = cloud.map((p) => p.clone().sub(centre)).map((p) => [p.dot(x), p.dot(y), p.dot(z)]);
     const middle = [0, 1].map((k) => { const [lo, hi] = extent([spots.map((s) => s[k])]) ?? [0, 0]; return (lo + hi) / 2; });
     let away = 0.2 * this.radius;
     for (const [a, b, c] of spots) away = Math.max(away, c + Math.abs(a - middle[0]) / wide, c + Math.abs(b - middle[1]) / high);
-    const [dx, dy] = [left, top].map((margin) => (margin * away * TANGENT) / (h || 1));
+    const [dx, dy] = [left, top].map((margin) => (margin * away * this.tangent) / (h || 1));
     controls.target.copy(centre).addScaledVector(x, middle[0] - dx).addScaledVector(y, middle[1] + dy);
     camera.position.copy(controls.target).addScaledVector(z, away);
     controls.update();
@@ -235,7 +272,7 @@ export class SpatialView {
 
   /** @param {Point} place @returns {Pixel | null} */
   screen(place) {
-    const p = this.seen(place), { clientWidth: w, clientHeight: h } = this.canvas, scale = h / 2 / TANGENT / -p.z;
+    const p = this.seen(place), { clientWidth: w, clientHeight: h } = this.canvas, scale = h / 2 / this.tangent / -p.z;
     return p.z > -1e-9 ? null : [w / 2 + p.x * scale, h / 2 - p.y * scale];
   }
 
@@ -243,14 +280,14 @@ export class SpatialView {
   project(places) {
     const { clientWidth: w, clientHeight: h } = this.canvas, e = this.camera.matrixWorldInverse.elements, seen = new Float64Array(places.length);
     for (let k = 0; k < places.length; k += 3) {
-      const [x, y, z] = [0, 1, 2].map((row) => e[row] * places[k] + e[row + 4] * places[k + 1] + e[row + 8] * places[k + 2] + e[row + 12]), scale = h / 2 / TANGENT / -z;
+      const [x, y, z] = [0, 1, 2].map((row) => e[row] * places[k] + e[row + 4] * places[k + 1] + e[row + 8] * places[k + 2] + e[row + 12]), scale = h / 2 / this.tangent / -z;
       seen.set(z > -1e-9 ? [NaN, NaN, -Infinity] : [w / 2 + x * scale, h / 2 - y * scale, z], k);
     }
     return seen;
   }
 
   /** @param {Point} place */
-  scaleAt(place) { return this.canvas.clientHeight / 2 / TANGENT / Math.max(1e-9, -this.seen(place).z); }
+  scaleAt(place) { return this.canvas.clientHeight / 2 / this.tangent / Math.max(1e-9, -this.seen(place).z); }
 
   /** @param {number[]} v @returns {[number, number, number]} */
   direction(v) {
@@ -264,6 +301,12 @@ function upward(gravity) {
   if (!gravity) return vector(AXES.z);
   const k = [0, 1, 2].sort((a, b) => Math.abs(gravity[b]) - Math.abs(gravity[a]))[0];
   return vector([0, 1, 2].map((i) => (i === k ? -Math.sign(gravity[k]) : 0)));
+}
+
+/** Points, or corners about a single one. @param {Point[]} cloud @returns {Point[]} */
+function withExtent(cloud) {
+  const [first] = cloud, isPoint = cloud.every((p) => p.every((v, k) => v === first[k]));
+  return isPoint ? EMPTY.map((p) => /** @type {Point} */ (p.map((v, k) => v + (first?.[k] ?? 0)))) : cloud;
 }
 
 /** Sphere about points. @param {THREE.Vector3[]} cloud */

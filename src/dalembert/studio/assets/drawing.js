@@ -156,7 +156,7 @@ export class Drawing {
   /** @param {KeyboardEvent} event */
   key(event) {
     const typing = /** @type {HTMLElement} */ (event.target)?.closest?.("input, select, textarea, .cm-editor, dialog");
-    if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (!this.possible || typing || event.ctrlKey || event.metaKey || event.altKey) return;
     const { key } = event;
     if (key === "Escape") {
       if (this.drag) this.page?.design?.replace(this.drag.values, "drawing");
@@ -178,6 +178,7 @@ export class Drawing {
   }
 
   refresh() {
+    if (!this.possible) return;
     const { hint } = this.tool, step = Math.min(this.places.length, hint.length - 1);
     this.actions.hint(this.possible ? `${this.tool.title}: ${hint[step]}` : "");
     this.page?.scene.invalidate();

@@ -20,6 +20,8 @@ export class Pictures {
     /** Revision of the text that the shown page has made itself. */
     this.own = -1;
     this.live = false;
+    /** Whether something of the picture is being dragged; until it is released, the picture stays. */
+    this.held = false;
   }
 
   /** Parts of the shown page. @returns {Page | null} */
@@ -44,6 +46,7 @@ export class Pictures {
   /** @param {HTMLIFrameElement} frame @param {number} number @param {boolean} live */
   async replace(frame, number, live) {
     for (let k = 0; k < 500 && frame.isConnected && !partsOf(frame); k++) await new Promise((resolve) => setTimeout(resolve, 10));
+    while (this.held && frame === this.next) await new Promise((resolve) => setTimeout(resolve, 20));
     const page = partsOf(frame);
     if (frame !== this.next || !page) return;
     keepView(this.page, page, number === this.shown);
@@ -78,7 +81,7 @@ function keepView(before, after, same) {
   if ("s" in old && "s" in view && !old.fitted) {
     [view.x, view.y, view.s, view.fitted] = [old.x, old.y, old.s, false];
     view.onChange();
-  }
+  } else if (old.adopt && view.adopt && !old.fitted) view.adopt(old);
   if (same) after.player.seek(before.player.time);
   if (!before.player.playing && before.motion.moves) {
     after.player.pause();

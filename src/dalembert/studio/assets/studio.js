@@ -17,6 +17,7 @@ import { Pictures } from "./pictures.js";
 import { Sheets } from "./sheets.js";
 import { showShortcuts } from "./shortcuts.js";
 import { TARGET_TOOLS } from "./targets.js";
+import { Space } from "./space.js";
 import { TOOLS } from "./tools.js";
 
 TOOLS.push(...TARGET_TOOLS);
@@ -81,7 +82,8 @@ class Studio {
     this.crosshair = new Crosshair(byId("canvas"), this.drawing);
     /** The guided first build. @type {Guide | undefined} */
     this.guide = new Guide(byId("canvas"), () => ({ ...this.file, document: this.known, tool: this.drawing.tool.name }));
-    this.sheets = new Sheets(byId("sheets"), byId("writing"), [{ name: "text", title: "Text", node: byId("text") }]);
+    this.space = new Space(this.pictures, this.drawing.actions, byId("canvas"));
+    this.sheets = new Sheets(byId("sheets"), byId("writing"), [{ name: "text", title: "Text", node: byId("text") }, { name: "model", title: "Model", node: this.space.tree.node }]);
     /** Requests of other parts by the kind of their answer. @type {Record<string, (message: any) => void>} */
     this.handlers = { export: (message) => this.exports.receive(message) };
     /** Listeners to the contents of the file. @type {((document: Document | null) => void)[]} */
@@ -92,7 +94,7 @@ class Studio {
   }
 
   bind() {
-    document.addEventListener("keydown", (event) => this.drawing.key(event));
+    for (const drawn of [this.space, this.drawing]) document.addEventListener("keydown", (event) => drawn.key(event));
     document.addEventListener("keydown", (event) => this.key(event));
     this.pictures.onShow.push(() => this.pictures.frame?.contentWindow?.addEventListener("keydown", (event) => this.key(event)));
     byId("cancel").addEventListener("click", () => this.request("cancel"));
@@ -151,7 +153,9 @@ class Studio {
         return this.pictures.receive(message);
       case "files": return chooseFile(message, (choice) => this.request("open", choice));
       case "notice": return this.say(message.text);
-      case "failure": return this.say(message.text, true);
+      case "failure":
+        this.space.revert();
+        return this.say(message.text, true);
       case "conflict": return void this.resolve(message.text, message.path);
       default: this.handlers[/** @type {{ kind: string }} */ (message).kind]?.(message);
     }
@@ -167,6 +171,7 @@ class Studio {
     }
     this.file = file;
     this.drawing.document = file.document;
+    this.space.show(file.document ?? this.known);
     this.known = file.document ?? this.known;
     if (this.unsent !== null) {
       const { unsent } = this;
