@@ -13,6 +13,8 @@ ELEMENTS = ("bodies", "beams", "joints", "drivers", "forces", "blocks")
 """Sections of elements, which refer to each other."""
 MAX_OPERATIONS = 500
 """Upper limit of the operations of one change."""
+PLACEHOLDER = re.compile(r"\$\w+")
+"""Name that a later operation gives to an element of the same change."""
 
 
 def apply(text: str, operations: Any) -> str:
@@ -23,8 +25,9 @@ def apply(text: str, operations: Any) -> str:
     text : of the model file
     operations : list of tables with ``op``. ``add`` has ``section``, ``fields`` and ``name`` or
         ``base``, to which a number is appended; ``as`` is a placeholder such as ``$bar`` for the
-        name in later operations. ``set`` has ``keys`` and ``value``, ``remove`` and ``rename``
-        have ``section`` and ``name``; the new name is ``to``. ``parameter`` has ``name`` and
+        name in later operations. ``set`` has ``keys`` and ``value``; with ``written`` the
+        value replaces formulas too. ``remove`` and ``rename`` have ``section`` and ``name``; the
+        new name is ``to``, and an entry may be ``missing`` if another operation removes it. ``parameter`` has ``name`` and
         ``value``, ``extract`` has ``keys``, or the character ``at`` in the text.
 
     Raises
@@ -46,9 +49,8 @@ def apply(text: str, operations: Any) -> str:
 
 def _named(value: Any, names: Mapping[str, str]) -> Any:
     """The value with names in place of placeholders."""
-    if isinstance(value, str) and value.startswith("$"):
-        placeholder, dot, rest = value.partition(".")
-        return names.get(placeholder, placeholder) + dot + rest
+    if isinstance(value, str) and "$" in value:
+        return PLACEHOLDER.sub(lambda match: names.get(match[0], match[0]), value)
     if isinstance(value, dict):
         return {key: item if key == "as" else _named(item, names) for key, item in value.items()}
     return [_named(item, names) for item in value] if isinstance(value, list) else value
@@ -75,11 +77,16 @@ def _set(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> 
     keys = operation.get("keys")
     if not (isinstance(keys, list) and keys and all(isinstance(k, (str, int)) for k in keys)):
         raise ModelError("the operation set needs the list 'keys'")
-    edits.set_value(keys, operation.get("value"))
+    if operation.get("written") is True:
+        edits.write(keys, operation.get("value"))
+    else:
+        edits.set_value(keys, operation.get("value"))
 
 
 def _remove(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
     section, name = _text(operation, "section"), _text(operation, "name")
+    if operation.get("missing") is True and name not in edits.data.get(section, {}):
+        return  # removed with an element of the same change
     for dependent in dependents(edits.data, section, name):
         edits.remove(*dependent)
     edits.remove(section, name)

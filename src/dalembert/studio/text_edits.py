@@ -225,6 +225,21 @@ class TextEdits:
                 raise ModelError(message, key_path(*path))
         self._replace(place, value)
 
+    def write(self, keys: Sequence[str | int], value: Any) -> None:
+        """Replace a value as it is written, such as ``45 mm`` or a formula, or add a key.
+
+        Raises
+        ------
+        ModelError
+            There is no such table.
+        """
+        path = tuple(keys)
+        place = self.places.get(path)
+        if place is None:
+            self._add_key(path, value)
+        else:
+            self._replace(place, value)
+
     def _replace(self, place: Place, value: Any) -> None:
         self._set(self.text[: place.value] + as_toml(value) + self.text[place.end :])
 

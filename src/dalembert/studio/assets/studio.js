@@ -9,9 +9,10 @@ import { Drawing } from "./drawing.js";
 import { button, byId, el } from "./dom.js";
 import { Editor } from "./editor.js";
 import { Link } from "./link.js";
+import { Palette } from "./palette.js";
 import { Pictures } from "./pictures.js";
+import { Properties } from "./properties.js";
 import { Sheets } from "./sheets.js";
-import { TOOLS } from "./tools.js";
 
 /** Time for which a notice is shown [ms]. */
 const SHOWN = 6000;
@@ -60,10 +61,12 @@ class Studio {
       hint: (text) => { byId("hint").textContent = text; },
       select: (section, name) => this.editor.reveal(section, name),
       refuse: (text) => this.say(text, true),
-      onTool: (name) => { for (const node of byId("palette").children) node.setAttribute("aria-pressed", String(/** @type {HTMLElement} */ (node).dataset.tool === name)); },
+      onTool: (name) => this.palette.show(name),
+      onSelect: () => this.properties.show(),
+      rename: (name) => void this.properties.rename(name),
     });
-    byId("palette").append(...TOOLS.map(({ name, title, key, hint }) =>
-      el("button", { type: "button", class: "button", "data-tool": name, "aria-pressed": name === "select", title: hint.join("; then "), onclick: () => this.drawing.choose(name) }, title, el("kbd", {}, key.toUpperCase()))));
+    this.palette = new Palette(byId("palette"), (name) => this.drawing.choose(name));
+    this.properties = new Properties(byId("canvas"), this.drawing, () => this.completion);
     this.sheets = new Sheets(byId("sheets"), byId("writing"), [{ name: "text", title: "Text", node: byId("text") }]);
     /** Requests of other parts by the kind of their answer. @type {Record<string, (message: any) => void>} */
     this.handlers = {};
@@ -124,6 +127,7 @@ class Studio {
     }
     this.file = file;
     this.drawing.document = file.document;
+    this.properties.show();
     this.known = file.document ?? this.known;
     if (this.unsent !== null) {
       const { unsent } = this;
@@ -252,7 +256,10 @@ class Studio {
   /** @param {PictureMessage} message */
   showSummary({ summary = "", facts = {} }) {
     byId("summary").textContent = summary;
-    byId("freedom").textContent = facts.redundant ? `${facts.redundant} redundant constraint${facts.redundant > 1 ? "s" : ""}` : "";
+    const redundant = facts.redundant ? `${facts.redundant} redundant constraint${facts.redundant > 1 ? "s" : ""} (${(facts.redundancies ?? []).join("; ")})` : "";
+    byId("freedom").textContent = redundant;
+    this.drawing.status = [summary, redundant].filter(Boolean).join("; ");
+    this.drawing.refresh();
   }
 
   /** @param {string} text @param {boolean} [failed] */
