@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -25,7 +24,7 @@ l = { value = 0.3, bounds = [0.2, 0.4] }  # of the crank
 [bodies]
 crank = { type = "Bar", length = "l", mass = 1, position = [0.15, 0.1], angle = 0.1 }
 rod = { type = "Bar", length = 0.5, mass = 1, position = [0.55, 0.2], angle = 0.4 }
-block = { mass = 1, inertia = 0.1, position = [0.8, 0.0], angle = 0.2, points = { P = [0.1, 0.05] } }
+block = { mass = 1, inertia = 0.1, position = [0.8, 0], angle = 0.2, points = { P = [0.1, 0.05] } }
 
 [joints]
 A = { type = "Revolute", connect = [{ body = "ground", at = [0, 0.1] }, "crank.start"] }

@@ -99,7 +99,8 @@ def test_gears_ropes_and_contacts(desk: tuple[Desk, Studio]) -> None:  # noqa: F
     visit.press("Enter")
     assert len(visit.js("studio.file.document.forces.rope1.points")) == 3
     assert not errors(visit)
-    start(visit, HEADER + "[bodies]\nball = { type = 'Particle', mass = 1, position = [0.5, 0.4] }\n")
+    ball = "[bodies]\nball = { type = 'Particle', mass = 1, position = [0.5, 0.4] }\n"
+    start(visit, HEADER + ball)
     visit.draw("C", (0.5, 0.4), (0.5, 0.2))
     assert visit.js("studio.file.document.forces.contact1.shape_i.type") == "HalfPlane"
     assert not errors(visit), errors(visit)

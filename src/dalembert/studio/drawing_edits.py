@@ -25,10 +25,11 @@ def apply(text: str, operations: Any) -> str:
     text : of the model file
     operations : list of tables with ``op``. ``add`` has ``section``, ``fields`` and ``name`` or
         ``base``, to which a number is appended; ``as`` is a placeholder such as ``$bar`` for the
-        name in later operations. ``set`` has ``keys`` and ``value``; with ``written`` the
-        value replaces formulas too. ``remove`` and ``rename`` have ``section`` and ``name``; the
-        new name is ``to``, and an entry may be ``missing`` if another operation removes it. ``parameter`` has ``name`` and
-        ``value``, ``extract`` has ``keys``, or the character ``at`` in the text.
+        name in later operations. ``set`` has ``keys`` and ``value``, which with ``written``
+        replaces formulas too. ``remove`` and ``rename`` have ``section`` and ``name``; the new
+        name is ``to``, and an entry may be ``missing`` if another operation removes it.
+        ``parameter`` has ``name`` and ``value``, ``extract`` has ``keys``, or the character ``at``
+        in the text.
 
     Raises
     ------
@@ -77,10 +78,7 @@ def _set(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> 
     keys = operation.get("keys")
     if not (isinstance(keys, list) and keys and all(isinstance(k, (str, int)) for k in keys)):
         raise ModelError("the operation set needs the list 'keys'")
-    if operation.get("written") is True:
-        edits.write(keys, operation.get("value"))
-    else:
-        edits.set_value(keys, operation.get("value"))
+    edits.set_value(keys, operation.get("value"), operation.get("written") is True)
 
 
 def _remove(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:

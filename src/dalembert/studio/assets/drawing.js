@@ -5,6 +5,7 @@
 /** @import { Change } from "./operations.js" */
 /** @import { Document } from "./types.d.ts" */
 
+import { controlAt, moveControl } from "./controls.js";
 import { transform } from "./editing.js";
 import { move } from "./operations.js";
 import { drawOverlay } from "./overlay.js";
@@ -16,8 +17,8 @@ import { TOOLS } from "./tools.js";
 import { shift } from "./transforms.js";
 import { BEGINS, TYPED, typedPlace } from "./typed_numbers.js";
 
-/** What is being dragged: a point, bodies, or a rectangle of selection; the page before, and the values of its parameters.
- * @typedef {{ kind: "point" | "body" | "box", from: Place, to: Place, moved: boolean, still: Page, values: number[] }} Drag */
+/** What is being dragged: a point, bodies, a control point, or a rectangle of selection; the page before, and the values of its parameters.
+ * @typedef {{ kind: "point" | "body" | "box" | "control", control: ReturnType<typeof controlAt>, from: Place, to: Place, moved: boolean, still: Page, values: number[] }} Drag */
 /** @typedef {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void, onTool: (name: string) => void, onSelect: (names: string[]) => void, rename: (name: string) => void }} Actions */
 
 export class Drawing {
@@ -124,7 +125,14 @@ export class Drawing {
 
   /** Begin to drag a point, bodies or a rectangle; select an element. @param {PointerEvent} event @param {[number, number]} at */
   grasp(event, at) {
-    const page = /** @type {Page} */ (this.page), resting = !page.player.playing && page.player.time === page.motion.start, place = snap(page, at), hit = elementAt(page, at);
+    const page = /** @type {Page} */ (this.page), control = this.document && controlAt(page, this.document, this.selected, at);
+    if (control) {
+      this.rest();
+      const from = placed(control.x, control.y);
+      this.drag = { kind: "control", control, from, to: from, moved: false, still: stillPage(page), values: [] };
+      return true;
+    }
+    const resting = !page.player.playing && page.player.time === page.motion.start, place = snap(page, at), hit = elementAt(page, at);
     const name = hit && this.document && sectionOf(this.document, hit.name) ? hit.name : null, several = name !== null && this.selection.size > 1 && this.selection.has(name);
     if (event.shiftKey && name) {
       this.select(this.selection.has(name) ? [...this.selection].filter((other) => other !== name) : [...this.selection, name]);
@@ -135,7 +143,7 @@ export class Drawing {
     const kind = place.names.length && !several ? "point" : name ? "body" : "box";
     if (kind !== "box") this.rest();
     const exact = kind === "box" ? { ...place, ...worldAt(page, at) } : place;
-    if (kind === "box" || resting) this.drag = { kind, from: exact, to: exact, moved: false, still: stillPage(page), values: [...(page.design?.values ?? [])] };
+    if (kind === "box" || resting) this.drag = { kind, control: null, from: exact, to: exact, moved: false, still: stillPage(page), values: [...(page.design?.values ?? [])] };
     this.refresh();
     return true;
   }
@@ -164,8 +172,9 @@ export class Drawing {
   }
 
   /** Change of the file by what is dragged. @param {Drag} drag @returns {Change | null} */
-  changeOf({ kind, from, to, still }) {
+  changeOf({ kind, control, from, to, still }) {
     if (!this.document || kind === "box") return null;
+    if (control) return moveControl(still, control, to);
     if (kind === "point") return move(still, this.document, from, to);
     const names = bodiesAmong(this.document, this.selection);
     return transform(still, this.document, this.selection, shift(to.x - from.x, to.y - from.y), `move ${names.length > 1 ? `${names.length} bodies` : names[0]}`);

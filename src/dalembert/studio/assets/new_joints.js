@@ -110,6 +110,8 @@ export function beam(page, from, to) {
   if (!(length > 0)) return null;
   const { modulus, density, poisson } = STEEL, area = SIDE ** 2, inertia = SIDE ** 4 / 12;
   const turn = (/** @type {Place} */ place) => neat(angle - angleOf(page, place.body));
-  const fields = { frame_i: reference(from, from.body), ...(to.body && { frame_j: reference(to, to.body) }), length: neat(length), axial_rigidity: neat(modulus * area), shear_rigidity: neat(((5 / 6) * modulus * area) / (2 * (1 + poisson))), bending_rigidity: neat(modulus * inertia), damping: DAMPING, elements: 2, order: 2, mass_per_length: neat(density * area), angle_i: turn(from), ...(to.body && { angle_j: turn(to) }) };
-  return added("beam", "beams", "beam", fields);
+  const ends = { frame_i: reference(from, from.body), ...(to.body && { frame_j: reference(to, to.body) }) };
+  const stiffness = { axial_rigidity: neat(modulus * area), shear_rigidity: neat(((5 / 6) * modulus * area) / (2 * (1 + poisson))), bending_rigidity: neat(modulus * inertia) };
+  const angles = { angle_i: turn(from), ...(to.body && { angle_j: turn(to) }) };
+  return added("beam", "beams", "beam", { ...ends, length: neat(length), ...stiffness, damping: DAMPING, elements: 2, order: 2, mass_per_length: neat(density * area), ...angles });
 }

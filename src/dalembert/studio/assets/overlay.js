@@ -2,6 +2,7 @@
 
 /** @import { Drawing } from "./drawing.js" */
 
+import { controlPoints } from "./controls.js";
 import { otherEnd } from "./operations.js";
 import { bounds } from "./selection.js";
 import { elementPlaces, namedPlaces } from "./snapping.js";
@@ -38,6 +39,10 @@ export function drawOverlay(ctx, drawing) {
     for (const [x, y] of corners) mark({ x, y }, 6);
   }
   if (tool.name !== "select") for (const place of namedPlaces(page)) mark(place, 4);
+  for (const { x, y } of drawing.document && tool.name === "select" ? controlPoints(page, drawing.document, drawing.selected) : []) {
+    const [u, v] = screen({ x, y });
+    ctx.strokeRect(u - 4, v - 4, 8, 8);
+  }
   ctx.setLineDash([6, 4]);
   const box = drawing.selection.size > 1 && tool.name === "select" && bounds(page, drawing.selection);
   if (box) {
