@@ -86,7 +86,13 @@ export class Drawing {
     on("pointermove", (event, at) => this.over(event, at));
     on("pointerup", (event, at) => this.up(event, at));
     on("dblclick", () => this.tool.name !== "select");
-    view.addEventListener("keydown", (event) => this.key(event), true);
+    view.addEventListener("keydown", (event) => {
+      this.key(event);
+      const { key, ctrlKey, metaKey, shiftKey } = event;
+      if (!(ctrlKey || metaKey) || event.defaultPrevented) return;
+      const outer = new KeyboardEvent("keydown", { key, ctrlKey, metaKey, shiftKey, bubbles: true, cancelable: true });
+      if (!document.dispatchEvent(outer)) event.preventDefault();  // such as undo, while the picture has the focus
+    }, true);
     page.scene.overlays.push((/** @type {{ ctx: CanvasRenderingContext2D }} */ { ctx }) => { if (this.possible) drawOverlay(ctx, this); });
     if (this.tool.name !== "select") this.rest();
     this.refresh();
