@@ -16,6 +16,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import dalembert as da
+from dalembert.io.model_file import check_model_data
 from dalembert.io.toml_places import line_and_column, parse_keys, toml_places
 from dalembert.studio.draft import PAUSE, Draft
 from dalembert.studio.drawing_edits import apply
@@ -299,7 +300,7 @@ def test_random_edits_are_undone_byte_by_byte(tmp_path: Path, count: int) -> Non
     for _ in range(count):
         data = tomllib.loads(draft.text)
         bodies = list(data.get("bodies", {}))
-        choice = rng.choice(["bar", "bar", "pin", "move", "remove", "rename", "undo", "type"])
+        choice = rng.choice([*DRAWN, "undo", "type"])
         try:
             if choice == "undo":
                 if draft.undo():
@@ -311,7 +312,7 @@ def test_random_edits_are_undone_byte_by_byte(tmp_path: Path, count: int) -> Non
                 lines.insert(rng.randrange(len(lines)), "# remark [x] = { \"'")
                 text = "\n".join(lines)
             else:
-                text = apply(draft.text, [random_operation(rng, choice, bodies, data)])
+                text = apply(draft.text, random_operations(rng, choice, bodies, data))
         except da.ModelError:
             continue
         if draft.replace(text, choice):
@@ -322,11 +323,78 @@ def test_random_edits_are_undone_byte_by_byte(tmp_path: Path, count: int) -> Non
             for end in joint["connect"]:
                 body = end.split(".")[0] if isinstance(end, str) else end["body"]
                 assert body == "ground" or body in data["bodies"]
+        check_model_data(data, path)  # the file that the picture is made of is valid
     for text in reversed(texts[:-1]):
         assert draft.undo() and draft.text == text
     assert not draft.undo() and draft.encoded() == path.read_bytes()
     for text in texts[1:]:
         assert draft.redo() and draft.text == text
+
+
+DRAWN = [
+    *("bar", "bar", "pin", "move", "remove", "rename"),
+    *("copy", "tool", "point", "property", "extract", "several"),
+]
+"""Kinds of random changes by drawing."""
+
+
+def random_operations(
+    rng: random.Random, kind: str, bodies: list[str], data: Any
+) -> list[dict[str, Any]]:
+    """Operations of one change of the drawing on random elements."""
+    body, other = (rng.choice(bodies or ["none"]) for _ in range(2))
+    number = round(rng.uniform(0.1, 2.0), 3)
+    if kind == "copy":  # with a joint between the copied parts
+        parts = list(dict.fromkeys([body, other]))
+        rows = [
+            {
+                "op": "add",
+                "section": "bodies",
+                "base": name.rstrip("0123456789"),
+                "as": f"$copy_{name}",
+                "fields": data["bodies"].get(name, {}) | {"position": [number, -number]},
+            }
+            for name in parts
+        ]
+        connect = [{"body": f"$copy_{name}", "at": [0.0, number]} for name in parts]
+        pin = {"type": "Revolute", "connect": connect}
+        return [*rows, {"op": "add", "section": "joints", "base": "", "fields": pin}][:3]
+    if kind == "tool" and body != other:
+        ends = [{"body": body, "at": [number, 0.0]}, {"body": other, "at": [0.0, 0.1]}]
+        section, fields = rng.choice(
+            [
+                ("forces", {"type": "Spring", "connect": ends, "damping": 20}),
+                ("forces", {"type": "Torque", "connect": [body], "value": number}),
+                ("forces", {"type": "Actuator", "connect": ends, "force": 100}),
+                ("joints", {"type": "Prismatic", "connect": ends, "axis": [0.6, 0.8]}),
+                ("joints", {"type": "RigidLink", "connect": ends, "length": number}),
+                ("drivers", {"type": "DistanceDriver", "connect": ends, "law": f"{number} + t"}),
+            ]
+        )
+        return [{"op": "add", "section": section, "base": "new", "fields": fields}]
+    if kind == "point":
+        points = data["bodies"].get(body, {}).get("points", {})
+        keys = ["bodies", body, "points", f"P{len(points) + 1}"]
+        place: Any = [number, 0.2]
+        if points:
+            return [{"op": "set", "keys": keys, "value": place}]
+        return [{"op": "set", "keys": keys[:-1], "value": {keys[-1]: place}}]
+    if kind == "property":
+        value = rng.choice([number, f"{number} kg", f"2*{number}"])
+        keys = ["bodies", body, "mass"]
+        return [{"op": "set", "keys": keys, "value": value, "written": True}]
+    if kind == "extract":
+        return [{"op": "extract", "keys": ["bodies", body, rng.choice(["length", "angle"])]}]
+    if kind == "several" and len(bodies) > 3:
+        names = [body, other, *list(data["joints"])[:1]]
+        sections = ["bodies", "bodies", "joints"]
+        return [
+            {"op": "remove", "section": section, "name": name, "missing": True}
+            for section, name in zip(sections, names, strict=False)
+        ]
+    if kind in ("tool", "several"):
+        raise da.ModelError("too few bodies")
+    return [random_operation(rng, kind, bodies, data)]
 
 
 def random_operation(rng: random.Random, kind: str, bodies: list[str], data: Any) -> dict[str, Any]:

@@ -7,13 +7,15 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from dalembert.errors import ModelError
-from dalembert.studio.section_edits import set_section, write_value
+from dalembert.studio.section_edits import set_section
 from dalembert.studio.text_edits import TextEdits
 
 ELEMENTS = ("bodies", "beams", "joints", "drivers", "forces", "blocks")
 """Sections of elements, which refer to each other."""
 MAX_OPERATIONS = 500
 """Upper limit of the operations of one change."""
+PLACEHOLDER = re.compile(r"\$\w+")
+"""Name that a later operation gives to an element of the same change."""
 
 
 def apply(text: str, operations: Any) -> str:
@@ -24,11 +26,12 @@ def apply(text: str, operations: Any) -> str:
     text : of the model file
     operations : list of tables with ``op``. ``add`` has ``section``, ``fields`` and ``name`` or
         ``base``, to which a number is appended; ``as`` is a placeholder such as ``$bar`` for the
-        name in later operations. ``set`` has ``keys`` and ``value``, ``remove`` and ``rename``
-        have ``section`` and ``name``; the new name is ``to``. ``parameter`` has ``name`` and
-        ``value``, ``extract`` has ``keys``, or the character ``at`` in the text. ``section`` has
-        ``section`` and ``fields``: the new values of its keys, null for a removed one.
-        ``write`` replaces the value at ``keys`` also where it is a formula.
+        name in later operations. ``set`` has ``keys`` and ``value``, which with ``written``
+        replaces formulas too. ``remove`` and ``rename`` have ``section`` and ``name``; the new
+        name is ``to``, and an entry may be ``missing`` if another operation removes it.
+        ``parameter`` has ``name`` and ``value``, ``extract`` has ``keys``, or the character ``at``
+        in the text. ``section`` has ``section`` and ``fields``: the new values of its keys, null
+        for a removed one.
 
     Raises
     ------
@@ -49,9 +52,8 @@ def apply(text: str, operations: Any) -> str:
 
 def _named(value: Any, names: Mapping[str, str]) -> Any:
     """The value with names in place of placeholders."""
-    if isinstance(value, str) and value.startswith("$"):
-        placeholder, dot, rest = value.partition(".")
-        return names.get(placeholder, placeholder) + dot + rest
+    if isinstance(value, str) and "$" in value:
+        return PLACEHOLDER.sub(lambda match: names.get(match[0], match[0]), value)
     if isinstance(value, dict):
         return {key: item if key == "as" else _named(item, names) for key, item in value.items()}
     return [_named(item, names) for item in value] if isinstance(value, list) else value
@@ -78,11 +80,13 @@ def _set(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> 
     keys = operation.get("keys")
     if not (isinstance(keys, list) and keys and all(isinstance(k, (str, int)) for k in keys)):
         raise ModelError("the operation set needs the list 'keys'")
-    edits.set_value(keys, operation.get("value"))
+    edits.set_value(keys, operation.get("value"), operation.get("written") is True)
 
 
 def _remove(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
     section, name = _text(operation, "section"), _text(operation, "name")
+    if operation.get("missing") is True and name not in edits.data.get(section, {}):
+        return  # removed with an element of the same change
     for dependent in dependents(edits.data, section, name):
         edits.remove(*dependent)
     edits.remove(section, name)
@@ -121,9 +125,6 @@ OPERATIONS: dict[str, Callable[[TextEdits, dict[str, Any], dict[str, str]], None
     "parameter": _parameter,
     "extract": _extract,
     "section": _section,
-    "write": lambda edits, operation, _: write_value(
-        edits, operation.get("keys"), operation.get("value")
-    ),
 }
 
 

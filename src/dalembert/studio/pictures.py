@@ -169,7 +169,8 @@ def _diagnosis(model: Any) -> tuple[str, dict[str, Any], tuple[Problem, ...]]:
     facts = {
         "degrees_of_freedom": diagnosis.degrees_of_freedom,
         "free": diagnosis.free,
-        "redundant": sum(item.count for item in diagnosis.redundancies),
+        "redundant": len(diagnosis.redundancies),
+        "redundancies": [str(item) for item in diagnosis.redundancies],
     }
     notes = (Problem(level, message) for level, message in diagnosis.messages)
     return diagnosis.summary, facts, tuple(notes)

@@ -74,18 +74,3 @@ def _add(edits: TextEdits, section: str, key: str, value: Any) -> None:
         where = key_path(section, key)
         raise ModelError("add the header of its section to the text first", where)
     edits.set_value((section, key), value)
-
-
-def write_value(edits: TextEdits, keys: Any, value: Any) -> None:
-    """Replace a value as it is written, such as the law of a driver, which may be a formula.
-
-    Raises
-    ------
-    ModelError
-        There is no such value.
-    """
-    path = tuple(keys) if isinstance(keys, list) else ()
-    place = edits.places.get(path)
-    if place is None or place.value == place.start:
-        raise ModelError("there is no such value", key_path(*path) if path else "")
-    edits.replace(path, value)

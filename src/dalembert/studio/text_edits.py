@@ -198,11 +198,11 @@ class TextEdits:
         line = self.text.rfind("\n", 0, start) + 1
         return self.text[start] == "[" and not self.text[line:start].strip()
 
-    def set_value(self, keys: Sequence[str | int], value: Any) -> None:
+    def set_value(self, keys: Sequence[str | int], value: Any, as_written: bool = False) -> None:
         """Replace a value, or add a key to a table; numbers are in SI units.
 
         A number keeps its unit. A value that is the name of a parameter stays; the parameter gets
-        the number.
+        the number. A value ``as_written``, such as ``45 mm``, replaces units and formulas too.
 
         Raises
         ------
@@ -215,7 +215,7 @@ class TextEdits:
             self._add_key(path, value)
             return
         old = tomllib.loads(f"k = {self.text[place.value : place.end]}")["k"]
-        if isinstance(old, str) and is_number(value):
+        if isinstance(old, str) and is_number(value) and not as_written:
             if old in self.data.get("parameters", {}):
                 self.set_parameter(old, value)
                 return

@@ -108,7 +108,7 @@ export class AnalysisSheet {
     const drivers = Object.entries(this.document?.drivers ?? {}).filter(([, driver]) => typeof driver?.law === "string" || typeof driver?.law === "number");
     if (!drivers.length || this.kinds !== KINDS.mechanism) return "";
     return el("fieldset", {}, el("legend", {}, "Drivers"), drivers.map(([name, { law }]) =>
-      numberField({ key: `law-${name}`, label: name, text: true }, law, (value) => value !== null && this.actions.edit(`set ${name}`, [{ op: "write", keys: ["drivers", name, "law"], value }]))));
+      numberField({ key: `law-${name}`, label: name, text: true }, law, (value) => value !== null && this.actions.edit(`set ${name}`, [{ op: "set", keys: ["drivers", name, "law"], value, written: true }]))));
   }
 
   /** Errors of the picture, with remedies. */

@@ -1,17 +1,28 @@
-// Drawing on the picture: tools, snapping, selection.
+// Drawing on the picture: tools, dragging, keys.
 
 /** @import { Page, Pictures } from "./pictures.js" */
 /** @import { Place } from "./snapping.js" */
 /** @import { Change } from "./operations.js" */
 /** @import { Document } from "./types.d.ts" */
 
-import { move, otherEnd, remove, sectionOf } from "./operations.js";
+import { controlAt, moveControl } from "./controls.js";
+import { transform } from "./editing.js";
+import { move } from "./operations.js";
+import { drawOverlay } from "./overlay.js";
 import { stillPage, valuesAfter } from "./preview.js";
-import { elementAt, inBody, namedPlaces, snap } from "./snapping.js";
+import { bodiesAmong, sectionOf, within } from "./selection.js";
+import { SelectionKeys } from "./selection_keys.js";
+import { elementAt, inBody, placed, snap } from "./snapping.js";
 import { TOOLS } from "./tools.js";
+import { shift } from "./transforms.js";
+import { BEGINS, TYPED, typedPlace } from "./typed_numbers.js";
+
+/** What is being dragged: a point, bodies, a control point, or a rectangle of selection; the page before, and the values of its parameters.
+ * @typedef {{ kind: "point" | "body" | "box" | "control", control: ReturnType<typeof controlAt>, from: Place, to: Place, moved: boolean, still: Page, values: number[] }} Drag */
+/** @typedef {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void, onTool: (name: string) => void, onSelect: (names: string[]) => void, rename: (name: string) => void }} Actions */
 
 export class Drawing {
-  /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void, onTool: (name: string) => void }} actions */
+  /** @param {Pictures} pictures @param {Actions} actions */
   constructor(pictures, actions) {
     this.pictures = pictures;
     this.actions = actions;
@@ -22,15 +33,23 @@ export class Drawing {
     this.places = [];
     /** Place under the pointer. @type {Place | null} */
     this.now = null;
-    /** Place that is being dragged, and where to; the page before, and the values of its parameters. @type {{ from: Place, to: Place, moved: boolean, still: Page, values: number[] } | null} */
+    /** @type {Drag | null} */
     this.drag = null;
-    /** Selected element. @type {string | null} */
-    this.selected = null;
+    /** Names of selected elements. @type {Set<string>} */
+    this.selection = new Set();
+    /** Numbers that are being typed. */
+    this.typed = "";
+    /** Degrees of freedom and redundant constraints. */
+    this.status = "";
+    this.keys = new SelectionKeys(this);
     pictures.onShow.push((page) => this.bind(page));
   }
 
   /** @returns {Page | null} */
   get page() { return this.pictures.page; }
+
+  /** The selected element, if it is one. @returns {string | null} */
+  get selected() { return this.selection.size === 1 ? [...this.selection][0] : null; }
 
   /** Whether the picture is a planar mechanism that can be drawn on. */
   get possible() {
@@ -41,8 +60,7 @@ export class Drawing {
   /** @param {string} name */
   choose(name) {
     this.tool = TOOLS.find((tool) => tool.name === name) ?? TOOLS[0];
-    this.places = [];
-    this.drag = null;
+    [this.places, this.drag, this.typed] = [[], null, ""];
     if (this.tool.name !== "select") this.rest();
     this.actions.onTool(this.tool.name);
     this.refresh();
@@ -68,17 +86,25 @@ export class Drawing {
     on("pointermove", (event, at) => this.over(event, at));
     on("pointerup", (event, at) => this.up(event, at));
     on("dblclick", () => this.tool.name !== "select");
-    view.addEventListener("keydown", (event) => this.key(event), true);
-    page.scene.overlays.push((/** @type {{ ctx: CanvasRenderingContext2D }} */ { ctx }) => this.draw(ctx));
+    view.addEventListener("keydown", (event) => {
+      this.key(event);
+      const { key, ctrlKey, metaKey, shiftKey } = event;
+      if (!(ctrlKey || metaKey) || event.defaultPrevented) return;
+      const outer = new KeyboardEvent("keydown", { key, ctrlKey, metaKey, shiftKey, bubbles: true, cancelable: true });
+      if (!document.dispatchEvent(outer)) event.preventDefault();  // such as undo, while the picture has the focus
+    }, true);
+    page.scene.overlays.push((/** @type {{ ctx: CanvasRenderingContext2D }} */ { ctx }) => { if (this.possible) drawOverlay(ctx, this); });
     if (this.tool.name !== "select") this.rest();
     this.refresh();
   }
 
   /** @param {PointerEvent} event @param {[number, number]} at @returns {Place} */
   placeAt(event, at) {
-    const page = /** @type {Page} */ (this.page), ignore = this.drag?.from.names ?? [];
+    const page = /** @type {Page} */ (this.page), ignore = this.drag?.kind === "point" ? this.drag.from.names : [];
     const from = this.places.at(-1) ?? null, place = snap(page, at, { from, free: event.altKey, ignore });
-    if (!place.names.length && this.tool.onBody && !this.places.length) {
+    const typed = this.typed ? typedPlace(this.typed, from, place) : null;
+    if (typed) return { ...placed(typed.x, typed.y), how: "typed" };
+    if (!place.names.length && this.tool.onBody && (!this.places.length || this.tool.onBody === "all")) {
       const hit = elementAt(page, at);
       if (hit && this.document?.bodies?.[hit.name]) return { ...place, body: hit.name, local: inBody(page, hit.name, place.x, place.y), how: `on ${hit.name}` };
     }
@@ -89,41 +115,75 @@ export class Drawing {
   down(event, at) {
     if (event.button !== 0) return false;
     if (this.tool.name === "select") return this.grasp(event, at);
-    const place = this.placeAt(event, at), first = this.places[0];
-    const closes = this.tool.clicks === 0 && this.places.length > 2 && Math.hypot(place.x - first.x, place.y - first.y) * /** @type {Page} */ (this.page).scene.view.s < 8;
+    this.put(this.placeAt(event, at));
+    return true;
+  }
+
+  /** Add a place to what is being drawn. @param {Place} place */
+  put(place) {
+    const first = this.places[0], { clicks } = this.tool;
+    const closes = clicks === 0 && this.places.length > 2 && Math.hypot(place.x - first.x, place.y - first.y) * /** @type {Page} */ (this.page).scene.view.s < 8;
     if (!closes) this.places.push(place);
-    if (closes || this.places.length === this.tool.clicks) this.finish();
+    this.typed = "";
+    if (closes || this.places.length === clicks) this.finish();
+    this.refresh();
+  }
+
+  /** Begin to drag a point, bodies or a rectangle; select an element. @param {PointerEvent} event @param {[number, number]} at */
+  grasp(event, at) {
+    const page = /** @type {Page} */ (this.page), control = this.document && controlAt(page, this.document, this.selected, at);
+    if (control) {
+      this.rest();
+      const from = placed(control.x, control.y);
+      this.drag = { kind: "control", control, from, to: from, moved: false, still: stillPage(page), values: [] };
+      return true;
+    }
+    const resting = !page.player.playing && page.player.time === page.motion.start, place = snap(page, at), hit = elementAt(page, at);
+    const name = hit && this.document && sectionOf(this.document, hit.name) ? hit.name : null, several = name !== null && this.selection.size > 1 && this.selection.has(name);
+    if (event.shiftKey && name) {
+      this.select(this.selection.has(name) ? [...this.selection].filter((other) => other !== name) : [...this.selection, name]);
+      return true;
+    }
+    if (!name && !place.names.length && (event.pointerType === "touch" || event.altKey)) return false;  // pans
+    if (!several && !event.shiftKey) this.select(name ? [name] : []);
+    const kind = place.names.length && !several ? "point" : name ? "body" : "box";
+    if (kind !== "box") this.rest();
+    const exact = kind === "box" ? { ...place, ...worldAt(page, at) } : place;
+    if (kind === "box" || resting) this.drag = { kind, control: null, from: exact, to: exact, moved: false, still: stillPage(page), values: [...(page.design?.values ?? [])] };
     this.refresh();
     return true;
   }
 
-  /** Begin to drag a point, or select an element. @param {PointerEvent} event @param {[number, number]} at */
-  grasp(event, at) {
-    const page = /** @type {Page} */ (this.page), resting = !page.player.playing && page.player.time === page.motion.start, place = snap(page, at);
-    const hit = elementAt(page, at);
-    this.selected = hit && this.document && sectionOf(this.document, hit.name) ? hit.name : null;
-    if (this.selected && this.document) this.actions.select(/** @type {string} */ (sectionOf(this.document, this.selected)), this.selected);
-    if (place.names.length) {
-      this.rest();
-      this.drag = resting ? { from: place, to: place, moved: false, still: stillPage(page), values: [...(page.design?.values ?? [])] } : null;
-    }
+  /** @param {Iterable<string>} names */
+  select(names) {
+    this.selection = new Set(names);
+    const { document, selected } = this, section = selected && document && sectionOf(document, selected);
+    if (section && selected) this.actions.select(section, selected);
+    this.actions.onSelect([...this.selection]);
     this.refresh();
-    return place.names.length > 0;
   }
 
   /** @param {PointerEvent} event @param {[number, number]} at */
   over(event, at) {
-    if (this.drag) {
-      const to = this.placeAt(event, at);
-      this.drag = { ...this.drag, to, moved: this.drag.moved || Math.hypot(to.x - this.drag.from.x, to.y - this.drag.from.y) > 0 };
-      this.preview(this.drag);
-      this.refresh();
-      return true;
-    }
-    if (this.tool.name === "select") return false;
-    this.now = this.placeAt(event, at);
+    if (event.buttons > 1) return false;
+    const place = this.placeAt(event, at), { drag, page } = this;
+    this.now = place;
+    if (drag && page) {
+      drag.to = drag.kind === "box" ? { ...place, ...worldAt(page, at) } : place;
+      drag.moved ||= Math.hypot(place.x - drag.from.x, place.y - drag.from.y) * page.scene.view.s > (drag.kind === "point" ? 0 : 3);
+      if (drag.moved && drag.kind !== "box") this.preview(drag);
+    } else if (this.tool.name === "select") return false;
     this.refresh();
     return event.buttons === 1;
+  }
+
+  /** Change of the file by what is dragged. @param {Drag} drag @returns {Change | null} */
+  changeOf({ kind, control, from, to, still }) {
+    if (!this.document || kind === "box") return null;
+    if (control) return moveControl(still, control, to);
+    if (kind === "point") return move(still, this.document, from, to);
+    const names = bodiesAmong(this.document, this.selection);
+    return transform(still, this.document, this.selection, shift(to.x - from.x, to.y - from.y), `move ${names.length > 1 ? `${names.length} bodies` : names[0]}`);
   }
 
   /** @param {PointerEvent} event @param {[number, number]} at */
@@ -131,43 +191,72 @@ export class Drawing {
     const { drag, page, document } = this;
     this.drag = null;
     if (!drag || !page || !document) return this.tool.name !== "select";
-    const change = drag.moved && move(drag.still, document, drag.from, drag.to);
-    if (change) this.actions.change(change);
+    if (drag.kind === "box") this.select([...(event.shiftKey ? this.selection : []), ...(drag.moved ? within(page, document, drag.from, drag.to) : [])]);
+    else if (drag.moved) this.attempt(() => this.changeOf(drag));
     this.refresh();
     return true;
   }
 
-  /** Let a live page compute the position to which a point is dragged. @param {NonNullable<Drawing["drag"]>} drag */
-  preview({ from, to, still, values }) {
+  /** Carry out a change, or say why it is not possible. @param {() => Change | null} make @param {string} [refusal] */
+  attempt(make, refusal = "") {
+    try {
+      const change = make();
+      if (change) this.actions.change(change);
+      else if (refusal) this.actions.refuse(refusal);
+    } catch (error) {
+      this.actions.refuse(/** @type {Error} */ (error).message);
+    }
+  }
+
+  /** Let a live page compute the position to which a point or a body is dragged. @param {Drag} drag */
+  preview(drag) {
     const { page, document } = this, design = page?.design;
-    if (!page || !document || design?.parameters.length !== values.length) return;
-    const change = move(still, document, from, to), next = change && valuesAfter(page, document, values, change.operations);
-    if (next) design.replace(next, "drawing");
+    if (!page || !document || design?.parameters.length !== drag.values.length) return;
+    try {
+      const change = this.changeOf(drag), next = change && valuesAfter(page, document, drag.values, change.operations);
+      if (next) design.replace(next, "drawing");
+    } catch { /* the reason is shown when it is released */ }
   }
 
   finish() {
-    const change = this.tool.make(this.places, this);
+    const { places, tool } = this;
     this.places = [];
-    if (change) this.actions.change(change);
-    else this.actions.refuse(`${this.tool.title}: ${this.tool.hint[0]}`);
+    this.attempt(() => tool.make(places, this), `${tool.title}: ${tool.hint[0]}`);
     this.refresh();
+  }
+
+  /** Keys of numbers that are typed while drawing. @param {string} key @returns {boolean} */
+  typing(key) {
+    if (this.tool.name === "select" || !this.page) return false;
+    if (key === "Enter" && this.typed) {
+      const place = typedPlace(this.typed, this.places.at(-1) ?? null, this.now);
+      if (place) this.put(placed(place.x, place.y));
+      else this.actions.refuse(`${this.typed}: type a length 0.3, a length and an angle 0.3<45, or coordinates 0.1,0.2`);
+    } else if (key === "Backspace" && this.typed) this.typed = this.typed.slice(0, -1);
+    else if (key === "Escape" && this.typed) this.typed = "";
+    else if (this.typed ? TYPED.test(key) : BEGINS.test(key)) this.typed += key;
+    else return false;
+    const place = this.typed ? typedPlace(this.typed, this.places.at(-1) ?? null, this.now) : null;
+    if (place) this.now = { ...placed(place.x, place.y), how: "typed" };
+    return true;
   }
 
   /** @param {KeyboardEvent} event */
   key(event) {
     const typing = /** @type {HTMLElement} */ (event.target)?.closest?.("input, select, textarea, .cm-editor, dialog");
-    if (!this.possible || typing || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (!this.possible || typing || event.defaultPrevented) return;
     const { key } = event;
-    if (key === "Escape") {
+    if (event.ctrlKey || event.metaKey) {
+      if (!this.keys.command(event)) return;
+    } else if (event.altKey) return;
+    else if (this.typing(key)) { /* typed */ }
+    else if (key === "Escape") {
       if (this.drag) this.page?.design?.replace(this.drag.values, "drawing");
       if (this.places.length || this.drag) [this.places, this.drag] = [[], null];
-      else this.choose("select");
-    } else if (key === "Enter" && this.tool.clicks === 0 && this.places.length > 2) this.finish();
-    else if ((key === "Delete" || key === "Backspace") && this.selected && this.document) {
-      const change = remove(this.document, this.selected);
-      this.selected = null;
-      if (change) this.actions.change(change);
-    } else {
+      else if (this.tool.name !== "select") this.choose("select");
+      else this.select([]);
+    } else if (key === "Enter" && this.tool.clicks === 0 && this.places.length > 1) this.finish();
+    else if (!(this.tool.name === "select" && this.keys.edits(event))) {
       const tool = TOOLS.find((item) => item.key === key);
       if (!tool) return;
       this.choose(tool.name);
@@ -185,41 +274,10 @@ export class Drawing {
     const canvas = this.page?.scene.canvas;
     if (canvas) canvas.style.cursor = this.tool.name === "select" ? "" : "crosshair";
   }
+}
 
-  /** @param {CanvasRenderingContext2D} ctx */
-  draw(ctx) {
-    const { page } = this;
-    if (!page || !this.possible) return;
-    const style = getComputedStyle(document.documentElement), accent = style.getPropertyValue("--accent").trim(), { view } = page.scene;
-    const mark = (/** @type {{ x: number, y: number }} */ place, /** @type {number} */ radius) => {
-      const [x, y] = view.screen([place.x, place.y]);
-      ctx.beginPath();
-      ctx.arc(x, y, radius, 0, 2 * Math.PI);
-      ctx.stroke();
-    };
-    const line = (/** @type {{ x: number, y: number }[]} */ places) => {
-      ctx.beginPath();
-      for (const place of places) ctx.lineTo(.../** @type {[number, number]} */ (view.screen([place.x, place.y])));
-      ctx.stroke();
-    };
-    ctx.save();
-    [ctx.strokeStyle, ctx.fillStyle, ctx.lineWidth, ctx.font] = [accent, accent, 2, "12px system-ui, sans-serif"];
-    if (this.tool.name !== "select") for (const place of namedPlaces(page)) mark(place, 4);
-    const chain = this.now && this.places.length ? [...this.places, this.now] : this.places;
-    ctx.setLineDash([6, 4]);
-    line(chain);
-    if (this.drag?.moved) for (const name of this.drag.from.names) {
-      const [body, point] = name.split("."), other = this.document?.bodies?.[body]?.type === "Bar" && otherEnd(page, body, point);
-      if (other) line([other, this.drag.to]);
-    }
-    ctx.setLineDash([]);
-    const last = this.drag?.to ?? (this.tool.name === "select" ? null : this.now);
-    if (last) {
-      mark(last, last.names.length ? 8 : 4);
-      const from = this.places.at(-1), [x, y] = view.screen([last.x, last.y]);
-      const size = from ? ` ${Number(Math.hypot(last.x - from.x, last.y - from.y).toPrecision(4))} m` : ` (${Number(last.x.toPrecision(4))}, ${Number(last.y.toPrecision(4))})`;
-      ctx.fillText(`${last.how}${size}`, x + 12, y - 10);
-    }
-    ctx.restore();
-  }
+/** Place of the plane at a pixel. @param {Page} page @param {[number, number]} pixel */
+function worldAt(page, pixel) {
+  const [x, y] = page.scene.view.world(pixel);
+  return { x, y };
 }

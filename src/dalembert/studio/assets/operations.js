@@ -5,6 +5,7 @@
 /** @import { Document } from "./types.d.ts" */
 
 import { FINE, inBody, placeOf, rounded } from "./snapping.js";
+import { neat } from "./transforms.js";
 
 /** Mass of a new bar per length [kg/m], and of a new plate per area [kg/m²]. */
 const BAR = 1, PLATE = 10;
@@ -14,11 +15,8 @@ const STIFFNESS = 200, FORCE = 10, TURN = 2;
 /** @typedef {Record<string, unknown>} Operation */
 /** @typedef {{ label: string, operations: Operation[] }} Change */
 
-/** Number without noise in its last digits. @param {number} value */
-export const neat = (value) => (Math.abs(value) < 1e-12 ? 0 : Number(value.toPrecision(9)));
-
 /** Reference to a place: a point with a name, a point of a body, or a point of the ground. @param {Place} place @param {string | null} [body] */
-function reference({ x, y, names, local }, body = null) {
+export function reference({ x, y, names, local }, body = null) {
   if (names.length) return names[0];
   if (body && local) return { body, at: local.map(neat) };
   return { body: "ground", at: [neat(x), neat(y)] };
@@ -90,56 +88,62 @@ export function force(place, toward) {
   return { label: "add force", operations: [{ op: "add", section: "forces", base: "force", fields }] };
 }
 
+/** Bodies of a joint, and the angle of the second relative to the first. @param {Page} page @param {any} joint @returns {{ bodies: string[], angle: number }} */
+export function bodiesAt(page, joint) {
+  const bodies = /** @type {any[]} */ (joint.connect).map((end) => (typeof end === "string" ? end.split(".")[0] : end.body));
+  return { bodies, angle: neat(angleOf(page, bodies[1]) - angleOf(page, bodies[0])) };
+}
+
+/** @param {Page} page @param {string | null} name */
+export const angleOf = ({ motion }, name) => motion.pose(motion.bodies.find((/** @type {any} */ body) => body.name === name) ?? motion.ground)?.a ?? 0;
+
 /** Motor at a joint. @param {Place} place @param {Page} page @param {Document} document @returns {Change | null} */
 export function motor(place, page, document) {
   const joint = place.joint === null ? null : document.joints?.[place.joint];
   if (!joint) return null;
-  const bodies = /** @type {any[]} */ (joint.connect).map((end) => (typeof end === "string" ? end.split(".")[0] : end.body));
-  const angle = (/** @type {string} */ name) => page.motion.pose(page.motion.bodies.find((/** @type {any} */ body) => body.name === name) ?? page.motion.ground)?.a ?? 0;
-  const phase = neat(angle(bodies[1]) - angle(bodies[0]));
+  const { bodies, angle: phase } = bodiesAt(page, joint);
   const fields = { type: "RotationalDriver", connect: bodies, law: `${phase} + 2*pi*t/${TURN}` };
   return { label: "add motor", operations: [{ op: "add", section: "drivers", base: "motor", fields }] };
 }
 
-/** Names of sections of what the drawing shows. @param {Document} document @param {string} name */
-export function sectionOf(document, name) {
-  return ["bodies", "beams", "joints", "drivers", "forces"].find((section) => document[section]?.[name] !== undefined) ?? null;
-}
-
-/** @param {Document} document @param {string} name @returns {Change | null} */
-export function remove(document, name) {
-  const section = sectionOf(document, name);
-  return section === null ? null : { label: `delete ${name}`, operations: [{ op: "remove", section, name }] };
-}
-
-/** Move the points of a place, with bars and plates that end there. @param {Page} page @param {Document} document @param {Place} place @param {Place} to @returns {Change | null} */
+/** Move the points of a place, with bars and plates that end there. @param {Page} page @param {Document} document @param {Place} place @param {{ x: number, y: number }} to @returns {Change | null} */
 export function move(page, document, place, to) {
+  const operations = movedPoints(page, document, [{ from: place, to }]);
+  return operations.length ? { label: `move ${place.names[0]}`, operations } : null;
+}
+
+/** Points in other places, with the joints there. @param {Page} page @param {Document} document
+ * @param {{ from: { x: number, y: number, names: string[] }, to: { x: number, y: number } }[]} moves @param {Set<string>} [done] joints that are moved already @returns {Operation[]} */
+export function movedPoints(page, document, moves, done = new Set()) {
   const { motion, scene } = page;
   /** @type {Operation[]} */
   const operations = [], set = (/** @type {(string | number)[]} */ keys, /** @type {unknown} */ value) => operations.push({ op: "set", keys, value });
-  for (const name of place.names) {
+  /** New ends of bars. @type {Map<string, Record<string, { x: number, y: number }>>} */
+  const bars = new Map();
+  for (const { from: { names }, to } of moves) for (const name of names) {
     const [body, ...rest] = name.split("."), point = rest.join("."), entry = document.bodies?.[body];
     if (!entry) continue;
-    if (entry.type === "Bar" && (point === "start" || point === "end")) {
-      const other = otherEnd(page, body, point);
-      if (!other) continue;
-      const [from, end] = point === "start" ? [to, other] : [other, to];
-      set(["bodies", body, "length"], neat(Math.hypot(end.x - from.x, end.y - from.y)));
-      set(["bodies", body, "angle"], neat(Math.atan2(end.y - from.y, end.x - from.x)));
-      if ("position" in entry) set(["bodies", body, "position"], [neat((from.x + end.x) / 2), neat((from.y + end.y) / 2)]);
-    } else if (entry.points && point in entry.points) set(["bodies", body, "points", point], inBody(page, body, to.x, to.y)?.map(neat));
+    if (entry.type === "Bar" && (point === "start" || point === "end")) bars.set(body, { ...bars.get(body), [point]: to });
+    else if (entry.points && point in entry.points) set(["bodies", body, "points", point], inBody(page, body, to.x, to.y)?.map(neat));
     else if (entry.type === "Particle" && "position" in entry) set(["bodies", body, "position"], [neat(to.x), neat(to.y)]);
+  }
+  for (const [body, { start = otherEnd(page, body, "end"), end = otherEnd(page, body, "start") }] of bars) {
+    if (!start || !end) continue;
+    set(["bodies", body, "length"], neat(Math.hypot(end.x - start.x, end.y - start.y)));
+    set(["bodies", body, "angle"], neat(Math.atan2(end.y - start.y, end.x - start.x)));
+    if ("position" in (document.bodies?.[body] ?? {})) set(["bodies", body, "position"], [neat((start.x + end.x) / 2), neat((start.y + end.y) / 2)]);
   }
   for (const [name, joint] of Object.entries(document.joints ?? {})) {
     const item = motion.joints.find((/** @type {any} */ part) => part.name === name), at = item && placeOf(page, item);
-    if (!at || Math.hypot(at[0] - place.x, at[1] - place.y) * scene.view.s > 1) continue;
+    const to = at && !done.has(name) && moves.find(({ from }) => Math.hypot(at[0] - from.x, at[1] - from.y) * scene.view.s <= 1)?.to;
+    if (!to) continue;
     /** @type {any[]} */ (joint.connect ?? []).forEach((end, k) => {
       if (typeof end === "object" && end.body === "ground") set(["joints", name, "connect", k, "at"], [neat(to.x), neat(to.y)]);
       else if (typeof end === "object") set(["joints", name, "connect", k, "at"], inBody(page, end.body, to.x, to.y)?.map(neat));
       else if (end.startsWith("ground.") && document.ground?.points?.[end.slice(7)]) set(["ground", "points", end.slice(7)], [neat(to.x), neat(to.y)]);
     });
   }
-  return operations.length ? { label: `move ${place.names[0]}`, operations } : null;
+  return operations;
 }
 
 /** World coordinates of the other end of a bar. @param {Page} page @param {string} body @param {string} point */

@@ -13,14 +13,12 @@ import { button, byId, el } from "./dom.js";
 import { Editor } from "./editor.js";
 import { Guide } from "./guide.js";
 import { Link } from "./link.js";
+import { Palette } from "./palette.js";
 import { Pictures } from "./pictures.js";
+import { Properties } from "./properties.js";
 import { Sheets } from "./sheets.js";
 import { showShortcuts } from "./shortcuts.js";
-import { TARGET_TOOLS } from "./targets.js";
 import { Space } from "./space.js";
-import { TOOLS } from "./tools.js";
-
-TOOLS.push(...TARGET_TOOLS);
 
 /** Time for which a notice is shown [ms]. */
 const SHOWN = 6000;
@@ -75,10 +73,15 @@ class Studio {
       hint: (text) => { byId("hint").textContent = text; },
       select: (section, name) => this.editor.reveal(section, name),
       refuse: (text) => this.say(text, true),
-      onTool: (name) => { for (const node of byId("palette").children) node.setAttribute("aria-pressed", String(/** @type {HTMLElement} */ (node).dataset.tool === name)); this.guide?.check(); },
+      onTool: (name) => {
+        this.palette.show(name);
+        this.guide?.check();
+      },
+      onSelect: () => this.properties.show(),
+      rename: (name) => void this.properties.rename(name),
     });
-    byId("palette").append(...TOOLS.map(({ name, title, key, hint }) =>
-      el("button", { type: "button", class: "button", "data-tool": name, "aria-pressed": name === "select", title: hint.join("; then "), onclick: () => this.drawing.choose(name) }, title, el("kbd", {}, key.toUpperCase()))));
+    this.palette = new Palette(byId("palette"), (name) => this.drawing.choose(name));
+    this.properties = new Properties(byId("canvas"), this.drawing, () => this.completion);
     this.crosshair = new Crosshair(byId("canvas"), this.drawing);
     /** The guided first build. @type {Guide | undefined} */
     this.guide = new Guide(byId("canvas"), () => ({ ...this.file, document: this.known, tool: this.drawing.tool.name }));
@@ -172,6 +175,7 @@ class Studio {
     this.file = file;
     this.drawing.document = file.document;
     this.space.show(file.document ?? this.known);
+    this.properties.show();
     this.known = file.document ?? this.known;
     if (this.unsent !== null) {
       const { unsent } = this;
@@ -307,7 +311,10 @@ class Studio {
   /** @param {PictureMessage} message */
   showSummary({ summary = "", facts = {} }) {
     byId("summary").textContent = summary;
-    byId("freedom").textContent = facts.redundant ? `${facts.redundant} redundant constraint${facts.redundant > 1 ? "s" : ""}` : "";
+    const redundant = facts.redundant ? `${facts.redundant} redundant constraint${facts.redundant > 1 ? "s" : ""} (${(facts.redundancies ?? []).join("; ")})` : "";
+    byId("freedom").textContent = redundant;
+    this.drawing.status = [summary, redundant].filter(Boolean).join("; ");
+    this.drawing.refresh();
   }
 
   /** @param {string} text @param {boolean} [failed] */

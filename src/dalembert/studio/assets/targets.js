@@ -35,8 +35,8 @@ export function addPose(place, toward, document) {
 
 /** @type {Tool[]} */
 export const TARGET_TOOLS = [
-  { name: "target", key: "t", title: "Target", hint: ["click the points of the path one after the other; the sheet Synthesis lists them"], clicks: 1, make: ([place], { document }) => addPoint(place, document) },
-  { name: "pose", key: "j", title: "Pose", hint: ["click a position of the coupler", "click its direction"], clicks: 2, make: ([place, toward], { document }) => addPose(place, toward, document) },
+  { name: "target", key: "T", group: "Targets", title: "Target", hint: ["click the points of the path one after the other; the sheet Synthesis lists them"], clicks: 1, make: ([place], { document }) => addPoint(place, document) },
+  { name: "pose", key: "P", group: "Targets", title: "Pose", hint: ["click a position of the coupler", "click its direction"], clicks: 2, make: ([place, toward], { document }) => addPose(place, toward, document) },
 ];
 
 /** Draw the targets over a picture. @param {CanvasRenderingContext2D} ctx @param {Page} page @param {Document | null} document @param {string} colour @param {number} marked number of the entry under the pointer in the list; -1 for none */

@@ -1,0 +1,71 @@
+// Changes of the selected elements: moved, rotated, mirrored, copied, deleted, renamed.
+
+/** @import { Page } from "./pictures.js" */
+/** @import { Change, Operation } from "./operations.js" */
+/** @import { Document } from "./types.d.ts" */
+/** @import { Transform } from "./transforms.js" */
+
+import { movedPoints } from "./operations.js";
+import { bodiesAmong, group, sectionOf } from "./selection.js";
+import { namedPlaces } from "./snapping.js";
+import { applied, bodiesOf, mapped, mappedBody } from "./transforms.js";
+
+/** Whether a joint places a body. @param {Document} document @param {string} name */
+const isJoined = (document, name) => Object.values(document.joints ?? {}).some((joint) => bodiesOf(document, joint).includes(name));
+
+/** Names of new elements: without the digits at the end. @param {string} name */
+const baseOf = (name) => name.replace(/\d+$/, "") || name;
+
+/** Operations that turn a value into another; keys that stay are not written.
+ * @param {(string | number)[]} keys @param {any} before @param {any} after @returns {Operation[]} */
+function differences(keys, before, after) {
+  if (JSON.stringify(before) === JSON.stringify(after)) return [];
+  const nested = (/** @type {any} */ value) => typeof value === "object" && value !== null;
+  const same = nested(before) && nested(after) && Array.isArray(before) === Array.isArray(after) && Object.keys(before).every((key) => key in after);
+  const list = same && Array.isArray(before) && before.length === after.length;
+  if (same && (list || !Array.isArray(before))) return Object.keys(after).flatMap((key) => differences([...keys, list ? Number(key) : key], before[key], after[key]));
+  return [{ op: "set", keys, value: after }];
+}
+
+/** Selected bodies in another place, with their joints; points of other bodies that are joined to them follow.
+ * @param {Page} page @param {Document} document @param {Iterable<string>} selected @param {Transform} map @param {string} label @returns {Change | null} */
+export function transform(page, document, selected, map, label) {
+  const chosen = new Set(selected), bodies = new Set(bodiesAmong(document, chosen)), names = new Map([...bodies].map((name) => [name, name]));
+  if (!bodies.size) return null;
+  const context = { page, document, map, names };
+  const operations = group(document, bodies).flatMap(({ section, name, entry }) => {
+    const stays = section === "forces" && !map.turn && !map.mirrored && !chosen.has(name);
+    const next = section === "bodies" ? mappedBody(context, name, entry, !isJoined(document, name)) : stays ? entry : mapped(context, name, entry);
+    return differences([section, name], entry, next);
+  });
+  const followers = namedPlaces(page).filter(({ bodies: there }) => there.some((body) => bodies.has(body))).flatMap((place) => {
+    const others = place.names.filter((_, k) => !bodies.has(place.bodies[k])), [x, y] = applied(map, [place.x, place.y]);
+    return others.length ? [{ from: { ...place, names: others }, to: { x, y } }] : [];
+  });
+  const done = new Set(group(document, bodies).map(({ name }) => name));
+  const all = [...operations, ...movedPoints(page, document, followers, done)];
+  return all.length ? { label, operations: all } : null;
+}
+
+/** Copies of the selected bodies with the elements between them and the ground. @param {Page} page @param {Document} document @param {Iterable<string>} selected @param {Transform} map @param {string} [label] @returns {Change | null} */
+export function copied(page, document, selected, map, label = "copy") {
+  const parts = group(document, selected), names = new Map(parts.map(({ name }) => [name, `$copy_${name}`])), context = { page, document, map, names };
+  if (!parts.length) return null;
+  return { label, operations: parts.map(({ section, name, entry }) => {
+    const fields = section === "bodies" ? mappedBody(context, name, entry, true) : mapped(context, name, entry);
+    if (section === "bodies" && !map.turn && !map.mirrored && entry.type !== "Particle" && !("angle" in entry)) fields.angle = mappedBody({ ...context, map: { ...map, turn: 2 * Math.PI } }, name, entry, true).angle - 2 * Math.PI;
+    return { op: "add", section, base: section === "joints" && /^[A-Z]$/.test(name) ? "" : baseOf(name), as: `$copy_${name}`, fields };
+  }) };
+}
+
+/** @param {Document} document @param {Iterable<string>} names @returns {Change | null} */
+export function remove(document, names) {
+  const rows = [...names].flatMap((name) => { const section = sectionOf(document, name); return section ? [{ op: "remove", section, name }] : []; });
+  return rows.length ? { label: rows.length > 1 ? `delete ${rows.length} elements` : `delete ${rows[0].name}`, operations: rows.map((row) => ({ ...row, missing: true })) } : null;
+}
+
+/** @param {Document} document @param {string} name @param {string} to @returns {Change | null} */
+export function rename(document, name, to) {
+  const section = sectionOf(document, name);
+  return section && to && to !== name ? { label: `rename ${name}`, operations: [{ op: "rename", section, name, to }] } : null;
+}

@@ -1,0 +1,105 @@
+// Forces and drivers that are drawn.
+
+/** @import { Page } from "./pictures.js" */
+/** @import { Place } from "./snapping.js" */
+/** @import { Change } from "./operations.js" */
+/** @import { Document } from "./types.d.ts" */
+
+import { added } from "./new_joints.js";
+import { bodiesAt, reference } from "./operations.js";
+import { neat } from "./transforms.js";
+
+/** Values of new elements: damping [N s/m], moment [N m], torsional stiffness [N m/rad], force of a cylinder [N], stiffness of stops, ropes and contacts [N/m]. */
+const DAMPING = 20, MOMENT = 1, TORSION = 5, PUSH = 100, STOP = 1000, ROPE = 1e4, CONTACT = 1e5;
+/** Time of an oscillation of a new drive [s], and its amplitude relative to the length. */
+const PERIOD = 2, STROKE = 0.1;
+
+/** Ends of an element between two points. @param {Place} from @param {Place} to */
+function ends(from, to) {
+  const length = neat(Math.hypot(to.x - from.x, to.y - from.y));
+  return length > 0 && (from.body || to.body) && from.body !== to.body ? { connect: [reference(from, from.body), reference(to, to.body)], length } : null;
+}
+
+/** @param {Place} from @param {Place} to @returns {Change | null} */
+export function damper(from, to) {
+  const pair = ends(from, to);
+  return pair && added("damper", "forces", "damper", { type: "Spring", connect: pair.connect, damping: DAMPING });
+}
+
+/** @param {Place} from @param {Place} to @returns {Change | null} */
+export function actuator(from, to) {
+  const pair = ends(from, to);
+  return pair && added("cylinder", "forces", "cylinder", { type: "Actuator", connect: pair.connect, force: PUSH });
+}
+
+/** @param {Place} from @param {Place} to @returns {Change | null} */
+export function hydraulic(from, to) {
+  const pair = ends(from, to);
+  if (!pair) return null;
+  return added("hydraulic cylinder", "forces", "hydraulic", { type: "HydraulicCylinder", connect: pair.connect, opening: 0, stroke: neat(0.8 * pair.length), retracted_length: neat(0.6 * pair.length) });
+}
+
+/** Drive of a distance. @param {Place} from @param {Place} to @returns {Change | null} */
+export function stroke(from, to) {
+  const pair = ends(from, to);
+  return pair && added("length drive", "drivers", "stroke", { type: "DistanceDriver", connect: pair.connect, law: `${pair.length} + ${neat(STROKE * pair.length)}*sin(2*pi*t/${PERIOD})` });
+}
+
+/** Rope through points. @param {Place[]} places @returns {Change | null} */
+export function rope(places) {
+  const length = places.slice(1).reduce((sum, place, k) => sum + Math.hypot(place.x - places[k].x, place.y - places[k].y), 0);
+  if (!(length > 0) || !places.some(({ body }) => body)) return null;
+  return added("rope", "forces", "rope", { type: "Cable", points: places.map((place) => reference(place, place.body)), length: neat(length), stiffness: ROPE });
+}
+
+/** @param {Place} place @returns {Change | null} */
+export function torque(place) {
+  return place.body ? added("torque", "forces", "torque", { type: "Torque", connect: [place.body], value: MOMENT }) : null;
+}
+
+/** The clicked joint. @param {Place} place @param {Document} document */
+const jointAt = (place, document) => (place.joint === null ? null : document.joints?.[place.joint] ?? null);
+
+/** @param {Place} place @param {Page} page @param {Document} document @returns {Change | null} */
+export function torsionSpring(place, page, document) {
+  const joint = jointAt(place, document);
+  if (!joint) return null;
+  const { bodies, angle } = bodiesAt(page, joint);
+  return added("torsion spring", "forces", "torsion", { type: "TorsionSpring", connect: bodies, stiffness: TORSION, ...(angle && { free_angle: angle }) });
+}
+
+/** Limits of the free motion of a joint. @param {Place} place @param {Page} page @param {Document} document @returns {Change | null} */
+export function stop(place, page, document) {
+  const joint = jointAt(place, document), turns = ["Revolute", undefined].includes(joint?.type);
+  if (!joint || !["Revolute", "Prismatic", "PinInSlot"].includes(joint.type)) return null;
+  const now = turns ? bodiesAt(page, joint).angle : 0, range = turns ? 1 : 0.2;
+  return added("stop", "forces", "stop", { type: "Stop", coordinate: `${place.joint}.${turns ? "angle" : "displacement"}`, lower: neat(now - range), upper: neat(now + range), stiffness: STOP });
+}
+
+/** Motor along the free displacement of a joint. @param {Place} place @param {Document} document @returns {Change | null} */
+export function linearMotor(place, document) {
+  const joint = jointAt(place, document);
+  if (!joint || !["Prismatic", "PinInSlot"].includes(joint.type)) return null;
+  return added("linear motor", "drivers", "drive", { type: "TranslationalDriver", joint: place.joint, law: `${STROKE}*sin(2*pi*t/${PERIOD})` });
+}
+
+/** Contact of a body with another one, or with a half-plane below the second place. @param {Place} first @param {Place} second @param {Document} document @returns {Change | null} */
+export function contact(first, second, document) {
+  if (!first.body || first.body === second.body) return null;
+  const shape_i = second.body ? shapeOf(second.body, document) : { type: "HalfPlane", point: { body: "ground", at: [neat(second.x), neat(second.y)] }, normal: [0.0, 1.0] }, shape_j = shapeOf(first.body, document);
+  return shape_i && shape_j && added("contact", "forces", "contact", { type: "Contact", shape_i, shape_j, law: { type: "HuntCrossley", stiffness: CONTACT, damping: 0.5 } });
+}
+
+/** Shape of a body for contacts. @param {string} name @param {Document} document */
+function shapeOf(name, document) {
+  const entry = document.bodies?.[name], corners = Object.values(entry?.points ?? {});
+  if (entry?.type === "Bar") return { type: "Capsule", point_i: `${name}.start`, point_j: `${name}.end`, radius: 0.01 };
+  if (entry?.type === "Particle") return { type: "Circle", point: name, radius: 0.02 };
+  return entry && corners.length > 2 ? { type: "Outline", body: name, vertices: anticlockwise(corners) } : entry ? { type: "Circle", point: name, radius: 0.05 } : null;
+}
+
+/** @param {any[]} corners */
+function anticlockwise(corners) {
+  const area = corners.reduce((sum, [x, y], k) => { const [u, v] = corners[(k + 1) % corners.length]; return sum + x * v - u * y; }, 0);
+  return area < 0 ? [...corners].reverse() : corners;
+}

@@ -1,0 +1,189 @@
+"""Tools of the studio in a browser: what each draws is a model that can be analysed."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+from browser import browser  # noqa: F401
+from studio_runs import Studio
+from test_studio_page import Desk, desk  # noqa: F401
+
+from dalembert.io import load_model_file
+
+HEADER = 'format = 1\nname = "test"\ngravity = [0.0, -9.81]\n'
+CRANK = HEADER + (
+    "[bodies]\n"
+    'crank = { type = "Bar", length = 0.4, mass = 1, position = [0.2, 0.2], angle = 0 }\n'
+    'rod = { type = "Bar", length = 0.4, mass = 1, position = [0.6, 0.2], angle = 0 }\n'
+    "[joints]\n"
+    'A = { type = "Revolute", connect = [{ body = "ground", at = [0.0, 0.2] }, "crank.start"] }\n'
+)
+"""A pinned bar from x = 0 to 0.4 and a free one to 0.8, at the height 0.2."""
+GUIDED = CRANK + (
+    'G = { type = "Prismatic", connect = [{ body = "ground", at = [0.8, 0.2] }, "rod.end"] }\n'
+)
+
+TOOLS: dict[str, tuple[str, list[tuple[float, float]], str, str, dict[str, Any]]] = {
+    "a": (CRANK, [(0.5, 0.5)], "bodies", "mass1", {"position": [0.5, 0.5]}),
+    "e": (CRANK, [(0.1, 0.5), (0.4, 0.2)], "beams", "beam1", {"frame_j": "crank.end"}),
+    "t": (CRANK, [(0.5, 0.5)], "ground", "points", {"P1": [0.5, 0.5]}),
+    "u": (CRANK, [(0.4, 0.2), (0.6, 0.2), (0.7, 0.2)], "joints", "slot1", {"axis": [1, 0]}),
+    "i": (CRANK, [(0.6, 0.2), (0.6, 0.3), (0.6, 0.5)], "joints", "guide1", {"axis": [0, 1]}),
+    "w": (CRANK, [(0.8, 0.2)], "joints", "weld1", {"type": "Weld"}),
+    "l": (CRANK, [(0.8, 0.2), (0.8, 0.5)], "joints", "link1", {"length": 0.3}),
+    "G": (
+        CRANK,
+        [(0.0, 0.2), (0.0, 0.4), (0.3, 0.4)],
+        "joints",
+        "rack1",
+        {"radius": 0.2, "side": -1, "axis": [1, 0]},
+    ),
+    "c": (GUIDED, [(0.0, 0.2), (0.8, 0.2)], "joints", "cam1", {"type": "PointOnCurve"}),
+    "q": (CRANK, [(0.2, 0.2)], "forces", "torque1", {"connect": ["crank"], "value": 1}),
+    "d": (CRANK, [(0.4, 0.2), (0.4, 0.5)], "forces", "damper1", {"damping": 20}),
+    "y": (CRANK, [(0.0, 0.2)], "forces", "torsion1", {"connect": ["ground", "crank"]}),
+    "j": (CRANK, [(0.4, 0.2), (0.4, 0.5)], "forces", "cylinder1", {"force": 100}),
+    "J": (CRANK, [(0.4, 0.2), (0.4, 0.6)], "forces", "hydraulic1", {"stroke": 0.32}),
+    "x": (CRANK, [(0.0, 0.2)], "forces", "stop1", {"coordinate": "A.angle", "upper": 1}),
+    "n": (GUIDED, [(0.8, 0.2)], "drivers", "drive1", {"joint": "G"}),
+    "N": (CRANK, [(0.4, 0.2), (0.4, 0.5)], "drivers", "stroke1", {"type": "DistanceDriver"}),
+}
+"""Key of a tool → start, clicks, and the section, name and fields of the new entry."""
+
+
+def start(visit: Desk, text: str) -> None:
+    """Replace the text, and wait for its picture."""
+    if visit.text == text:
+        return
+    revision = visit.js("studio.file.revision")
+    visit.page.evaluate("text => { studio.editor.show(text); studio.sendText(text); }", text)
+    visit.settle(revision + 1)
+
+
+def errors(visit: Desk) -> list[str]:
+    return visit.page.locator("#problems .error").all_inner_texts()
+
+
+def test_each_tool_draws_a_model(
+    desk: tuple[Desk, Studio],  # noqa: F811
+    tmp_path: Path,
+) -> None:
+    visit, _ = desk
+    receive = "studio.pictures.receive"
+    for base in (CRANK, GUIDED):
+        start(visit, base)
+        visit.js(f"{receive} = () => {{}}")  # the picture stays
+        for key, (text, clicks, section, name, fields) in TOOLS.items():
+            if text != base:
+                continue
+            drawn = use(visit, key, clicks)
+            entry = tomllib.loads(drawn).get(section, {}).get(name)
+            assert entry is not None, (key, drawn)
+            for field, value in fields.items():
+                numbers = isinstance(value, (int, float, list)) and value != ["crank"]
+                if value in (["crank"], ["ground", "crank"]) or not numbers:
+                    assert entry[field] == value, (key, field)
+                else:
+                    assert entry[field] == pytest.approx(value, abs=1e-9), (key, field)
+            (tmp_path / "drawn.toml").write_text(drawn)
+            assert load_model_file(tmp_path / "drawn.toml").model().diagnosis.summary
+            revision = visit.js("studio.file.revision")
+            visit.page.keyboard.press("Control+z")
+            visit.until(f"studio.file.revision > {revision}", 20)
+            assert visit.text == base, key
+        visit.js(f"delete {receive}")
+
+
+def use(visit: Desk, key: str, clicks: list[tuple[float, float]]) -> str:
+    """Text after a tool was used, without waiting for its picture."""
+    revision = visit.js("studio.file.revision")
+    visit.page.locator("#palette button").first.focus()
+    visit.page.keyboard.press(key)
+    for place in clicks:
+        visit.click(*place)
+    visit.until(f"studio.file.revision > {revision}", 20)
+    return visit.text
+
+
+def test_gears_ropes_and_contacts(desk: tuple[Desk, Studio]) -> None:  # noqa: F811
+    visit, _ = desk
+    pinned = '{ body = "ground", at = [0.8, 0.2] }'
+    two = CRANK + f'B = {{ type = "Revolute", connect = [{pinned}, "rod.end"] }}\n'
+    start(visit, two)
+    visit.draw("g", (0.0, 0.2), (0.8, 0.2), (0.5, 0.2))
+    gears = visit.js("studio.file.document.joints.gears1")
+    assert (gears["radius_i"], gears["radius_j"]) == pytest.approx((0.5, 0.3))
+    assert visit.page.inner_text("#summary") == "1 degree of freedom"
+    start(visit, CRANK)
+    visit.page.locator("#palette button").first.focus()
+    visit.page.keyboard.press("z")
+    for place in ((0.1, 0.5), (0.4, 0.2), (0.5, 0.5)):
+        visit.click(*place)
+    visit.press("Enter")
+    assert len(visit.js("studio.file.document.forces.rope1.points")) == 3
+    assert not errors(visit)
+    ball = "[bodies]\nball = { type = 'Particle', mass = 1, position = [0.5, 0.4] }\n"
+    start(visit, HEADER + ball)
+    visit.draw("C", (0.5, 0.4), (0.5, 0.2))
+    assert visit.js("studio.file.document.forces.contact1.shape_i.type") == "HalfPlane"
+    assert not errors(visit), errors(visit)
+
+
+def test_redundant_joints_are_named(desk: tuple[Desk, Studio]) -> None:  # noqa: F811
+    visit, _ = desk
+    pins = "".join(
+        f'{name} = {{ type = "Revolute", connect = [{{ body = "ground", at = [{x}, 0.2] }}, '
+        f'"{end}"] }}\n'
+        for name, x, end in (("B", 0.4, "crank.end"), ("C", 0.4, "rod.start"))
+    )
+    start(visit, CRANK + pins)
+    assert "redundant constraint" in visit.page.inner_text("#freedom")
+    assert "follows from" in visit.js("studio.drawing.status")
+
+
+def test_numbers_are_typed_while_drawing(desk: tuple[Desk, Studio]) -> None:  # noqa: F811
+    visit, _ = desk
+    cases = {
+        "300 mm<30": {"length": 0.3, "angle": 0.5235987756},
+        "0.25": {"length": 0.25, "angle": 0},
+        "0.3,0.4": {"length": 0.3605551275, "angle": 0.5880026035},
+    }
+    for typed, fields in cases.items():
+        start(visit, HEADER)
+        visit.page.locator("#palette button").first.focus()
+        visit.page.keyboard.press("b")
+        visit.click(0, 0.2)
+        visit.page.mouse.move(*visit.place(0.5, 0.2))
+        visit.page.keyboard.type(typed)
+        visit.press("Enter")
+        bar = visit.js("studio.file.document.bodies.bar1")
+        assert {key: bar[key] for key in fields} == pytest.approx(fields, abs=1e-6), typed
+
+
+def test_places_snap_to_lengths_lines_and_outlines(
+    desk: tuple[Desk, Studio],  # noqa: F811
+    tmp_path: Path,
+) -> None:
+    visit, _ = desk
+    text = HEADER + (
+        '[bodies]\nrod = { type = "Bar", length = 0.337, mass = 1, position = [0.1685, 0.113] }\n'
+    )
+    start(visit, text)
+    snap = """([x, y, from]) => {
+        const { page } = studio.pictures;
+        return snapping.snap(page, page.scene.view.screen([x, y]), { from });
+    }"""
+    visit.page.evaluate(
+        "async () => { window.snapping = await import(new URL('assets/snapping.js', location)); }"
+    )
+    equal = visit.page.evaluate(snap, [0.7, 0.563, {"x": 0.473, "y": 0.313}])
+    assert equal["how"] == "length of rod"
+    assert (equal["x"] - 0.473) ** 2 + (equal["y"] - 0.313) ** 2 == pytest.approx(0.337**2)
+    beside = visit.page.evaluate(snap, [0.534, 0.114, None])
+    assert (beside["how"], beside["y"]) == ("y of rod.start", 0.113)
+    assert len(beside["guides"]) == 1
+    edge = visit.page.evaluate(snap, [0.1234, 0.117, None])
+    assert edge["y"] == pytest.approx(0.113)
