@@ -144,7 +144,7 @@ class Connection:
         path, example = request.get("path"), request.get("example")
         if isinstance(example, str) and re.fullmatch(r"\w+", example):
             text = read_text(example_folder() / f"{example}.toml")
-            self.session.open(None, text)
+            self.session.open(None, text, example_folder())
         else:
             target = Path(path).expanduser() if isinstance(path, str) and path else None
             self.session.open(target)
