@@ -23,6 +23,7 @@ from dalembert.studio.export_process import KEPT, Exports
 from dalembert.studio.exporting import CHOICES, ExportRequest, write_export
 from dalembert.studio.pictures import Picture
 from dalembert.studio.recent_files import LIMIT, recent_files, remember
+from dalembert.studio.session import Session
 
 BAR = """\
 format = 1
@@ -190,3 +191,13 @@ def test_what_a_build_prints_is_not_shown(capfd: Any, tmp_path: Path) -> None:
     assert pictures[0].problems[0].level == "error"
     assert "internal error" not in pictures[0].problems[0].message
     assert capfd.readouterr().out == ""
+
+
+def test_an_example_reads_the_files_beside_it(tmp_path: Path) -> None:
+    session = Session(None, tmp_path)
+    session.broadcast = lambda message, but=None: None  # type: ignore[method-assign]
+    session.open(None, (example_folder() / "excavator.toml").read_text(), example_folder())
+    assert (session._source().parent / "soil.csv").exists()
+    session.open(None)
+    assert session._source().parent == Path.cwd()
+    session.close()

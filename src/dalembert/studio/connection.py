@@ -174,7 +174,7 @@ class Connection:
         path, example = request.get("path"), request.get("example")
         if isinstance(example, str) and re.fullmatch(r"\w+", example):
             text = read_text(example_folder() / f"{example}.toml")
-            self.session.open(None, text)
+            self.session.open(None, text, example_folder())
         elif request.get("dimension") == 3:
             self.session.open(None, UNTITLED_SPATIAL)
         else:

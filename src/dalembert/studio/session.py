@@ -59,6 +59,7 @@ class Session:
         self.exports = Exports()
         self._revision = 0
         self._is_stored = True
+        self._folder: Path | None = None
         self._parsed: tuple[str, dict[str, Any] | None] = ("", None)
         self.latest: dict[str, dict[str, Any]] = {}
         """Kind of picture → the last message about it."""
@@ -81,13 +82,14 @@ class Session:
             remember(self.draft.path, self._journals)
         self.build()
 
-    def open(self, path: Path | None, text: str = UNTITLED) -> None:
+    def open(self, path: Path | None, text: str = UNTITLED, folder: Path | None = None) -> None:
         """Edit another model; unsaved changes of the former one remain in the journal.
 
         Parameters
         ----------
         path : of the model file; None for a new model
         text : of the new model
+        folder : of the files that the new model reads; the present one by default
 
         Raises
         ------
@@ -96,6 +98,7 @@ class Session:
         """
         draft = Draft(path, text)
         revision = self.draft.revision + 1
+        self._folder = folder
         self.journal.close()
         self.draft, self.journal = draft, Journal(draft.path, self._journals)
         draft.revision = revision  # pages compare revisions
@@ -128,7 +131,7 @@ class Session:
             with suppress(RuntimeError):  # the loop is closed
                 loop.call_soon_threadsafe(self.reply, send, message)
 
-        path = self.draft.path or Path.cwd() / self.draft.name
+        path = self.place
         number = self.exports.start(to, self.draft.text, path, share, report)
         self.reply(send, {"kind": "export", "number": number, "state": "progress", "share": 0.0})
 
@@ -165,8 +168,8 @@ class Session:
 
     @property
     def place(self) -> Path:
-        """Path of the model file, for relative paths in it."""
-        return self.draft.path or Path.cwd() / self.draft.name
+        """Path of the file, or that of a new model beside the files that it reads."""
+        return self.draft.path or (self._folder or Path.cwd()) / self.draft.name
 
     def build(self) -> None:
         """Make pictures of the present text, with the analysis of the preview."""
