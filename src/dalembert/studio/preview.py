@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -78,10 +79,8 @@ class Preview:
         """The text with the analysis that is shown; an invalid text stays as it is."""
         self._text = text
         if self.fields is not None:
-            try:
+            with suppress(DalembertError):  # such as a text that is not valid meanwhile
                 self._text = apply(text, [section_operation("analysis", self.fields)])
-            except DalembertError:  # such as a text that is not valid meanwhile
-                pass
         return self._text
 
     def in_text(self, problems: Iterable[Problem], text: str) -> Iterator[Problem]:
