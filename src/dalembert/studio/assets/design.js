@@ -66,7 +66,7 @@ export class DesignSheet {
 
   render() {
     const { chosen, document } = this;
-    this.tabs.replaceChildren(...TASKS.map((task) => button(task.title, () => { this.chosen = task; this.render(); }, { role: "tab", class: "pick", "aria-selected": task === chosen, title: task.note })));
+    this.tabs.replaceChildren(...TASKS.map((task) => button(task.title, () => { this.chosen = task; this.render(); }, { role: "tab", class: "pick", "aria-selected": String(task === chosen), title: task.note })));
     const focused = /** @type {HTMLInputElement | null} */ (this.form.querySelector(":focus"))?.name;
     this.measures.replaceChildren(...this.actions.measures().map((value) => el("option", { value })));
     this.form.replaceChildren(
