@@ -1,5 +1,7 @@
 """Insight and design tasks of the studio in a browser."""
 
+# ruff: noqa: E501
+
 from __future__ import annotations
 
 import math
@@ -15,7 +17,11 @@ from studio_runs import Studio, running_studio
 import dalembert as da
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
-EDGES = {"crank": (0.0, 0.0, 0.1, 0.3), "coupler": (0.1, 0.3, 0.8, 0.5), "rocker": (0.9, 0, 0.8, 0.5)}
+EDGES = {
+    "crank": (0.0, 0.0, 0.1, 0.3),
+    "coupler": (0.1, 0.3, 0.8, 0.5),
+    "rocker": (0.9, 0, 0.8, 0.5),
+}
 
 
 def four_bar_text() -> str:
@@ -24,7 +30,9 @@ def four_bar_text() -> str:
     for name, (x0, y0, x1, y1) in EDGES.items():
         length, angle = math.hypot(x1 - x0, y1 - y0), math.atan2(y1 - y0, x1 - x0)
         value = '"c"' if name == "coupler" else repr(length)
-        bodies.append(f'{name} = {{ type = "Bar", length = {value}, mass = 1.0, angle = {angle!r} }}')
+        bodies.append(
+            f'{name} = {{ type = "Bar", length = {value}, mass = 1.0, angle = {angle!r} }}'
+        )
     ends = (
         ("O", '{ body = "ground", at = [0.0, 0.0] }, "crank.start"'),
         ("A", '"crank.end", "coupler.start"'),
@@ -123,7 +131,9 @@ def test_an_obstacle_is_stated_over_the_drawn_position(desk: tuple[Desk, Studio]
     visit.until("!document.querySelector('.obstacle')", 30)
 
 
-def test_overlays_are_the_kinematics_of_the_mechanism(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
+def test_overlays_are_the_kinematics_of_the_mechanism(
+    desk: tuple[Desk, Studio], tmp_path: Path
+) -> None:
     visit, _ = desk
     seen = visit.page.evaluate("""async () => {
         const k = await import("./assets/plane_kinematics.js"), { motion } = studio.pictures.page;
@@ -168,18 +178,25 @@ def test_targets_are_clicked_and_a_candidate_is_inserted(desk: tuple[Desk, Studi
     visit, _ = desk
     target = da.FourBar(crank=0.1, coupler=0.3, follower=0.25, ground=0.3, u=0.2, v=0.1)
     points = target.path(np.linspace(0.2, 5, 6)).round(4).tolist()
-    visit.js("studio.edit('clear', [{ op: 'remove', section: 'bodies', name: 'crank' }, { op: 'remove', section: 'bodies', name: 'coupler' }, { op: 'remove', section: 'bodies', name: 'rocker' }])")
+    visit.js(
+        "studio.edit('clear', [{ op: 'remove', section: 'bodies', name: 'crank' }, { op: 'remove', section: 'bodies', name: 'coupler' }, { op: 'remove', section: 'bodies', name: 'rocker' }])"
+    )
     visit.until("!studio.file.document.bodies", 10)
     visit.settle()
     visit.page.click("#tab-synthesis")
-    visit.js("(() => { const { view } = studio.pictures.page.scene; Object.assign(view, { x: 0.2, y: 0.1, s: 900, fitted: false }); view.onChange(); })()")
+    visit.js(
+        "(() => { const { view } = studio.pictures.page.scene; Object.assign(view, { x: 0.2, y: 0.1, s: 900, fitted: false }); view.onChange(); })()"
+    )
     visit.page.click("text=Click points (T)")
     for k, point in enumerate(points):
-        place = visit.page.evaluate("""([x, y]) => {
+        place = visit.page.evaluate(
+            """([x, y]) => {
             const { canvas, view } = studio.pictures.page.scene, [u, v] = view.screen([x, y]);
             const inner = canvas.getBoundingClientRect(), outer = studio.pictures.frame.getBoundingClientRect();
             return [u + inner.left + outer.left, v + inner.top + outer.top];
-        }""", point)
+        }""",
+            point,
+        )
         visit.page.keyboard.down("Alt")
         visit.page.mouse.click(*place)
         visit.page.keyboard.up("Alt")
@@ -194,12 +211,17 @@ def test_targets_are_clicked_and_a_candidate_is_inserted(desk: tuple[Desk, Studi
     visit.page.click("#start-synthesis")
     visit.until("studio.insight.synthesis.task?.status === 'done'", 60)
     assert visit.page.locator(".candidate").count() >= 1
-    visit.until("[...document.querySelectorAll('.candidate canvas')].every((c) => c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some((v) => v))", 10)
+    visit.until(
+        "[...document.querySelectorAll('.candidate canvas')].every((c) => c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some((v) => v))",
+        10,
+    )
     visit.page.click(".candidate >> nth=0 >> text=Insert")
     visit.until("studio.file.document.bodies?.crank1", 10)
     visit.settle()
     assert visit.js("studio.described.facts.free") == 0
-    curve = visit.js("""(() => { const { motion } = studio.pictures.page, p = motion.points.find(({ name }) => name === "coupler1.P"); return motion.frames(400).map((c) => motion.at(p.body, p.point, c)); })()""")
+    curve = visit.js(
+        """(() => { const { motion } = studio.pictures.page, p = motion.points.find(({ name }) => name === "coupler1.P"); return motion.frames(400).map((c) => motion.at(p.body, p.point, c)); })()"""
+    )
     assert visit.js("studio.insight.synthesis.task.cards[0].distance") < 1e-6
     z, w = (np.array(way) @ [1, 1j] for way in (clicked, curve))
     edge = np.diff(w)
@@ -234,7 +256,9 @@ def test_an_optimum_is_written_into_the_text(desk: tuple[Desk, Studio], browser:
     other.close()
     text = visit.text
     visit.page.click("text=Show the result")
-    visit.until("document.querySelector('.result-panel iframe').contentWindow.dalembert?.motion", 30)
+    visit.until(
+        "document.querySelector('.result-panel iframe').contentWindow.dalembert?.motion", 30
+    )
     visit.page.click("text=Write its parameters into the text")
     visit.until("Math.abs(studio.file.document.parameters.c.value - 0.75) < 1e-4", 10)
     visit.page.keyboard.press("Control+z")

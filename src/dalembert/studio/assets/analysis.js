@@ -51,7 +51,7 @@ export class AnalysisSheet {
     this.problems = [];
     /** Freedoms that no driver prescribes. */
     this.free = 0;
-    this.tabs = el("div", { class: "choices", role: "tablist", "aria-label": "Analysis of the picture" });
+    this.tabs = el("div", { class: "picks", role: "tablist", "aria-label": "Analysis of the picture" });
     this.form = el("div", { class: "form" });
     this.node = el("section", { class: "sheet analysis" }, this.tabs, this.form, ...below);
   }
@@ -91,7 +91,7 @@ export class AnalysisSheet {
   render() {
     const { shown, kinds, fields, document } = this, type = String(shown.type ?? ""), kind = kinds.find((item) => item.type === type);
     const focused = /** @type {HTMLInputElement | null} */ (this.form.querySelector(":focus"))?.name;
-    this.tabs.replaceChildren(...kinds.map(({ type: name, title, note }) => button(title, () => (name === document?.analysis?.type ? this.preview(null) : this.preview(name)), { role: "tab", class: "choice", "aria-selected": name === type, title: note })));
+    this.tabs.replaceChildren(...kinds.map(({ type: name, title, note }) => button(title, () => (name === document?.analysis?.type ? this.preview(null) : this.preview(name)), { role: "tab", class: "pick", "aria-selected": String(name === type), title: note })));
     /** @param {Record<string, unknown>} changed */
     const change = (changed) => this.preview(type, { ...Object.fromEntries(Object.entries(fields ?? {}).filter(([key]) => key !== "type" && kind?.fields.some((field) => field.key === key))), ...changed });
     this.form.replaceChildren(

@@ -30,7 +30,7 @@ export class DesignSheet {
     this.document = null;
     /** @type {Record<string, TaskMessage>} */
     this.tasks = {};
-    this.tabs = el("div", { class: "choices", role: "tablist", "aria-label": "Design task" });
+    this.tabs = el("div", { class: "picks", role: "tablist", "aria-label": "Design task" });
     this.form = el("div", { class: "form" });
     this.state = el("div", { class: "states" });
     this.measures = el("datalist", { id: "measures" });
@@ -66,7 +66,7 @@ export class DesignSheet {
 
   render() {
     const { chosen, document } = this;
-    this.tabs.replaceChildren(...TASKS.map((task) => button(task.title, () => { this.chosen = task; this.render(); }, { role: "tab", class: "choice", "aria-selected": task === chosen, title: task.note })));
+    this.tabs.replaceChildren(...TASKS.map((task) => button(task.title, () => { this.chosen = task; this.render(); }, { role: "tab", class: "pick", "aria-selected": String(task === chosen), title: task.note })));
     const focused = /** @type {HTMLInputElement | null} */ (this.form.querySelector(":focus"))?.name;
     this.measures.replaceChildren(...this.actions.measures().map((value) => el("option", { value })));
     this.form.replaceChildren(

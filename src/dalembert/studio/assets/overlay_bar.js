@@ -16,11 +16,11 @@ export class OverlayBar {
     this.shown = new Set();
     /** Place under the pointer, and whether a button holds it. @type {[number, number] | null} */
     this.pointer = null;
-    this.buttons = new Map(OVERLAYS.map(({ name, title, key, note }) => [name, button(`${title} `, () => this.toggle(name), { class: "choice", "aria-pressed": "false", title: `${note} (key ${key})`, "data-overlay": name })]));
-    this.reactions = button("Joint reactions", () => this.toggleReactions(), { class: "choice", "aria-pressed": "false", title: "Reaction forces and moments at the joints (key 8)" });
+    this.buttons = new Map(OVERLAYS.map(({ name, title, key, note }) => [name, button(`${title} `, () => this.toggle(name), { class: "pick", "aria-pressed": "false", title: `${note} (key ${key})`, "data-overlay": name })]));
+    this.reactions = button("Joint reactions", () => this.toggleReactions(), { class: "pick", "aria-pressed": "false", title: "Reaction forces and moments at the joints (key 8)" });
     this.values = el("p", { class: "muted", role: "status" });
-    this.node = el("fieldset", { class: "overlays" }, el("legend", {}, "On the picture"), el("div", { class: "choices" }, [...this.buttons.values()], this.reactions),
-      el("div", { class: "choices" }, Object.keys(PLOTS).map((name) => button(`Plot: ${name.toLowerCase()}`, () => this.plot(name), { class: "choice" }))), this.values);
+    this.node = el("fieldset", { class: "overlays" }, el("legend", {}, "On the picture"), el("div", { class: "picks" }, [...this.buttons.values()], this.reactions),
+      el("div", { class: "picks" }, Object.keys(PLOTS).map((name) => button(`Plot: ${name.toLowerCase()}`, () => this.plot(name), { class: "pick" }))), this.values);
     document.addEventListener("keydown", (event) => this.key(event));
     pictures.onShow.push((page) => this.bind(page));
   }
