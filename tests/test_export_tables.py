@@ -124,6 +124,43 @@ def test_the_command_writes_results(tmp_path, capsys):
     assert [path.name for path in tmp_path.iterdir()] == ["four_bar.mat"]
 
 
+def test_the_command_takes_options_of_a_format(tmp_path, capsys):
+    source = str(EXAMPLES / "sliding_pendulum.toml")
+    command = ["export", source, "-o", str(tmp_path), "--json", "--to"]
+    assert main([*command, "vtk", "--option", "frames=3"]) == 0
+    grids = [name for name in json.loads(capsys.readouterr().out)["files"] if "bodies" in name]
+    assert len(grids) == 3
+    timed = ["--option", "time=0.1", "--option", "unit=m"]
+    assert main([*command, "dxf", *timed]) == 0
+    capsys.readouterr()
+    for option, text in {
+        "frames=abc": "frames is 'abc'; give a whole number, at least 2",
+        "frames=0": "frames is 0; give a whole number, at least 2",
+        "frame=3": "did you mean 'frames'?",
+        "frames": "write NAME=VALUE",
+    }.items():
+        assert main([*command, "vtk", "--option", option]) == 2
+        assert text in capsys.readouterr().out
+    assert main([*command, "js", "--option", "frames=3"]) == 2
+    assert "has no --option frames" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("suffix", "options"),
+    [
+        ("pvd", {"frames": 2.5}),
+        ("glb", {"frames": -1}),
+        ("glb", {"scale": np.nan}),
+        ("dxf", {"time": "soon"}),
+        ("dxf", {"trace": "bar.end"}),
+    ],
+)
+def test_wrong_values_of_options_are_named(solved, tmp_path, suffix, options):
+    with pytest.raises(da.UnsupportedError, match=f"{next(iter(options))} is .*; give a"):
+        da.export(solved["motion"], tmp_path / f"x.{suffix}", **options)
+    assert not list(tmp_path.iterdir())
+
+
 def test_every_format_names_its_writer_and_sources():
     for name, file_format in FORMATS.items():
         assert callable(file_format._writer()), name

@@ -203,19 +203,6 @@ def test_batches_are_single_runs():
         assert np.array_equal(row, motion["z.value"].values)
 
 
-def test_analyses_that_do_not_integrate_states_say_so():
-    system = da.System("driven")
-    bar = system.add(planar.Bar("bar", length=1.0, mass=1.0))
-    hinge = system.add(planar.Revolute("hinge", system.ground.center, bar.start))
-    system.add(planar.RotationalDriver("turn", system.ground, bar, da.t))
-    system.add(planar.BristleFriction("rub", hinge))
-    model = system.build()
-    with pytest.raises(da.UnsupportedError, match="inverse dynamics does not integrate"):
-        da.solve_inverse_dynamics(model, 1.0, step=0.1)
-    motion = da.solve_kinematics(model, 1.0, step=0.1)
-    assert any("keep their values at the start" in warning for warning in motion.warnings)
-
-
 @pytest.mark.parametrize(
     ("make", "message"),
     [

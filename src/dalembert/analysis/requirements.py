@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import casadi as ca
-
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.graph.model import Model
@@ -41,30 +39,13 @@ def need_mechanism(model: Any, verb: str, instead: str) -> None:
         raise AnalysisError(f"{verb} is for mechanisms, {model.name!r} is a structure; {instead}")
 
 
-def refuse_states(model: Model, analysis: str) -> None:
-    """Raise if forces depend on states of first order, which an analysis does not integrate.
-
-    Raises
-    ------
-    UnsupportedError
-        Names the states.
-    """
-    e = model.equations
-    if e.states and ca.depends_on(ca.densify(e.force), e.y[list(e.states)]):
-        names = listed_states(model, e.states)
-        raise UnsupportedError(
-            f"forces depend on the states {names}, which {analysis} does not integrate; "
-            "use solve_dynamics"
-        )
-
-
 def constant_states(model: Model) -> list[str]:
     """Warning about states of first order that an analysis leaves at their initial values."""
     if not model.equations.states:
         return []
     return [
-        f"{listed_states(model, model.equations.states)} keep their values at the start, as only "
-        "solve_dynamics integrates states of first order"
+        f"{listed_states(model, model.equations.states)} keep their values at the start; "
+        "solve_dynamics and solve_inverse_dynamics integrate them"
     ]
 
 

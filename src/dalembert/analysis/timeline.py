@@ -263,5 +263,5 @@ class OverTime(Analysis[Any, R]):
             The run cannot begin.
         """
         analysis = evaluate_times(self.for_model(model), model, parameters)
-        result: R = self.executions[model.kind](analysis, model, parameters).execute(progress)
+        result: R = analysis.executions[model.kind](analysis, model, parameters).execute(progress)
         return result

@@ -18,6 +18,7 @@ from dalembert.cli.console import (
     print_line,
     wrong_input,
 )
+from dalembert.cli.export_options import FormatOptions, format_options
 from dalembert.cli.export_unit import FMU, UnitOptions, export_unit
 from dalembert.cli.loading import load_model, output_folder, refuse_replacing
 from dalembert.errors import ExpressionError, UnsupportedError
@@ -45,6 +46,7 @@ def export(
     analysis: str | None = None,
     settings: Settings | None = None,
     unit: UnitOptions | None = None,
+    option: FormatOptions | None = None,
     as_json: AsJson = False,
 ) -> int:
     """Write a model file, or its analysis, for another program.
@@ -73,32 +75,45 @@ def export(
     with wrong_input():
         if to not in names:
             raise UnsupportedError(unknown("format", to, names))
+        options = format_options(option or ())
+        if options and (to in MODULES or to == FMU):
+            raise UnsupportedError(
+                f"the format {to} has no --option {next(iter(options))}; remove it"
+            )
     file, built = load_model(model, settings)
     folder = output_folder(output)
     if to in MODULES:
         return _export_module(file, built, to, folder, measure, response, analysis, as_json)
     if to == FMU:
         return export_unit(file, built, folder, measure, analysis, unit or UnitOptions(), as_json)
-    return _export_file(file, built, to, folder, analysis, as_json)
+    return _export_file(file, built, to, folder, analysis, options, as_json)
 
 
 def _export_file(
-    file: ModelFile, model: Any, to: str, folder: Path, analysis: str | None, as_json: bool
+    file: ModelFile,
+    model: Any,
+    to: str,
+    folder: Path,
+    analysis: str | None,
+    options: dict[str, Any],
+    as_json: bool,
 ) -> int:
-    """Write a file of the model, or of the result of its analysis."""
+    """Write a file of the model, or of the result of its analysis; ``time`` is an instant of it."""
     from dalembert.io.analyses import make_analysis
 
     chosen, source = FORMATS[to], model
     target = folder / f"{file.path.stem}{chosen.suffix}"
+    with wrong_input():
+        chosen.check_options(options)
     if chosen.of_file:
         source = file
-    elif not chosen.of_model:
+    elif not chosen.of_model or "time" in options:
         with wrong_input():
             task = make_analysis(file, model, analysis)
         with file.located("analysis"):
             source = task.run(model, progress=not as_json and sys.stderr.isatty())
     with wrong_input():
-        contents = chosen.create(source, target.stem, {})
+        contents = chosen.create(source, target.stem, options)
         refuse_replacing(file.path, [folder / name for name in contents.files])
         files = write_files(contents, target)
     omissions = [str(omission) for omission in contents.omissions]

@@ -1,6 +1,9 @@
 """Inverse dynamics: driver efforts and reactions of a driven mechanism.
 
-With the motion from kinematics, ``Cᵀ λ = f − d − M v̇`` gives every multiplier (1.49).
+With the motion from kinematics, ``Cᵀ λ = f − d − M v̇`` gives every multiplier (1.49). States of
+first order, ``ẋ = f(t, y, v, x)``, are integrated along this motion from their start, as they
+depend on the past: the run is then one of forward dynamics, in which the drivers prescribe the
+motion.
 """
 
 from __future__ import annotations
@@ -9,9 +12,13 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Unpack, overload
 
 from dalembert.analysis.batch.solve import run_analysis
+from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.keywords import OverTimeKeywords
+from dalembert.analysis.kinematics.kernel import kinematics_kernel
 from dalembert.analysis.kinematics.kinematics import Kinematics
+from dalembert.analysis.timeline import run_times, uniform_grid
 from dalembert.analysis.times import Time, analysis_of
+from dalembert.formulations.kkt import KKT
 from dalembert.model.graph.model import Model
 from dalembert.options import options
 from dalembert.results.batch.batch import Batch
@@ -25,6 +32,9 @@ if TYPE_CHECKING:
 @options
 class InverseDynamics(Kinematics):
     """Kinematic simulation with driver efforts and reactions as a strategy object.
+
+    A model with states of first order is run by ``Dynamics`` with the default integrator, which
+    controls their error; the outputs are the same, and gradients include the states.
 
     Examples
     --------
@@ -46,6 +56,33 @@ class InverseDynamics(Kinematics):
     @property
     def efforts(self) -> bool:
         return True
+
+    def for_model(self, model: Model) -> Any:
+        """The analysis as run for a model: forward dynamics if it has states of first order.
+
+        Raises
+        ------
+        AnalysisError
+            Not a mechanism, or with states not fully driven.
+        """
+        super().for_model(model)
+        if not model.equations.states:
+            return self
+        kinematics_kernel(model)  # refuses models that are not fully driven
+        return Dynamics(
+            duration=self.duration,
+            t_span=self.t_span,
+            outputs=self._outputs(),
+            formulation=KKT(),
+        )
+
+    def _outputs(self) -> Any:
+        """Outputs as given, by default every step."""
+        start, end, step, requested = run_times(self)
+        if requested is not None:
+            return self.outputs
+        last = self.duration if self.t_span is None else self.t_span[1]  # may follow parameters
+        return [*uniform_grid(start, end, step)[:-1].tolist(), last]
 
 
 @overload
@@ -82,6 +119,8 @@ def solve_inverse_dynamics(
     **options: Unpack[OverTimeKeywords],
 ) -> Motion | Batch:
     """Motion, driver efforts and reactions of a fully driven mechanism, ``Cᵀλ = f − d − M v̇``.
+
+    States of first order are integrated along the motion.
 
     Parameters
     ----------

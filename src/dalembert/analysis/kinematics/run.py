@@ -13,7 +13,7 @@ from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.kinematics.kernel import KinematicsRecord, kinematics_kernel
 from dalembert.analysis.kinematics.singularities import BranchPoints, Fold, find_fold
 from dalembert.analysis.progress import progress_reporter
-from dalembert.analysis.requirements import constant_states, refuse_states
+from dalembert.analysis.requirements import constant_states
 from dalembert.analysis.residual_check import MOTION, ResidualCheck
 from dalembert.analysis.singular_positions import SingularPosition
 from dalembert.analysis.timeline import (
@@ -77,8 +77,6 @@ class KinematicsRun:
         self.requested = grid if requested is None else requested
         self.kernel = kinematics_kernel(model)
         check_driver_laws(model, self.grid, self.p)
-        if analysis.efforts:
-            refuse_states(model, "inverse dynamics")
         self.typical = min(step, float(np.median(np.diff(self.grid))))
         self.n, self.sizes = e.coordinate_count, e.scales
         self.manifold = e.manifold

@@ -35,7 +35,8 @@ UNSTEADY = (
 )
 USE_JOINTS = (
     "coordinates=JointCoordinates() helps if only cyclic angles change and "
-    "non-spinning bodies carry the spinning ones"
+    "non-spinning bodies carry the spinning ones; of symmetric rotors in space the A matrix of "
+    "state_space(), with rotations in inertial axes, has the frequencies of whirl"
 )
 USE_SHAPES = (
     "the nodes of {} go round, which is not steady in any coordinates; use a FlexibleBody with "

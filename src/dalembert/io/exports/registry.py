@@ -12,6 +12,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from dalembert.errors import UnsupportedError
+from dalembert.io.exports.option_values import check_values
 from dalembert.io.model_file import ModelFile
 from dalembert.model.graph.model import Model
 from dalembert.results.batch.batch import Batch
@@ -83,11 +84,21 @@ class Format:
             raise UnsupportedError(
                 f"{self.suffix} files contain {accepted}, not {SOURCES[kind]}{remedy}"
             )
-        write = self._writer()
-        known = list(inspect.signature(write).parameters)[2:]
-        check_keywords(f"export to {self.suffix}", options, known)
-        contents: Files = write(source, name, **options)
+        self.check_options(options)
+        contents: Files = self._writer()(source, name, **options)
         return contents
+
+    def check_options(self, options: Mapping[str, Any]) -> None:
+        """Refuse unknown options and values that they do not accept.
+
+        Raises
+        ------
+        KeywordError
+            Unknown option; ``UnsupportedError`` for a value.
+        """
+        known, owner = list(inspect.signature(self._writer()).parameters)[2:], self.suffix
+        check_keywords(f"export to {owner}", options, known)
+        check_values(f"export to {owner}", options)
 
     def _writer(self) -> Callable[..., Files]:
         module, _, function = self.writer.partition(":")
