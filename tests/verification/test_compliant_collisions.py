@@ -59,6 +59,7 @@ def fall(force, end: float, gravity=-10.0, height=1e-3) -> np.ndarray:
     return state
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 @pytest.mark.parametrize("name", LAWS)
 def test_ball_on_a_floor_converges_to_the_exact_motion(name, scheme):
@@ -103,6 +104,7 @@ def test_restitution_of_hunt_and_crossley(restitution):
     assert lost == pytest.approx(0.5 * V0**2 * (1 - restitution**2), abs=1e-4)
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("height", [1e-3, 3.7e-3, 9e-3])
 @pytest.mark.parametrize("step", [1e-3, 5e-3, 0.02])
 def test_long_steps_keep_energy_or_warn(step, height):
@@ -184,6 +186,7 @@ def _spheres(system):
 SCENES = {"circles": _circles, "rectangle": _rectangle, "capsule": _capsule, "spheres": _spheres}
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("friction", [0.0, 0.1])
 @pytest.mark.parametrize("name", SCENES)
 def test_agreement_with_contact_of_two_shapes(name, friction):

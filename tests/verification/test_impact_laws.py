@@ -9,6 +9,7 @@ ends it at ``(1 + e) p_c``, the energetic law when the work is ``(1 − e²) W_c
 
 from __future__ import annotations
 
+import functools
 from itertools import pairwise
 
 import numpy as np
@@ -181,6 +182,7 @@ def test_energy_of_random_impacts_is_never_gained():
 SCHEMES = [da.MoreauJean(), da.AnticipatedImpacts()]
 
 
+@functools.cache
 def bouncing(law: str, gravity: float, scheme) -> da.Motion:
     """A row of two balls, which bounces on the floor."""
     system = da.System("balls", gravity=(0, -gravity))
