@@ -267,7 +267,7 @@ def test_a_disc_rolls_steadily_on_its_rim():
     shapes = [cylinder(disc, radius, thin), contact.HalfSpace(system.ground.frame())]
     system.add(spatial.Collisions("floor", shapes, friction=0.8))
     turn = 2 * np.pi / rate
-    motion = da.solve_nonsmooth(system.build(), turn, step=turn / 400)
+    motion = da.solve_nonsmooth(system.build(), turn, step=turn / 200)
     heights = motion["disc.z"].values
     assert motion.status.success
     assert np.ptp(heights) < 0.01 * heights[0]

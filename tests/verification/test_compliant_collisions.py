@@ -98,7 +98,7 @@ def test_rebound_and_duration_of_an_elastic_impact():
 @pytest.mark.parametrize("restitution", [0.9, 0.6, 0.3])
 def test_restitution_of_hunt_and_crossley(restitution):
     law = contact.HuntCrossley(stiffness=K, damping=contact.damping_factor(restitution) / V0)
-    motion = dropped(law, 2e-5, 0.03, gravity=0.0)
+    motion = dropped(law, 4e-5, 0.03, gravity=0.0)
     assert motion["ball.vy"][-1].item() == pytest.approx(restitution, abs=1e-4)
     lost = motion.statistics["energy dissipated in contacts [J]"]
     assert lost == pytest.approx(0.5 * V0**2 * (1 - restitution**2), abs=1e-4)
@@ -255,7 +255,7 @@ def test_pile_at_rest_has_its_weight_and_the_depth_of_the_law():
             shapes.append(spatial.contact.Sphere(system.add(ball).center, radius))
     law = spatial.contact.HuntCrossley(stiffness=stiffness, damping=20.0)
     system.add(spatial.Collisions("pile", shapes, law=law))
-    motion = da.solve_nonsmooth(system.build(), 1.5, step=1e-3)
+    motion = da.solve_nonsmooth(system.build(), 1.5, step=2e-3)
     assert motion.status.success
     for column in range(3):
         mass, height = 1.0 + column, 0.0
