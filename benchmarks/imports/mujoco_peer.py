@@ -13,7 +13,7 @@ from benchmarks.imports.mesh_axes import enter_tensors
 from benchmarks.imports.ours import Ours, State, free_body
 
 ZERO = (
-    *("tendon_stiffness", "tendon_damping", "tendon_armature", "body_gravcomp"),
+    *("tendon_stiffness", "tendon_damping", "tendon_armature"),
     *("dof_frictionloss", "tendon_frictionloss"),
 )
 """Fields of MuJoCo's model that the import lists as not converted, or that are soft constraints."""
@@ -43,7 +43,6 @@ class MujocoPeer:
             raise ValueError(f"MuJoCo refuses the file: {error}") from None
         self.data: Any = mujoco.MjData(self.model)
         self.actuators = len(imported.document.get("inputs", {})) == self.model.nu
-        self.model.actuator_forcelimited[:] = 0
         self.model.opt.density = self.model.opt.viscosity = 0.0
         omitted = {omission.content for omission in imported.omissions}
         fields = [*ZERO, *("jnt_stiffness", "dof_damping")] if SPRINGS in omitted else ZERO
@@ -56,6 +55,8 @@ class MujocoPeer:
         if own_tensors:
             enter_tensors(self.model, path, root)
         self.ours = Ours(imported, self.actuators)
+        if self.model.njnt > len(self.ours.joints) + len(self.ours.free):
+            raise ValueError("MuJoCo has more joints, of attached models")
         bits = mujoco.mjtDisableBit
         self.model.opt.disableflags |= bits.mjDSBL_CONSTRAINT
 
@@ -75,7 +76,7 @@ class MujocoPeer:
             mujoco.mj_forward(m, d)
             mass = np.zeros((m.nv, m.nv))
             mujoco.mj_fullM(m, d, mass)
-            bias = d.qfrc_bias - d.qfrc_spring - d.qfrc_damper
+            bias = d.qfrc_bias - d.qfrc_spring - d.qfrc_damper - d.qfrc_gravcomp
             bias -= d.qfrc_actuator if self.actuators else 0.0
             yield self._state(), [mass, bias, *self._constraints()]
 

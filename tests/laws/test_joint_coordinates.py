@@ -26,7 +26,7 @@ from test_random_mechanisms import tree as random_tree
 from thorough import crossed
 
 import dalembert as da
-from dalembert import planar
+from dalembert import planar, spatial
 from dalembert.elements.planar.joint import TreeJoint
 from dalembert.io.decisions.tasks import make_analysis
 from dalembert.io.model_file import load_model_file
@@ -474,3 +474,62 @@ def test_spanning_trees_of_random_graphs(seed):
         assert max(edge.weight for edge in loop) == chord.weight
         degree = {n: sum(n in (e.i, e.j) for e in loop) for n in nodes}
         assert set(degree.values()) <= {0, 2}
+
+
+@pytest.mark.parametrize("forward", [True, False])
+def test_ball_joints_between_turned_frames(forward):
+    """The start is the absolute one, also where the frames of a ball joint are turned."""
+    system = da.System("pendulum", gravity=(0.0, 0.0, -9.81))
+    start = {"position": (0.3, 0.1, -0.2), "angular_velocity": (1, -2, 3)}
+    inertia = {"mass": 2.0, "inertia": (0.1, 0.2, 0.25)}
+    tilt = da.rotation.axis_angle((1, 2, 3), 0.8)
+    base = system.add(spatial.Body("base", **inertia, rotation=tilt))
+    bob = system.add(spatial.Body("bob", **inertia, **start))
+    system.add(spatial.Revolute("hinge", system.ground.frame(axis=(0, 1, 0)), base.frame()))
+    frames = [
+        base.frame((0.1, 0, 0), axis=(1, 1, 0)),
+        bob.frame((0, 0.2, 0.1), rotation=da.rotation.axis_angle((0, 1, 1), 2.0)),
+    ]
+    system.add(spatial.Spherical("ball", *(frames if forward else frames[::-1])))
+    model = system.build()
+    runs = [
+        da.solve_dynamics(model, 0.2, integrator=da.DormandPrince(1e-10, 1e-12), coordinates=c)
+        for c in (da.AbsoluteCoordinates(), JointCoordinates())
+    ]
+    for measure in ("bob.position", "bob.angular_velocity", "base.position"):
+        absolute, joint = (run[measure].values for run in runs)
+        assert np.allclose(joint[0], absolute[0], atol=1e-12)
+        assert np.allclose(joint[-1], absolute[-1], atol=1e-7)
+
+
+@pytest.mark.parametrize("closing", ["hinge", "ball"])
+def test_planar_loops_on_a_turntable(closing):
+    """A row of C that vanishes at the start, and is redundant everywhere, is left out."""
+    system = da.System("turntable", gravity=(0, 0, -9.81))
+    body = {"mass": 1.0, "inertia": (0.1, 0.1, 0.1), "angular_velocity": (0, 0, 1.0)}
+    base = system.add(spatial.Body("base", **body))
+    crank = system.add(spatial.Body("crank", **body, position=(0, 0, 0.65)))
+    rocker = system.add(spatial.Body("rocker", **body, position=(1, 0, 0.75)))
+    coupler = system.add(spatial.Body("coupler", **body, position=(0.5, 0, 0.9)))
+    upright = system.ground.frame(axis=(0, 0, 1)), base.frame(axis=(0, 0, 1))
+    system.add(spatial.Revolute("turntable", *upright))
+
+    def across(of: spatial.Body, x: float, z: float) -> spatial.Frame:
+        return of.frame((x, 0, z), axis=(0, 1, 0))
+
+    system.add(spatial.Revolute("A", across(base, 0, 0.5), across(crank, 0, -0.15)))
+    system.add(spatial.Revolute("B", across(crank, 0, 0.15), across(coupler, -0.5, -0.1)))
+    system.add(spatial.Revolute("D", across(base, 1, 0.5), across(rocker, 0, -0.25)))
+    if closing == "hinge":
+        last = spatial.Revolute("C", across(coupler, 0.5, 0.1), across(rocker, 0, 0.25))
+    else:
+        last = spatial.Spherical("C", coupler.point(0.5, 0, 0.1), rocker.point(0, 0, 0.25))
+    system.add(last)
+    model = system.build()
+    absolute, joint = (
+        da.solve_dynamics(model, 1.8, step=4e-3, coordinates=c)  # turns by more than 90°
+        for c in (da.AbsoluteCoordinates(), JointCoordinates())
+    )
+    assert joint.status.success
+    for measure in ("base.angular_velocity", "crank.position", "rocker.angular_velocity"):
+        assert np.allclose(joint[measure][-1], absolute[measure][-1], atol=1e-6)

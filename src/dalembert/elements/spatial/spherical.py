@@ -8,6 +8,7 @@ import casadi as ca
 
 from dalembert.elements.base import Look
 from dalembert.elements.coordinates import JointSpace
+from dalembert.elements.frame import Frame
 from dalembert.elements.look import Socket
 from dalembert.elements.pair import PointJoint
 from dalembert.elements.point import Point
@@ -47,8 +48,14 @@ class Spherical(PointJoint, TreeJoint):
         return self.point_i, self.point_j
 
     def joint_space(self) -> JointSpace:
-        """Euler parameters of the second body relative to the first, with the relative ``ω'``."""
-        first, second = (body.orientation for body in self.ends())
+        """Euler parameters of the second body relative to the first, with the relative ``ω'``.
+
+        Those of the second frame relative to the first, if the ends are frames.
+        """
+        ends = self.end_frames()
+        first, second = (
+            e.orientation if isinstance(e, Frame) else e.body.orientation for e in ends
+        )
         reading = rotation.product(rotation.conjugate(first), second)
         return JointSpace.of(Attitude(self.name), reading)
 

@@ -50,7 +50,7 @@ class BodyTables:
         self._massless: dict[tuple[Link, int], str] = {}
         self.ground: dict[str, dict[str, Any]] = {}
         self.sections: dict[str, dict[str, Any]] = {
-            section: {} for section in ("inputs", "bodies", "joints", "forces")
+            section: {} for section in ("inputs", "blocks", "bodies", "joints", "forces")
         }
 
     def add_body(self, link: Link) -> None:

@@ -8,8 +8,17 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from dalembert.io.imports.robots.body_tables import BodyTables
-from dalembert.io.imports.robots.joint_forces import actuator_formula, joint_forces, scaled
+from dalembert.io.imports.robots.joint_forces import (
+    actuator_formula,
+    free_damper,
+    joint_forces,
+    scaled,
+    sum_of,
+    within,
+)
 from dalembert.io.imports.robots.kinematics import Carrier
 from dalembert.io.imports.robots.parts import (
     BALL,
@@ -57,6 +66,7 @@ class RobotDocument(BodyTables):
     def __init__(self, robot: Robot, stops: float | None, repair_inertia: bool):
         super().__init__(robot, repair_inertia)
         self.stops = stops
+        self.efforts: dict[Joint, list[str]] = {}
         self.joints = {
             joint: self.names.add(joint.name, "joint")
             for link in self.bodies
@@ -79,10 +89,13 @@ class RobotDocument(BodyTables):
         for joint, name in self.joints.items():
             forces = joint_forces(joint, name, self.sections["joints"][name]["connect"])
             forces |= self._limits(joint, name)
-            for ending, force in forces.items():
-                self.sections["forces"][self.names.add(f"{name}_{ending}")] = force
+            self._add_forces(name, forces)
+        for link in self.robot.links:
+            self._add_lift(link)
         for actuator in self.robot.actuators:
             self._add_actuator(actuator)
+        for joint, names in self.efforts.items():
+            self._limit_effort(joint, names)
         document: dict[str, Any] = {"format": 1, "name": visible(self.robot.name), "dimension": 3}
         if self.robot.gravity is not None:
             document["gravity"] = tidy(self.robot.gravity)
@@ -90,6 +103,10 @@ class RobotDocument(BodyTables):
             document["ground"] = self.ground
         sections = {name: section for name, section in self.sections.items() if section}
         return document | sections | {"analysis": {"type": "Dynamics", "duration": 1.0}}
+
+    def _add_forces(self, name: str, forces: dict[str, dict[str, Any]]) -> None:
+        for ending, force in forces.items():
+            self.sections["forces"][self.names.add(f"{name}_{ending}")] = force
 
     def _limits(self, joint: Joint, name: str) -> dict[str, dict[str, Any]]:
         """Stops at the limits of a joint, or an omission."""
@@ -123,6 +140,8 @@ class RobotDocument(BodyTables):
                 self.sections["joints"][name] = {"type": TYPES[joint.kind], "connect": ends}
                 if comment := _comment(joint):
                     self.comments[f"joints.{name}"] = comment
+            elif joint.damping:
+                self._add_forces(child, free_damper(joint, child))
             body, pose = child, Pose()
 
     def _add_closure(self, closure: Closure) -> None:
@@ -167,7 +186,7 @@ class RobotDocument(BodyTables):
         }
 
     def _add_actuator(self, actuator: Actuator) -> None:
-        """An input, and a force along each joint of the actuator."""
+        """An input, and a force along each joint of the actuator, or at its site."""
         control = self.names.add(actuator.name, "input")
         low, high = actuator.bounds or (0.0, 0.0)
         table: dict[str, Any] = {"value": min(max(low, 0.0), high)}
@@ -175,7 +194,10 @@ class RobotDocument(BodyTables):
             table["bounds"] = [low, high]
         self.sections["inputs"][control] = table
         coordinates = [self.coordinate(joint) for joint, _ in actuator.joints]
-        formula = actuator_formula(actuator, control, coordinates)
+        activation = self._activation(actuator, control)
+        formula = actuator_formula(actuator, activation, coordinates)
+        if actuator.site is not None:
+            self._add_wrench(control, formula, actuator.site, actuator.wrench)
         for joint, coefficient in actuator.joints:
             name = self.names.add(f"{control}_force")
             value = scaled(coefficient, formula)
@@ -184,6 +206,60 @@ class RobotDocument(BodyTables):
                 "joint": self.joints[joint],
                 "value": value,
             }
+            self.efforts.setdefault(joint, []).append(name)
+
+    def _activation(self, actuator: Actuator, control: str) -> str:
+        """The control, or the output of a block that filters or integrates it."""
+        if not actuator.activation:
+            return control
+        name = self.names.add(f"{control}_activation")
+        if actuator.activation == "filter":
+            cutoff = 1 / actuator.time_constant
+            self.sections["blocks"][name] = {"type": "LowPass", "input": control, "cutoff": cutoff}
+            return f"{name}.output"
+        self.sections["blocks"][name] = {"type": "State", "rate": control}
+        return f"{name}.value"
+
+    def _add_wrench(
+        self, control: str, formula: str, site: tuple[Link, Pose], wrench: np.ndarray
+    ) -> None:
+        """A force and a moment at a site, in the axes of its body."""
+        carrier = self.kinematics.carrier(site[0])
+        if carrier.link is None:
+            return
+        body, pose = self.bodies[carrier.link], carrier.pose @ site[1]
+        force, moment = (
+            [scaled(c, formula) if c else 0.0 for c in tidy(pose.turned(part))]
+            for part in (wrench[:3], wrench[3:])
+        )
+        if any(force):
+            place = {"body": body, "at": tidy(pose.place)}
+            table = {"type": "Force", "connect": [place], "vector": force, "follows": body}
+            self._add_forces(control, {"force": table})
+        if any(moment):
+            table = {"type": "Torque", "connect": [body], "vector": moment, "follows": body}
+            self._add_forces(control, {"torque": table})
+
+    def _limit_effort(self, joint: Joint, names: list[str]) -> None:
+        """Replace the forces of the actuators of a joint by their limited sum."""
+        if joint.effort_range is None:
+            return
+        forces = self.sections["forces"]
+        total = sum_of([forces[name]["value"] for name in names])
+        forces[names[0]]["value"] = within(total, joint.effort_range)
+        for name in names[1:]:
+            del forces[name]
+
+    def _add_lift(self, link: Link) -> None:
+        """A force at the mass centre of a link against gravity."""
+        carrier = self.kinematics.carrier(link)
+        if carrier.link is None or not link.lift or self.robot.gravity is None:
+            return
+        weight = -link.lift * link.inertia.mass * self.robot.gravity
+        body = self.bodies[carrier.link]
+        place = {"body": body, "at": tidy(carrier.pose.at(link.inertia.center))}
+        force = {"type": "Force", "connect": [place], "vector": tidy(weight)}
+        self._add_forces(body, {"lift": force})
 
     def coordinate(self, joint: Joint) -> str:
         """Measure of the coordinate of a joint."""

@@ -49,6 +49,26 @@ def joint_forces(joint: Joint, name: str, ends: list[str]) -> dict[str, dict[str
     return forces
 
 
+def free_damper(joint: Joint, body: str) -> dict[str, dict[str, Any]]:
+    """Ending of a name → force or torque against the velocities of a free body.
+
+    Parameters
+    ----------
+    joint : of kind ``FREE``
+    body : name in the model file
+    """
+    factor = number_text(-joint.damping)
+    velocity, spin = (
+        [f"{factor}*{body}.{name}.{axis}" for axis in "xyz"]
+        for name in ("velocity", "angular_velocity")
+    )
+    origin = {"body": body, "at": [0.0, 0.0, 0.0]}
+    return {
+        "damper": {"type": "Force", "connect": [origin], "vector": velocity},
+        "rotational_damper": {"type": "Torque", "connect": [body], "vector": spin},
+    }
+
+
 def _ball_damper(joint: Joint, base: str, body: str) -> dict[str, Any]:
     """Moment against the relative angular velocity of two bodies."""
     factor = number_text(-joint.damping)
@@ -73,7 +93,21 @@ def actuator_formula(actuator: Actuator, control: str, coordinates: list[str]) -
     speed = _sum(coefficients, [f"{coordinate}_rate" for coordinate in coordinates])
     gain = _sum(actuator.gain, ["", length, speed])
     controlled = float(gain != "0.0")
-    return _sum([controlled, *actuator.bias], [_product(gain, control), "", length, speed])
+    terms = [controlled, *actuator.bias], [_product(gain, control), "", length, speed]
+    return within(_sum(*terms), actuator.force_range)
+
+
+def within(formula: str, limits: tuple[float, float] | None) -> str:
+    """A formula between two limits."""
+    if limits is None:
+        return formula
+    lower, upper = map(number_text, limits)
+    return f"min(max({formula}, {lower}), {upper})"
+
+
+def sum_of(formulas: list[str]) -> str:
+    """The sum of formulas."""
+    return _sum([1.0] * len(formulas), formulas)
 
 
 def scaled(coefficient: float, formula: str) -> str:

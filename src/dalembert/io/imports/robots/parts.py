@@ -33,6 +33,7 @@ class Joint:
     stiffness : [N m/rad] or [N/m]
     rest : coordinate at which the spring has no moment
     inertia : of a rotor that turns with the joint [kg m²] or [kg]
+    effort_range : limits of the sum of its actuators [N m] or [N], or None
     comment : for the model file
     """
 
@@ -48,6 +49,7 @@ class Joint:
     stiffness: float = 0.0
     rest: float = 0.0
     inertia: float = 0.0
+    effort_range: tuple[float, float] | None = None
     comment: str = ""
 
     @property
@@ -87,6 +89,7 @@ class Link:
     orientation : pose of a link with a ball joint or without any, at the start
     shapes : geometry
     frames : name → further frames of the link
+    lift : force at the mass centre against gravity, relative to the weight [-]
     """
 
     name: str
@@ -98,6 +101,7 @@ class Link:
     start: Pose | None = None
     shapes: list[Shape] = field(default_factory=list)
     frames: dict[str, Pose] = field(default_factory=dict)
+    lift: float = 0.0
 
     def __repr__(self) -> str:
         return self.name
@@ -141,7 +145,7 @@ class Dependence:
 
 @dataclass(eq=False)
 class Actuator:
-    """A force along joints, with a control ``u`` from outside.
+    """A force along joints, or at a site, with a control ``u`` from outside.
 
     With the length ``L = offset + Σ coefficient s`` of its joints the force along L is
     ``(g₀ + g₁ L + g₂ L̇) u + b₀ + b₁ L + b₂ L̇``.
@@ -153,6 +157,11 @@ class Actuator:
     offset : L at zero coordinates
     gain, bias : (3,) ``g`` and ``b``
     bounds : of the control, or None
+    force_range : limits of the force along L, or None
+    activation : ``"integrator"`` of the control or ``"filter"`` in place of it; empty for none
+    time_constant : of the filter [s]
+    site : link and pose of a site on which the force acts instead, L = 0; or None
+    wrench : (6,) force and moment at the site, in its axes, per force
     """
 
     name: str
@@ -161,6 +170,11 @@ class Actuator:
     gain: list[float]
     bias: list[float]
     bounds: tuple[float, float] | None
+    force_range: tuple[float, float] | None = None
+    activation: str = ""
+    time_constant: float = 0.0
+    site: tuple[Link, Pose] | None = None
+    wrench: np.ndarray = field(default_factory=lambda: np.zeros(6))
 
 
 @dataclass(eq=False)

@@ -207,7 +207,9 @@ class JointView(CoordinateView):
         """Loop equations that do not depend linearly on the ones before them."""
         if not e.constraint_count:
             return []
-        return independent_rows(self._at_start(e.jacobian) / e.scales.rows[:, None])
+        natural = self._at_start(e.jacobian) * e.scales.displacements / e.scales.rows[:, None]
+        natural[np.linalg.norm(natural, axis=1) < ROUNDING] = 0.0
+        return independent_rows(natural)
 
     def _massless(self, inertia: TreeInertia) -> tuple[int, ...]:
         """Coordinates that take part in a motion without kinetic energy."""

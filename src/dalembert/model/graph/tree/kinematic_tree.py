@@ -17,6 +17,9 @@ from dalembert.model.graph.tree.link import Link, free_link, planar_link
 from dalembert.model.graph.tree.spanning_tree import Edge, SpanningTree, spanning_tree
 from dalembert.model.graph.tree.spatial_link import spatial_link
 
+RIGID = 6
+"""Number of equations of a weld, the maximum of all joints."""
+
 
 def carrying_joints(d: Description) -> dict[str, Any]:
     """Joints by name that can carry a body at either end."""
@@ -63,8 +66,8 @@ def rotors_of(d: Description, links: list[Link]) -> list[ca.SX]:
 def tree_of_joints(d: Description, cut: tuple[str, ...]) -> SpanningTree:
     """Spanning tree from the ground of the joints that can carry a body and are not cut.
 
-    Joints with many equations are preferred, so that few equations remain for the loops; among
-    equal ones those with rotors.
+    Joints with rotors are preferred, whose speeds must be those of coordinates, then joints with
+    many equations, so that few equations remain for the loops.
 
     Raises
     ------
@@ -83,7 +86,7 @@ def tree_of_joints(d: Description, cut: tuple[str, ...]) -> SpanningTree:
     driven = {element.joint.name for element in with_rotors(d)}
 
     def weight(joint: Any) -> int:
-        return -2 * joint.equations.numel() - (joint.name in driven)
+        return -joint.equations.numel() - (RIGID if joint.name in driven else 0)
 
     def tree(left_out: tuple[str, ...]) -> SpanningTree:
         edges = [

@@ -14,8 +14,7 @@ from dalembert.io.imports.robots.pose import Pose
 from dalembert.io.imports.xml.element import XmlElement
 
 KINDS = {"hinge": TURNING, "slide": SLIDING, "ball": BALL, "free": FREE}
-DAMPING = {BALL: (), FREE: ("damping",)}
-"""Kind of a joint → attributes of its damping that are not converted."""
+"""Type of a joint → its kind."""
 MOST_COPIES = 10_000
 """Upper limit of the copies of a replicated element."""
 
@@ -134,6 +133,7 @@ class MjcfBodies:
             raise element.error(f"a body of this name is in line {first} already; rename one")
         pose = place.pose @ self.source.pose(element)
         link = Link(name, element, parent=place.link, pose=pose)
+        link.lift = element.number("gravcomp", 0.0)
         self.links.append(link)
         self.by_name[name] = link
         self._geoms[link] = []
@@ -192,11 +192,10 @@ class MjcfBodies:
             self._coordinate(element, joint, source.degree if kind == TURNING else 1.0)
         else:
             element.ignore("axis", "ref", "springref")
-            if kind == BALL:
-                joint.damping = element.number("damping", 0.0)
-                if joint.damping < 0:
-                    raise element.error(f"damping is {joint.damping:g}; it is not negative")
-            for name_ in ("stiffness", "armature", "frictionloss", *DAMPING[kind]):
+            joint.damping = element.number("damping", 0.0)
+            if joint.damping < 0:
+                raise element.error(f"damping is {joint.damping:g}; it is not negative")
+            for name_ in ("stiffness", "armature", "frictionloss"):
                 if element.has(name_) and element.number(name_):
                     reason = "is converted for hinges and slides only"
                     source.omissions.add(element, f"{element.tag} {name_}", reason)
@@ -217,16 +216,12 @@ class MjcfBodies:
         joint.stiffness, joint.damping = numbers["stiffness"], numbers["damping"]
         joint.friction, joint.inertia = numbers["frictionloss"], numbers["armature"]
         joint.rest = element.number("springref", 0.0) * unit - reference
-        limited = element.text("limited", "auto").lower()
-        automatic = self.source.is_on("autolimits", True) and element.has("range")
-        if limited == "true" or (limited == "auto" and automatic):
-            lower, upper = element.numbers("range", 2)
-            joint.range = lower * unit - reference, upper * unit - reference
-        elif limited == "auto" and element.has("range"):
-            self.source.omissions.add(element, "joint range", "autolimits is off; write limited")
-            element.ignore("range")
-        else:
-            element.ignore("range")
+        limits = self.source.limits(element, "range", "limited")
+        if limits is not None:
+            joint.range = limits[0] * unit - reference, limits[1] * unit - reference
+        efforts = self.source.limits(element, "actuatorfrcrange", "actuatorfrclimited")
+        if efforts is not None and efforts[0] < efforts[1]:
+            joint.effort_range = efforts
 
     # inertia ----------------------------------------------------------------------------------
     def _complete_inertias(self) -> None:

@@ -65,9 +65,8 @@ class Geom:
         element = self.element
         count = {"sphere": 1, "capsule": 2, "cylinder": 2}.get(self.type, 3)
         if self.mesh is not None and self.type not in ("mesh", "sdf"):
-            raise element.error(
-                f"a {self.type} fitted to a mesh is not converted; give it a size instead of mesh"
-            )
+            element.ignore("size", "fromto")
+            return self._fitted(self.mesh)
         if self.mesh is not None or self.type in WITHOUT_MASS:
             element.ignore("size", "fromto")
             return np.zeros(3)
@@ -89,6 +88,30 @@ class Geom:
                 f"{'s' if count > 1 else ''}"
             )
         return np.array([*sizes, 0.0, 0.0])[:3]
+
+    def _fitted(self, mesh: XmlElement) -> np.ndarray:
+        """Size of a shape whose box of equal inertia is that of a mesh, in its principal axes.
+
+        A box with half lengths ``h`` has the moments ``I₁ = (h₂² + h₃²)/3`` per unit mass.
+        """
+        if self.source.is_on("fitaabb", False):
+            raise self.element.error(
+                f"a {self.type} fitted to the bounding box of a mesh is not converted; give it a "
+                "size instead of mesh"
+            )
+        _, center, gyration = self._of_mesh(mesh)
+        principal, axes = np.linalg.eigh(gyration)
+        principal, axes = principal[::-1], axes[:, ::-1]  # the longest axis is the last one
+        axes = axes * np.sign(np.linalg.det(axes))
+        a, b, c = np.sqrt(np.maximum(1.5 * (principal.sum() - 2 * principal), 0.0))
+        radius = (a + b) / 2
+        size = {
+            "sphere": [(a + b + c) / 3, 0.0, 0.0],
+            "capsule": [radius, max(c - radius / 2, 0.0), 0.0],
+            "cylinder": [radius, c, 0.0],
+        }.get(self.type, [a, b, c])
+        self.pose, self.mesh = self.pose @ Pose(center, axes), None
+        return np.array(size) * self.element.number("fitscale", 1.0)
 
     # inertia ----------------------------------------------------------------------------------
     def inertia(self) -> Inertia:

@@ -115,6 +115,27 @@ class MjcfSource:
         """Unit of angles in the file [rad]."""
         return 1.0 if self.option("angle", "degree") == "radian" else math.pi / 180
 
+    def limits(
+        self, element: XmlElement, range_name: str, limited_name: str
+    ) -> tuple[float, float] | None:
+        """Lower and upper limit of an attribute such as ``range``, if it applies.
+
+        It does if ``limited`` is true, or automatic, which is the default, with ``autolimits``.
+        """
+        limited = element.text(limited_name, "auto").lower()
+        if not element.has(range_name) or limited in ("false", "0"):
+            if limited in ("true", "1"):
+                raise element.error(f"{limited_name} is true; give {range_name}, too")
+            element.ignore(range_name)
+            return None
+        if limited == "auto" and not self.is_on("autolimits", True):
+            reason = f"autolimits is off; write {limited_name}"
+            self.omissions.add(element, f"{element.tag} {range_name}", reason)
+            element.ignore(range_name)
+            return None
+        lower, upper = element.numbers(range_name, 2)
+        return lower, upper
+
     # default classes --------------------------------------------------------------------------
     def _read_default(self, element: XmlElement, parent: str) -> None:
         name = element.text("class", MAIN if parent == MAIN else None)
