@@ -75,7 +75,8 @@ def mark_products(items: Iterable[pytest.Item]) -> None:
     """Mark ``thorough`` what ``covering`` leaves out of tests with the marker ``product``."""
     products: dict[str, list[pytest.Function]] = {}
     for item in items:
-        if item.get_closest_marker("product") and isinstance(item, pytest.Function):
+        pushed = item.get_closest_marker("product") and not item.get_closest_marker("thorough")
+        if pushed and isinstance(item, pytest.Function):
             products.setdefault(item.nodeid.partition("[")[0], []).append(item)
     for cases in products.values():
         some = covering([case.callspec.params for case in cases])
