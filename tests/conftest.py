@@ -15,6 +15,7 @@ os.environ.setdefault(  # kept for the next run of the tests
 import pytest
 from browser import browser, show  # noqa: F401
 from hypothesis import settings
+from thorough import mark_products
 
 from dalembert.io import json_schema
 from dalembert.symbolic.evaluation import switching
@@ -40,6 +41,11 @@ class NeverCompiled:
 
 switching.Compilation = NeverCompiled  # type: ignore[assignment,misc]
 gc.set_threshold(50_000, 20, 20)  # models are many objects that stay
+
+
+@pytest.hookimpl(tryfirst=True)  # before thorough cases are taken out
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    mark_products(items)
 
 
 def pytest_collection_finish() -> None:

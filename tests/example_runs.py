@@ -20,6 +20,9 @@ EVERY = {p.stem: 'kind = "structure"' in p.read_text("utf-8") for p in EXAMPLES.
 FILES = sorted(name for name, structure in EVERY.items() if not structure)
 SMOOTH = [name for name in FILES if name not in ("crates_and_ball", "dominoes")]
 """Files with gradients, which ``AnticipatedImpacts`` does not have."""
+OPTIMISED = [
+    name for name in FILES if "\n[optimize]" in (EXAMPLES / f"{name}.toml").read_text("utf-8")
+]
 STRUCTURES = sorted(name for name, structure in EVERY.items() if structure)
 SCRIPTS = sorted(path.stem for path in EXAMPLES.glob("*.py") if path.stem != "style")
 

@@ -36,6 +36,7 @@ def check(model: da.Model, coordinates: str) -> None:
             parser.parse(f"${line[2:-2].strip()}$")
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("coordinates", CHOICES)
 @pytest.mark.parametrize("name", CASES)
 def test_equations_have_the_values_of_the_model_or_are_too_large(name, coordinates):

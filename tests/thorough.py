@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import random
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
 from typing import Any
 
 import pytest
 
 
-def sampled(cases: Iterable[Any], each: int, names: Sequence[str] | None = None) -> list[Any]:
+def sampled(
+    cases: Iterable[Any], each: int, names: Sequence[str] | None = None, first: int = 0
+) -> list[Any]:
     """All cases, of which every ``each``-th is not marked ``thorough``.
 
     Parameters
     ----------
     cases : values of the parameters of a test, tuples where it has several
     names : names of the cases in reports
+    first : number of the first case without the mark, below ``each``; laws of the same elements
+        begin with different ones, so that each element is in some of them with every push
     """
     params = []
     for k, case in enumerate(cases):
-        marks = () if k % each == 0 else (pytest.mark.thorough,)
+        marks = () if k % each == first else (pytest.mark.thorough,)
         params.append(pytest.param(*_parts(case), marks=marks, id=names[k] if names else None))
     return params
 
@@ -39,6 +45,52 @@ def crossed(rows: Iterable[Any], columns: Iterable[Any], each: int = 1) -> list[
         marks = () if (j - i) % period < each else (pytest.mark.thorough,)
         params.append(pytest.param(*pair, marks=marks))
     return params
+
+
+def covering(cases: Sequence[Mapping[str, Any]]) -> set[int]:
+    """Indices of a few cases that have every value of every parameter, the same in all runs.
+
+    Parameters
+    ----------
+    cases : names and values of parameters
+    """
+    pairs = [[(name, _key(value)) for name, value in case.items()] for case in cases]
+    order = random.Random(len(cases)).sample(range(len(cases)), len(cases))
+    taken: Counter[tuple[str, Any]] = Counter()
+    chosen: set[int] = set()
+    while True:
+        best, gain, used = -1, 0, 0
+        for k in order:
+            counts = [taken[pair] for pair in pairs[k]]
+            new, often = counts.count(0), sum(counts)
+            if new > gain or (new == gain > 0 and often < used):
+                best, gain, used = k, new, often
+        if not gain:
+            return chosen
+        chosen.add(best)
+        taken.update(pairs[best])
+
+
+def mark_products(items: Iterable[pytest.Item]) -> None:
+    """Mark ``thorough`` what ``covering`` leaves out of tests with the marker ``product``."""
+    products: dict[str, list[pytest.Function]] = {}
+    for item in items:
+        pushed = item.get_closest_marker("product") and not item.get_closest_marker("thorough")
+        if pushed and isinstance(item, pytest.Function):
+            products.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    for cases in products.values():
+        some = covering([case.callspec.params for case in cases])
+        for k, case in enumerate(cases):
+            if k not in some:
+                case.add_marker(pytest.mark.thorough)
+
+
+def _key(value: Any) -> Any:
+    try:
+        hash(value)
+    except TypeError:
+        return repr(value)
+    return value
 
 
 def _parts(value: Any) -> tuple:

@@ -68,6 +68,7 @@ def relative_errors(computed, true) -> np.ndarray:
     )
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("stabilization", [da.Stabilization(), da.Projection()], ids=repr)
 @pytest.mark.parametrize("form", FORMS)
 def test_tolerance_is_met_at_steps_and_between(form, stabilization):
@@ -93,6 +94,7 @@ def run(form: str, tolerance: float, **options):
     )
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("order", [1, 2, 3, 4, 5])
 @pytest.mark.parametrize("stabilization", [da.Stabilization(), da.Projection()], ids=repr)
 @pytest.mark.parametrize("form", FORMS)

@@ -178,6 +178,7 @@ def meeting_of(meetings: dict, i: str, j: str) -> Meeting:
     return meetings[i, j]
 
 
+@pytest.mark.product
 @pairs
 def test_smallest_gap_is_the_distance(meetings, i, j):
     """Between two sharp corners, a lower bound."""
@@ -213,6 +214,7 @@ def test_compliant_contact_has_the_same_distance(meetings, i, j):
             assert gap == pytest.approx(expected, abs=2e-6)
 
 
+@pytest.mark.product
 @pairs
 def test_formulas_are_the_numbers_and_have_their_derivatives(meetings, i, j):
     meeting = meeting_of(meetings, i, j)
@@ -225,6 +227,7 @@ def test_formulas_are_the_numbers_and_have_their_derivatives(meetings, i, j):
         formulas.check_slopes(y, gaps, rng)
 
 
+@pytest.mark.product
 @pairs
 def test_selected_gaps_are_those_of_the_search(meetings, i, j):
     meeting, nominal = meeting_of(meetings, i, j), meeting_of(meetings, i, j).model.nominal
@@ -238,6 +241,7 @@ def test_selected_gaps_are_those_of_the_search(meetings, i, j):
         assert selected.speeds(v) == pytest.approx(gaps.speeds(v)[::-1], abs=1e-9)
 
 
+@pytest.mark.product
 @pairs
 def test_velocities_of_gaps_are_rates_of_distances(meetings, i, j):
     meeting = meeting_of(meetings, i, j)
@@ -254,6 +258,7 @@ def test_velocities_of_gaps_are_rates_of_distances(meetings, i, j):
             assert (ends[0][key] - ends[1][key]) / 2e-6 == pytest.approx(rates[key], abs=1e-6)
 
 
+@pytest.mark.product
 @pairs
 def test_gaps_do_not_depend_on_the_frame(meetings, i, j):
     meeting = meeting_of(meetings, i, j)

@@ -71,6 +71,7 @@ def roller_lift(angle: float) -> float:
     return float(center(v)[1])
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize(("lift", "roller"), [(flat_lift, False), (roller_lift, True)])
 def test_an_elliptic_cam_lifts_its_follower(scheme, lift, roller):

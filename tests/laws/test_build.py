@@ -117,3 +117,18 @@ def test_what_a_formula_holds_is_connected():
     system.add(planar.Stop("floor", caught.y, lower=0.0, stiffness=1e3))
     messages = [text for _, text in system.build().diagnosis.messages]
     assert messages == [f"body {loose.name} is not connected to anything"]
+
+
+def test_runs_and_compiled_adjoints_build_only_what_they_use():
+    """A run counts the work of a step without building it; an adjoint in stages needs no map."""
+    system = da.System("pendulum", gravity=(0.0, -9.81))
+    bar = system.add(da.planar.Bar("bar", length=system.parameter("length", 0.5), mass=1.0))
+    system.add(da.planar.Revolute("O", system.ground.center, bar.start))
+    model = system.build()
+    motion = da.solve_dynamics(model, 0.1, step=0.01)
+    assert motion.status.success and not motion.warnings
+    (variant,) = motion.analysis.kernel(model).variants
+    assert "function" not in vars(variant.step)
+    assert variant.step.work == pytest.approx(variant.step.function.n_instructions(), rel=0.2)
+    assert variant.step.prepared.compiled_adjoint.numel_out(0) == variant.step.size
+    assert "prepared" not in vars(variant.step.rhs)

@@ -107,6 +107,7 @@ def meeting_of(meetings: dict, *pair) -> Meeting:
     return meetings[pair]
 
 
+@pytest.mark.product
 @pairs
 def test_smallest_gap_is_the_signed_distance(meetings, dimension, i, j):
     """Sharp corners beside sharp corners: a lower bound; overlapping edges: along their normal;
@@ -134,6 +135,7 @@ def test_smallest_gap_is_the_signed_distance(meetings, dimension, i, j):
     assert exact >= 3
 
 
+@pytest.mark.product
 @pairs
 def test_velocities_of_gaps_are_rates_of_distances(meetings, dimension, i, j):
     meeting = meeting_of(meetings, dimension, i, j)
@@ -153,6 +155,7 @@ def test_velocities_of_gaps_are_rates_of_distances(meetings, dimension, i, j):
             assert (ends[0][key] - ends[1][key]) / 2e-6 == pytest.approx(rates[key], abs=1e-6)
 
 
+@pytest.mark.product
 @pairs
 def test_derivatives_of_gaps_are_those_of_the_numbers(meetings, dimension, i, j):
     """Distances, velocities and momenta change by the position as the numbers do."""
@@ -167,6 +170,7 @@ def test_derivatives_of_gaps_are_those_of_the_numbers(meetings, dimension, i, j)
         formulas.check_slopes(y, gaps, rng)
 
 
+@pytest.mark.product
 @pairs
 def test_order_of_shapes_does_not_matter(meetings, dimension, i, j):
     meeting, turned = Meeting(dimension, i, j), Meeting(dimension, j, i)
@@ -176,6 +180,7 @@ def test_order_of_shapes_does_not_matter(meetings, dimension, i, j):
         assert gaps.distance.min() == pytest.approx(same.distance.min(), abs=1e-12)
 
 
+@pytest.mark.product
 @pairs
 def test_gaps_do_not_depend_on_the_frame(meetings, dimension, i, j):
     meeting = meeting_of(meetings, dimension, i, j)

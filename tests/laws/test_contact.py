@@ -101,6 +101,7 @@ PAIRS = {
 }
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("pair", PAIRS)
 @pytest.mark.parametrize("place", [(0.9, 0.8), (0.45, 0.75), (-0.2, 0.6), (0.7, 0.3)])
 def test_gaps_are_distances(pair, place):

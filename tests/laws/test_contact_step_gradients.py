@@ -72,6 +72,7 @@ class Repeated:
         return np.abs(exact - first).max() / scale, np.abs(second).max() / scale
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("name", CONTACT_MODELS)
 def test_derivative_of_a_step_is_that_of_its_differences(name, scheme):

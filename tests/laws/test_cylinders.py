@@ -105,6 +105,7 @@ def model_of(names: tuple[str, str]) -> da.Model:
     return system.build()
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("first", ["cylinder", "disc"])
 @pytest.mark.parametrize("second", SHAPES)
 def test_distances_are_those_of_a_convex_program(first, second):
@@ -151,6 +152,7 @@ def alone(angle: float, friction: float, lying: bool, on_box: bool = False, leng
     return system.build()
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("on_box", [False, True])
 @pytest.mark.parametrize("friction", [0.05, 0.5])
 def test_a_cylinder_rolls_down_an_incline(friction, on_box):
@@ -182,6 +184,7 @@ def test_a_disc_slides_flat_on_an_inclined_plane():
     assert motion["d.vx"][-1] == pytest.approx(expected * np.cos(angle), abs=1e-9)
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("on_box", [False, True])
 @pytest.mark.parametrize(("share", "falls"), [(0.9, False), (1.05, True)])
 def test_a_standing_cylinder_topples_at_its_angle(share, falls, on_box):
@@ -264,7 +267,7 @@ def test_a_disc_rolls_steadily_on_its_rim():
     shapes = [cylinder(disc, radius, thin), contact.HalfSpace(system.ground.frame())]
     system.add(spatial.Collisions("floor", shapes, friction=0.8))
     turn = 2 * np.pi / rate
-    motion = da.solve_nonsmooth(system.build(), turn, step=turn / 400)
+    motion = da.solve_nonsmooth(system.build(), turn, step=turn / 200)
     heights = motion["disc.z"].values
     assert motion.status.success
     assert np.ptp(heights) < 0.01 * heights[0]

@@ -128,6 +128,7 @@ def check(motion, listed, same=1e-9, differences=1e-6, step=DIFFERENCE) -> None:
     assert np.all(np.abs(expected - adjoint) <= differences * size)
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("terminal", [True, False])
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_every_kind_of_response(name, terminal):
@@ -159,6 +160,7 @@ def test_every_choice(choice, terminal):
     check(run("four-bar", terminal, **CHOICES[choice]), responses("four-bar", terminal))
 
 
+@pytest.mark.product
 @pytest.mark.parametrize(
     ("beyond", "integrator"),
     crossed([0.0, 1e-13, -1e-13, 1e-10, -1e-10], ["RK4", "BackwardEuler", "Newmark", "BDF"], 2),

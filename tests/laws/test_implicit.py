@@ -51,6 +51,7 @@ PAIRS = [(m, f) for m in METHODS for f in FORMS if (m, f) != ("Newmark", "index 
 """Undamped accelerations with constraints of positions only are refused, tested below."""
 
 
+@pytest.mark.product
 @pytest.mark.parametrize(("method", "form"), PAIRS)
 def test_measured_order(method, form):
     """Without projection errors fall with the order of theory, within 0.2."""
@@ -68,6 +69,7 @@ def test_measured_order(method, form):
     np.testing.assert_allclose(slopes, order(method, form), atol=0.2)
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("stabilization", STABILIZATIONS)
 @pytest.mark.parametrize("method", METHODS)
 def test_order_with_elimination(method, stabilization):
@@ -105,6 +107,7 @@ def solved(model, integrator, form, end, step=None, stabilization=None, **option
     )
 
 
+@pytest.mark.product
 @pytest.mark.parametrize(("method", "form", "step"), crossed(PAIRS, [1e-3, 1e-5]))
 def test_constraints_hold_where_they_are_asked(method, form, step):
     """At its level a constraint holds to the tolerance of Newton's method, whatever the step.
@@ -276,6 +279,7 @@ ADAPTIVE = [("Radau, adaptive", form) for form in FORMS]
 PROJECTED = [(m, f, True) for m in METHODS for f in FORMS]
 
 
+@pytest.mark.product
 @pytest.mark.parametrize(
     ("method", "form", "projected"),
     sampled([*PROJECTED, *((*pair, False) for pair in [*PAIRS, *ADAPTIVE])], 3),

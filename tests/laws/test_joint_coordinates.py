@@ -257,6 +257,7 @@ def test_accelerations_and_reactions_are_the_absolute_ones(name, choice):
     assert_same(accelerations(choice.view(model_of(name)), da.RangeSpace()), expected(name))
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("choice", VARIANTS, ids=lambda c: f"{c.angles}-{c.reactions}")
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_motion_of_mechanisms_is_the_absolute_one(name, choice):
@@ -280,6 +281,7 @@ def test_motion_of_mechanisms_is_the_absolute_one(name, choice):
     )
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("formulation", FORMULATIONS)
 @pytest.mark.parametrize("name", ["four_bar", "slider_crank", "chain"])
 def test_every_formulation_takes_joint_coordinates(name, formulation):

@@ -81,6 +81,7 @@ def test_contact_is_lasting_when_bounces_have_ended():
     assert np.abs(forces * gaps).max() < 1e-10  # either apart or pressing
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("options", OPTIONS)
 @pytest.mark.parametrize("speed", [-1.0, 0.0, 1.0])
 def test_starts_on_the_surface(options, speed):

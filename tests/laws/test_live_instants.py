@@ -172,6 +172,7 @@ def test_locked_mechanism_has_the_same_outcome(tmp_path: Path) -> None:
     assert outcome.status["outcome"] == expected.outcome.value == da.Outcome.LOCKED.value
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("equilibrium", [True, False])
 @pytest.mark.parametrize("build", RESTING)
 def test_modes_equal_those_of_python(build, equilibrium: bool, tmp_path: Path) -> None:

@@ -25,6 +25,7 @@ def bouncing_ball(restitution: float, height: float = 1.0) -> da.Model:
     return system.build()
 
 
+@pytest.mark.product
 @schemes
 @pytest.mark.parametrize("step", [1.7e-2, 7e-3, 3.1e-3])
 def test_bouncing_ball_is_of_first_order(scheme, step):

@@ -41,6 +41,7 @@ def ball(kind: str, inside: float, speed: float = 0.0) -> da.System:
 RIGID = ["planar gap", "spatial gap", "planar rigid", "spatial rigid"]
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("kind", RIGID)
 @pytest.mark.parametrize("speed", [0.0, -1.0, 1.0, -1e-5])
 def test_a_rounded_start_is_the_touching_one(kind: str, speed: float) -> None:
@@ -94,6 +95,7 @@ def test_nonsmooth_contact_takes_a_rounded_start(kind: str) -> None:
     assert motion[name].values.max() < R + (2 * INSIDE if speed == 0 else 0.05)
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("gap", [0.0, 1e-9, 1e-5])
 def test_an_impact_at_the_start_bounces_by_its_restitution(restitution: float, gap: float) -> None:

@@ -19,6 +19,7 @@ from registry import (
     model_of,
 )
 from spatial_registry import SPATIAL_CASES, any_model_of
+from thorough import covering
 
 from dalembert.elements import planar, registry, spatial
 from dalembert.formulations.automatic_formulation import AutomaticFormulation
@@ -109,3 +110,11 @@ def test_options_are_described_once_and_everywhere(name):
     for field in dataclasses.fields(cls):
         entry = rf"^(?:\w+, )*{field.name}(?:, \w+)* : "
         assert len(re.findall(entry, cls.__doc__, re.MULTILINE)) == 1, field.name
+
+
+def test_covering_samples_have_every_value():
+    cases = [{"row": row, "column": column} for row in "abcdefg" for column in range(4)]
+    some = covering(cases)
+    assert {cases[k]["row"] for k in some} == set("abcdefg")
+    assert {cases[k]["column"] for k in some} == set(range(4))
+    assert len(some) <= 9 and some == covering(cases)

@@ -171,6 +171,7 @@ def axes_of(d: int) -> np.ndarray:
     return np.diag({1: [0, 0, 0], 2: [0, 0, 1], 3: [1, 1, 1]}[d]).astype(float)
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("lumped", [False, True])
 @pytest.mark.parametrize(("name", "d"), KINDS)
 def test_a_rigid_motion_has_the_inertia_of_a_rigid_body(name, d, lumped):
@@ -195,6 +196,7 @@ def test_a_rigid_motion_has_the_inertia_of_a_rigid_body(name, d, lumped):
     np.testing.assert_allclose(left, 0.0, atol=1e-8 * energy)  # differences in rates_of
 
 
+@pytest.mark.product
 @pytest.mark.parametrize(("name", "d"), KINDS)
 def test_free_flight_is_that_of_a_rigid_body(name, d):
     """No support, no load, nothing but what was thrown: place and attitude to order two."""

@@ -80,6 +80,7 @@ def top() -> da.Model:
 MODELS = {"cart-pole": cart_pole, "four-bar": four_bar, "top": top}
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("strategy", STRATEGIES)
 @pytest.mark.parametrize("name", MODELS)
 def test_steps_are_those_of_a_run(name, strategy):
@@ -107,6 +108,7 @@ def test_models_of_many_kinds(name):
     assert y[0] == pytest.approx(motion["kinetic_energy"][-1].item(), rel=1e-12)
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("strategy", ["joint coordinates", "absolute", "implicit"])
 @pytest.mark.parametrize("name", MODELS)
 def test_jacobians_against_differences(name, strategy):

@@ -89,6 +89,7 @@ def exact(motion, end: float) -> tuple[np.ndarray, np.ndarray]:
     return whole(end, reference.y[:, -1])[:2]
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("nonlinear", [False, True])
 @pytest.mark.parametrize("integrator", INTEGRATORS.values(), ids=INTEGRATORS)
 def test_order_two_in_displacements_and_velocities(integrator, nonlinear):
@@ -167,6 +168,7 @@ def agree(motion, responses) -> None:
     assert (np.abs(slope - direct @ way) / np.maximum(np.abs(direct) @ way, 1e-12)).max() < 1e-6
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("nonlinear", [False, True])
 @pytest.mark.parametrize("integrator", INTEGRATORS.values(), ids=INTEGRATORS)
 def test_gradients_of_every_integrator(integrator, nonlinear):
@@ -224,6 +226,7 @@ def model_of(name: str, dimension: int):
 KINDS = [(name, d) for name, cls in ELEMENTS.items() for d in cls.dimensions]
 
 
+@pytest.mark.product
 @pytest.mark.parametrize(("name", "dimension", "nonlinear"), crossed(KINDS, [False, True]))
 def test_gradients_of_every_kind_of_element(name, dimension, nonlinear):
     model = model_of(name, dimension)

@@ -115,6 +115,7 @@ def test_motions_over_switches(name):
 DIFFERENTIABLE = sorted({*FORCES} - {"power left out"})  # 0·NaN, with or without
 
 
+@pytest.mark.product
 @pytest.mark.parametrize(("name", "method"), crossed(DIFFERENTIABLE, INTEGRATORS, 2))
 def test_gradients_over_switches(name, method):
     """Direct and adjoint are one, and the derivative of the motion itself, jumps or none."""

@@ -9,6 +9,7 @@ import re
 import numpy as np
 import pytest
 from registry import CONSTRAINED, model_of
+from thorough import sampled
 
 import dalembert as da
 from dalembert import planar
@@ -79,7 +80,7 @@ def error(name: str, motion: da.Motion) -> float:
     return float(np.abs(motion.trajectory.y - exact(name)).max())
 
 
-@pytest.mark.parametrize("name", CONSTRAINED)
+@pytest.mark.parametrize("name", sampled(CONSTRAINED, 2))
 def test_velocity_constraints_hold_without_correction(name):
     """|Ψ| ≤ 1e-12 at steps and between them, though nothing corrects them."""
     motion = da.solve_dynamics(
@@ -104,6 +105,7 @@ def test_positions_drift_as_the_integrator_makes_them():
     assert math.log2(drift[0] / drift[2]) / 2 > 3.7
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("every", [None, 1, 7])
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_as_accurate_as_all_speeds_through_all_switches(name, every):

@@ -45,6 +45,7 @@ def computed(result, name: str) -> np.ndarray:
     return values - FIRST.get(name, 0.0)
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("name", PLANTS)
 def test_motions(name, integrator, folder):

@@ -9,6 +9,7 @@ ends it at ``(1 + e) p_c``, the energetic law when the work is ``(1 − e²) W_c
 
 from __future__ import annotations
 
+import functools
 from itertools import pairwise
 
 import numpy as np
@@ -181,6 +182,7 @@ def test_energy_of_random_impacts_is_never_gained():
 SCHEMES = [da.MoreauJean(), da.AnticipatedImpacts()]
 
 
+@functools.cache
 def bouncing(law: str, gravity: float, scheme) -> da.Motion:
     """A row of two balls, which bounces on the floor."""
     system = da.System("balls", gravity=(0, -gravity))
@@ -191,7 +193,7 @@ def bouncing(law: str, gravity: float, scheme) -> da.Motion:
         shapes.append(planar.contact.Circle(system.add(ball), 0.1))
     law = {"restitution": 0.7, "friction": 0.3, "impact_law": law}
     system.add(planar.Collisions("hits", shapes, **law))
-    return da.solve_nonsmooth(system.build(), 1.0, step=1e-3, integrator=scheme)
+    return da.solve_nonsmooth(system.build(), 1.0, step=2e-3, integrator=scheme)
 
 
 @pytest.mark.parametrize("law", ["poisson", "energetic"])

@@ -85,6 +85,7 @@ def test_rolling_disc_stops_and_rests(scheme):
     assert motion["disc.x"][-1].item() == pytest.approx(0.02 * stops / 2, abs=0.02 * STEP)
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("share", [0.98, 1.5])
 def test_disc_on_an_incline_rests_below_the_limit(scheme, share):

@@ -34,6 +34,7 @@ def block(angle: float, shape: str = "Rectangle", speed: float = 0.0) -> da.Mode
     return system.build()
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("share", [0.7, 0.999, 1.001, 1.3])
 def test_break_away_by_static_friction_and_acceleration_by_the_other(scheme, share):
@@ -118,6 +119,7 @@ def test_gradients_before_break_away():
     assert slope == pytest.approx(-G * np.cos(angle) * 0.1, rel=1e-7)
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("duration", [0.65, 1.5])
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_gradients_of_the_stick_slip_oscillator(scheme, duration):

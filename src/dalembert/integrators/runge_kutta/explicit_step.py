@@ -69,6 +69,13 @@ class ExplicitStep(Step):
         new = self.advance(t, h, x, slopes, p)
         return ca.Function("step", [t, h, x, p], [new], self.prepared.cse)
 
+    @property
+    def work(self) -> float:
+        """Of the functions of which the step consists; for this count the step is not built."""
+        finish = 0 if self.finish is None else self.finish.function.n_instructions()
+        slopes = needed_stages(self.tableau) * self.rhs.function.n_instructions()
+        return float(slopes + finish)
+
     @cached_property
     def prepared(self) -> PreparedStages:
         return PreparedStages(self.tableau, self.rhs, self.finish)

@@ -167,6 +167,11 @@ class ImplicitFunction(CacheOwner):
         return ca.Function("prepared_adjoint", [*inputs[:count], weight], [back], {"cse": True})
 
     @property
+    def prepared_prelude(self) -> Prelude:
+        """The prelude of ``prepared``, without the map."""
+        return self._after_prelude[0]
+
+    @property
     def prepared_function(self) -> ca.Function:
         """inputs after the prelude → outputs."""
         return self._after_prelude[2]

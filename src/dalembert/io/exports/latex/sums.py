@@ -100,6 +100,18 @@ def product(factors: Mapping[Factor, int]) -> Product:
     return tuple(sorted(entries, key=lambda entry: entry[0].key))
 
 
+def _include(terms: dict[Product, float], more: Mapping[Product, float]) -> None:
+    """Add terms in place, without those that cancel."""
+    for factors, coefficient in more.items():
+        total = terms.get(factors, 0.0) + coefficient
+        if abs(total) <= ROUNDING * (abs(coefficient) + abs(total - coefficient)):
+            terms.pop(factors, None)
+        else:
+            terms[factors] = total
+    if len(terms) > MOST_TERMS:
+        raise UnsupportedError(f"an expression has more than {MOST_TERMS} terms")
+
+
 class Sum:
     """Products with their coefficients.
 
@@ -167,11 +179,8 @@ class Sum:
 
     def __add__(self, other: Sum) -> Sum:
         terms = dict(self.terms)
-        for factors, coefficient in other.terms.items():
-            total = terms.get(factors, 0.0) + coefficient
-            small = abs(total) <= ROUNDING * (abs(coefficient) + abs(total - coefficient))
-            terms[factors] = 0.0 if small else total
-        return Sum({p: c for p, c in terms.items() if c})
+        _include(terms, other.terms)
+        return Sum(terms)
 
     def scaled(self, factor: float) -> Sum:
         """The sum times a number."""
@@ -186,7 +195,7 @@ class Sum:
     def __mul__(self, other: Sum) -> Sum:
         if len(self.terms) * len(other.terms) > MOST_TERMS**2 / 4:
             raise UnsupportedError(f"an expression has more than {MOST_TERMS} terms")
-        total = Sum({})
+        total: dict[Product, float] = {}
         for first, a in self.terms.items():
             row: dict[Product, float] = {}
             for second, b in other.terms.items():
@@ -195,8 +204,8 @@ class Sum:
                     factors[factor] = factors.get(factor, 0) + power
                 key = product(factors)
                 row[key] = row.get(key, 0.0) + a * b
-            total = total + Sum(row)
-        return total
+            _include(total, row)
+        return Sum(total)
 
     def inverse(self) -> Sum:
         """One over the sum."""
