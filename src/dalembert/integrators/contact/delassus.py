@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -11,6 +12,9 @@ import scipy
 from dalembert.integrators.contact.system_pattern import SystemPattern
 from dalembert.sparse.factorise import SuperLUFactors
 from dalembert.symbolic.evaluation.kernel import Matrix, dense_array
+
+if TYPE_CHECKING:
+    from dalembert.integrators.contact.block_ordering import BlockOrdering, BlockOrderings
 
 DENSE = 100
 """Upper limit of rows below which the matrix itself is cheaper than its factors."""
@@ -34,6 +38,7 @@ class Delassus:
     joints : (m, n) constraints on the speeds
     shift : (r,) addition to the diagonal
     patterns : of Newton's method by the width of contacts, once they are known
+    orderings : orders of elimination of free bodies; None for bodies with joints
     """
 
     directions: scipy.sparse.csr_array
@@ -42,6 +47,7 @@ class Delassus:
     joints: Matrix
     shift: np.ndarray
     patterns: dict[int, SystemPattern] = field(default_factory=dict, repr=False)
+    orderings: BlockOrderings | None = None
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -86,6 +92,10 @@ class Delassus:
             joints = self.joints
             self.patterns[width] = SystemPattern.of(self.directions, self.inertia, joints, width)
         return self.patterns[width]
+
+    def ordering(self, width: int) -> BlockOrdering | None:
+        """Order of elimination for contacts of ``width`` rows; None for bodies with joints."""
+        return None if self.orderings is None else self.orderings(self.directions, width)
 
     def active_impulses(
         self, rows: np.ndarray, own: np.ndarray, coupled: np.ndarray, right: np.ndarray

@@ -9,13 +9,16 @@ import numpy as np
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
 from dalembert.integrators.contact.semismooth_newton import MAX_ITERATIONS, semismooth_newton
-from dalembert.integrators.contact.sweeps import swept
+from dalembert.integrators.contact.sweeps import SWEEPS, swept
 
 WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN = 1e-3, 4.0, 0.3, 1.0, 1e-11
 """Proximal weight: initial value, factors after failure and success, upper and lower limit [-]."""
 ALTERNATIONS, NEWTON_ITERATIONS = 3, 5
 """Upper limits for many contacts: rounds of sweeps and Newton's method; iterations of the latter,
 which without friction is not limited further."""
+BLOCK_ALTERNATIONS, BLOCK_ITERATIONS, BLOCK_SWEEPS = 6, 15, 60
+"""The same where Newton's method factorises the blocks of free bodies, and precedes the sweeps; and
+the upper limit of these."""
 SWEEP_SHARE = 0.1
 """Tolerance of sweeps relative to that of the problem [-]."""
 RESIDUAL_SHARE, TOLERANCE_SHARE = 0.01, 0.3
@@ -89,9 +92,17 @@ def _alternating(
     problem: FrictionProblem, impulses: np.ndarray, allowed: float
 ) -> tuple[np.ndarray, float]:
     """Impulses after sweeps and Newton's method in turns, and their residual."""
-    few = NEWTON_ITERATIONS if problem.friction.any() else MAX_ITERATIONS
-    for _ in range(ALTERNATIONS):
-        impulses = swept(problem, impulses, SWEEP_SHARE * allowed)
+    assert isinstance(problem.matrix, Delassus)
+    alternations, few, sweeps = ALTERNATIONS, NEWTON_ITERATIONS, SWEEPS
+    residual = np.inf
+    if problem.matrix.orderings is not None:
+        alternations, few, sweeps = BLOCK_ALTERNATIONS, BLOCK_ITERATIONS, BLOCK_SWEEPS
+        impulses = semismooth_newton(problem, impulses, allowed, few)
+        if (residual := problem.residual(impulses)) <= allowed:
+            return impulses, residual
+    few = few if problem.friction.any() else MAX_ITERATIONS
+    for _ in range(alternations):
+        impulses = swept(problem, impulses, SWEEP_SHARE * allowed, sweeps)
         if (residual := problem.residual(impulses)) <= allowed:
             break
         impulses = semismooth_newton(problem, impulses, allowed, few)
