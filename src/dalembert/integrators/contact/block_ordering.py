@@ -54,11 +54,14 @@ class BlockOrderings:
         first, second = self._body[coupled]
         self._coupled = self._numbers(first, second)
         self._last: BlockOrdering | None = None
+        self._covered: scipy.sparse.csr_array | None = None
 
     def __call__(self, directions: scipy.sparse.csr_array, width: int) -> BlockOrdering:
         """Order for contacts with ``width`` rows of directions each."""
-        pairs = self._pairs(directions, width)
         last = self._last
+        if last is not None and directions is self._covered:
+            return last
+        pairs, self._covered = self._pairs(directions, width), directions
         if last is not None:
             place = np.searchsorted(last.pairs, pairs)
             if place.max(initial=-1) < last.pairs.size and (last.pairs[place] == pairs).all():
