@@ -115,8 +115,8 @@ static int casadi_places(const casadi_real** arg, casadi_real** res, const casad
   const int* w_row = (const int*) arg[9];
   const int* w_column = (const int*) arg[10];
   const casadi_real* inertia = arg[14];
-  const int* a_column = (const int*) arg[15];
-  const int* a_row = (const int*) arg[16];
+  const int* a_row = (const int*) arg[15];
+  const int* a_column = (const int*) arg[16];
   const int* owner = (const int*) arg[17];
   const int* position = (const int*) arg[18];
   const int* first = (const int*) arg[19];
@@ -159,10 +159,10 @@ static int casadi_places(const casadi_real** arg, casadi_real** res, const casad
     if (members[k]<0) constant[k/size*square + k%size*(size+1)] = 1;
   }
   for (k=0; k<speeds; ++k) {
-    for (j=a_column[k]; j<a_column[k+1]; ++j) {
-      i = casadi_block(first, row, blocks, owner[a_row[j]], owner[k]);
+    for (j=a_row[k]; j<a_row[k+1]; ++j) {
+      i = casadi_block(first, row, blocks, owner[k], owner[a_column[j]]);
       if (i<0) return 1;
-      constant[i*square + position[a_row[j]]*size + position[k]] = inertia[j];
+      constant[i*square + position[k]*size + position[a_column[j]]] = inertia[j];
     }
   }
   return 0;

@@ -63,7 +63,9 @@ class CompiledNewton:
         else:
             order = self.ordering
             size, entries, sizes = self.speeds, order.entries, order.members.shape
-            inertia = scipy.sparse.csc_array(operator.inertia)
+            inertia = operator.inertia
+            if not scipy.sparse.issparse(inertia) or inertia.format != "csr":
+                inertia = scipy.sparse.csr_array(inertia)
             inputs += [np.ascontiguousarray(inertia.data, dtype=float)]
             parts = inertia.indptr, inertia.indices, order.owner, order.position
             parts = *parts, order.first, order.row, order.members

@@ -74,17 +74,22 @@ class Delassus:
 
     def diagonal(self) -> np.ndarray:
         """(r,) diagonal."""
+        return self._own + self.shift
+
+    @cached_property
+    def _own(self) -> np.ndarray:
+        """(r,) diagonal of ``H``."""
         w, x = self.directions, self.responses
-        if w.indices is x.indices:
+        if np.array_equal(w.indices, x.indices):
             row = np.repeat(np.arange(self.shift.size), np.diff(w.indptr))
-            own = np.bincount(row, w.data * x.data, self.shift.size)
-        else:
-            own = np.asarray(w.multiply(x).sum(axis=1)).ravel()
-        return own + self.shift
+            return np.bincount(row, w.data * x.data, self.shift.size)
+        return np.asarray(w.multiply(x).sum(axis=1)).ravel()
 
     def shifted(self, diagonal: np.ndarray) -> Delassus:
         """The operator with an addition to its diagonal."""
-        return replace(self, shift=self.shift + diagonal)
+        changed = replace(self, shift=self.shift + diagonal)
+        changed.__dict__["_own"] = self._own
+        return changed
 
     def pattern(self, width: int) -> SystemPattern:
         """Pattern of the equations of Newton's method for contacts of ``width`` rows."""
