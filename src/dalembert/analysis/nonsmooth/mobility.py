@@ -43,9 +43,7 @@ class Coupling:
     orderings: BlockOrderings | None = None
 
     @classmethod
-    def of(
-        cls, pattern: ca.Sparsity, joints: ca.Sparsity, bodies: Sequence[int] = ()
-    ) -> Coupling:
+    def of(cls, pattern: ca.Sparsity, joints: ca.Sparsity, bodies: Sequence[int] = ()) -> Coupling:
         """Groups of speeds connected by a matrix (n, n) or by joints (m, n).
 
         ``bodies`` are the numbers of consecutive speeds of bodies, if there are such.

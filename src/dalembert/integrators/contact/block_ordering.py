@@ -117,5 +117,5 @@ class BlockOrderings:
         members = np.full((count, width), -1)
         members[rank[self._body], position] = np.arange(self._body.size)
         indices = rank[self._body], position, first, lower.indices[below], members
-        arrays = (np.ascontiguousarray(part, dtype=np.int32) for part in indices)
-        return BlockOrdering(*arrays, pairs)
+        arrays = [np.ascontiguousarray(part, dtype=np.int32) for part in indices]
+        return BlockOrdering(*arrays, pairs=pairs)

@@ -18,9 +18,13 @@ from dalembert.sparse.factorise import SuperLUFactors
 MODE, ASSEMBLE, SEARCH, ITERATE = 6, 0, 1, 2
 """Place of the mode of the loop among its counts, and the modes."""
 FILES = "newton_pieces.c", "block_factors.c", "semismooth_newton.c"
-BLOCK_REGULARIZATION = 1e-6
+BLOCK_REGULARIZATION = 1e-7
 """Regularisation of steps with factors without pivots, so that these are accurate, relative to the
 mobility: it reduces a residual to this share of it, at best [-]."""
+
+MEMORY, JUMPS = 5, 3
+"""Number of last merits, the largest of which a step has to reduce (Grippo, Lampariello & Lucidi
+1986), and upper limit of whole steps without a share that does; with factors of blocks."""
 
 
 class CompiledNewton:
@@ -67,8 +71,8 @@ class CompiledNewton:
             if not scipy.sparse.issparse(inertia) or inertia.format != "csr":
                 inertia = scipy.sparse.csr_array(inertia)
             inputs += [np.ascontiguousarray(inertia.data, dtype=float)]
-            parts = inertia.indptr, inertia.indices, order.owner, order.position
-            parts = *parts, order.first, order.row, order.members
+            parts = [inertia.indptr, inertia.indices, order.owner, order.position]
+            parts += [order.first, order.row, order.members]
             inputs += [np.ascontiguousarray(part, dtype=np.int32) for part in parts]
             starts = operator.directions.indptr[::width].astype(np.int64)
             widths, constant = np.diff(starts), np.zeros(entries)
@@ -80,9 +84,10 @@ class CompiledNewton:
         outputs += [np.zeros(rows) for _ in range(5)]
         outputs += [np.zeros(self.speeds), self.status, constant, self.solution, *indices]
         counts = [count, width, len(problem.groups), self.speeds, entries, size]
-        counts += [ASSEMBLE, widest, *sizes, max_iterations]
         work = 3 * width * (width + 1) + 2 * width + 2 * width * widest
         work = max(work, sizes[0] * sizes[1] + sizes[1] ** 2)
+        counts += [ASSEMBLE, widest, *sizes, max_iterations, MEMORY, JUMPS, work]
+        work += rows + MEMORY
         self._loop = Loop(code, inputs, outputs, counts, work)
 
     @property

@@ -98,9 +98,16 @@ class Delassus:
             self.patterns[width] = SystemPattern.of(self.directions, self.inertia, joints, width)
         return self.patterns[width]
 
+    @property
+    def by_blocks(self) -> bool:
+        """Whether bodies are free and contacts many, so that blocks of bodies are eliminated."""
+        return self.orderings is not None and self.shift.size > DENSE
+
     def ordering(self, width: int) -> BlockOrdering | None:
-        """Order of elimination for contacts of ``width`` rows; None for bodies with joints."""
-        return None if self.orderings is None else self.orderings(self.directions, width)
+        """Order of elimination for contacts of ``width`` rows; None without blocks."""
+        if self.orderings is None or not self.by_blocks:
+            return None
+        return self.orderings(self.directions, width)
 
     def active_impulses(
         self, rows: np.ndarray, own: np.ndarray, coupled: np.ndarray, right: np.ndarray

@@ -16,7 +16,7 @@ WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN = 1e-3, 4.0, 0.3, 1.0, 1e-11
 ALTERNATIONS, NEWTON_ITERATIONS = 3, 5
 """Upper limits for many contacts: rounds of sweeps and Newton's method; iterations of the latter,
 which without friction is not limited further."""
-BLOCK_ALTERNATIONS, BLOCK_ITERATIONS, BLOCK_SWEEPS = 6, 15, 60
+BLOCK_ALTERNATIONS, BLOCK_ITERATIONS, BLOCK_SWEEPS = 6, 30, 60
 """The same where Newton's method factorises the blocks of free bodies, and precedes the sweeps; and
 the upper limit of these."""
 FEW_PROXIMAL = 12
@@ -73,7 +73,7 @@ def solved_impulses(
     """
     allowed = share * problem.size(guess)
     if isinstance(problem.matrix, Delassus):
-        if problem.matrix.orderings is not None:
+        if problem.matrix.by_blocks:
             solution = _by_blocks(problem, guess, share, acceptable, max_iterations)
             if solution.converged:
                 return solution
@@ -95,9 +95,7 @@ def solved_impulses(
     return _proximal(problem, guess, share, acceptable, max_iterations)
 
 
-def _by_blocks(
-    problem: FrictionProblem, impulses: np.ndarray, *limits: float | int
-) -> Impulses:
+def _by_blocks(problem: FrictionProblem, impulses: np.ndarray, *limits: float | int) -> Impulses:
     """Impulses of free bodies by Newton's method, if it fails by few proximal problems."""
     share, acceptable, max_iterations = limits
     allowed = share * problem.size(impulses)
@@ -114,7 +112,7 @@ def _alternating(
     """Impulses after sweeps and Newton's method in turns, and their residual."""
     assert isinstance(problem.matrix, Delassus)
     alternations, few, sweeps = ALTERNATIONS, NEWTON_ITERATIONS, SWEEPS
-    if problem.matrix.orderings is not None:
+    if problem.matrix.by_blocks:
         alternations, few, sweeps = BLOCK_ALTERNATIONS, BLOCK_ITERATIONS, BLOCK_SWEEPS
     few = few if problem.friction.any() else MAX_ITERATIONS
     for _ in range(alternations):
@@ -143,7 +141,7 @@ def _proximal(
         proximal = proximal_problem(problem, impulses, weight)
         tolerance = max(RESIDUAL_SHARE * residual, TOLERANCE_SHARE * allowed)
         start, few = impulses, BLOCK_ITERATIONS
-        if not isinstance(problem.matrix, Delassus) or problem.matrix.orderings is None:
+        if not isinstance(problem.matrix, Delassus) or not problem.matrix.by_blocks:
             start, few = swept(proximal, impulses, SWEEP_SHARE * tolerance), MAX_ITERATIONS
         trial = semismooth_newton(proximal, start, tolerance, few)
         solved = proximal.residual(trial) <= tolerance

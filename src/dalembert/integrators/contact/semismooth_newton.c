@@ -194,20 +194,45 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   const int* row = (const int*) arg[20];
   const int* members = (const int*) arg[21];
   casadi_int mode = iw[6], blocks = iw[8], size = iw[9], iterations = iw[10], k, j;
+  casadi_int memory = iw[11], rows = iw[0]*iw[1], jumps = 0;
+  casadi_real* impulse = res[0];
+  casadi_real* best = w + iw[13];
+  casadi_real* merits = best + rows;
+  casadi_real least = 0, reference;
   if (mode==0) return casadi_assemble(arg, res, iw, w);
   if (mode==1) return casadi_search(arg, res, iw, w);
   if (casadi_places(arg, res, iw)) return 1;
   for (k=0; k<iterations; ++k) {
     status[3] = k;
     if (casadi_assemble(arg, res, iw, w)) return 1;
+    if (k==0 || status[0]<least) {
+      least = status[0];
+      for (j=0; j<rows; ++j) best[j] = impulse[j];
+    }
     if (!(status[1]>settings[0])) return 0;
+    merits[k%memory] = status[0];
+    reference = status[0];
+    for (j=0; j<memory && j<k; ++j) {
+      if (merits[j]>reference) reference = merits[j];
+    }
+    status[0] = reference;
     if (casadi_factorise(res[1], first, row, blocks, size, w)) return 1;
     casadi_solve(res[1], first, row, members, blocks, size, res[2], res[13], w);
     for (j=0; j<iw[3]; ++j) {
       if (!(fabs(res[13][j])<1e300)) return 1;
     }
     if (casadi_search(arg, res, iw, w)) return 1;
-    if (!(status[2]>0)) return 0;
+    if (!(status[2]>0)) {
+      ++jumps;
+      if (jumps>iw[12]) {
+        for (j=0; j<rows; ++j) impulse[j] = best[j];
+        return 0;
+      }
+      for (j=0; j<rows; ++j) impulse[j] += res[6][j];
+    }
+  }
+  if (!(status[0]<least)) {
+    for (j=0; j<rows; ++j) impulse[j] = best[j];
   }
   return 0;
 }

@@ -158,8 +158,8 @@ class Patterned:
 def _by_rows(pattern: ca.Sparsity) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Order of the entries of a pattern by rows, their columns, and the first entry of each row."""
     row = np.array(pattern.row(), dtype=np.int32)
-    counts = np.diff(np.array(pattern.colind(), dtype=np.int32))
-    column = np.repeat(np.arange(pattern.size2(), dtype=np.int32), counts)
+    starts = np.array(pattern.colind(), dtype=np.int32)
+    column = np.repeat(np.arange(pattern.size2(), dtype=np.int32), starts[1:] - starts[:-1])
     order = np.argsort(row, kind="stable")
     start = np.searchsorted(row[order], np.arange(pattern.size1() + 1)).astype(np.int32)
     return order, column[order], start
