@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
+from dalembert.integrators.contact.block_ordering import BlockOrdering
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import ORDERING, Delassus
 from dalembert.integrators.contact.machine_code import (
@@ -21,7 +22,6 @@ FILES = "newton_pieces.c", "block_factors.c", "semismooth_newton.c"
 BLOCK_REGULARIZATION = 1e-7
 """Regularisation of steps with factors without pivots, so that these are accurate, relative to the
 mobility: it reduces a residual to this share of it, at best [-]."""
-
 MEMORY, JUMPS = 5, 3
 """Number of last merits, the largest of which a step has to reduce (Grippo, Lampariello & Lucidi
 1986), and upper limit of whole steps without a share that does; with factors of blocks."""
@@ -65,15 +65,8 @@ class CompiledNewton:
             constant, sizes = pattern.constant, (0, 0)
             widest = int(np.diff(pattern.start).max(initial=0))
         else:
-            order = self.ordering
-            size, entries, sizes = self.speeds, order.entries, order.members.shape
-            inertia = operator.inertia
-            if not scipy.sparse.issparse(inertia) or inertia.format != "csr":
-                inertia = scipy.sparse.csr_array(inertia)
-            inputs += [np.ascontiguousarray(inertia.data, dtype=float)]
-            parts = [inertia.indptr, inertia.indices, order.owner, order.position]
-            parts += [order.first, order.row, order.members]
-            inputs += [np.ascontiguousarray(part, dtype=np.int32) for part in parts]
+            size, entries, sizes = self.speeds, self.ordering.entries, self.ordering.members.shape
+            inputs += _block_arrays(operator, self.ordering)
             starts = operator.directions.indptr[::width].astype(np.int64)
             widths, constant = np.diff(starts), np.zeros(entries)
             widest = int(widths.max(initial=0))
@@ -135,3 +128,14 @@ def compiled_newton(
     newton = CompiledNewton(problem, operator, impulses, settings, max_iterations)
     newton.iterate(settings[0])
     return newton.impulses
+
+
+def _block_arrays(operator: Delassus, order: BlockOrdering) -> list[np.ndarray]:
+    """Arrays of the inertia, compressed by rows, and of the order of elimination."""
+    inertia = operator.inertia
+    if not scipy.sparse.issparse(inertia) or inertia.format != "csr":
+        inertia = scipy.sparse.csr_array(inertia)
+    parts = [inertia.indptr, inertia.indices, order.owner, order.position]
+    parts += [order.first, order.row, order.members]
+    indices = [np.ascontiguousarray(part, dtype=np.int32) for part in parts]
+    return [np.ascontiguousarray(inertia.data, dtype=float), *indices]
