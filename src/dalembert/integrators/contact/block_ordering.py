@@ -7,8 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from dalembert.integrators.contact.delassus import ORDERING
-
+ORDERING = {
+    "permc_spec": "MMD_AT_PLUS_A",
+    "diag_pivot_thresh": 1e-3,
+    "options": {"SymmetricMode": True},
+}
+"""Ordering for symmetric patterns; diagonal pivots unless they are small."""
 KEPT = 1.3
 """Upper limit of the pairs of bodies of a new order, with those of the order before, relative to
 those in contact [-]."""
@@ -117,5 +121,5 @@ class BlockOrderings:
         members = np.full((count, width), -1)
         members[rank[self._body], position] = np.arange(self._body.size)
         indices = rank[self._body], position, first, lower.indices[below], members
-        arrays = [np.ascontiguousarray(part, dtype=np.int32) for part in indices]
-        return BlockOrdering(*arrays, pairs=pairs)
+        owners, places, begins, rows, speeds = (part.astype(np.int32) for part in indices)
+        return BlockOrdering(owners, places, begins, rows, speeds, pairs)

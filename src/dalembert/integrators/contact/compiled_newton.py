@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from dalembert.integrators.contact.block_ordering import BlockOrdering
+from dalembert.integrators.contact.block_ordering import ORDERING, BlockOrdering
 from dalembert.integrators.contact.contacts import FrictionProblem
-from dalembert.integrators.contact.delassus import ORDERING, Delassus
+from dalembert.integrators.contact.delassus import Delassus
 from dalembert.integrators.contact.machine_code import (
     Loop,
     index_arrays,

@@ -4,26 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
 
+from dalembert.integrators.contact.block_ordering import (
+    ORDERING,
+    BlockOrdering,
+    BlockOrderings,
+)
 from dalembert.integrators.contact.system_pattern import SystemPattern
 from dalembert.sparse.factorise import SuperLUFactors
 from dalembert.symbolic.evaluation.kernel import Matrix, dense_array
 
-if TYPE_CHECKING:
-    from dalembert.integrators.contact.block_ordering import BlockOrdering, BlockOrderings
-
 DENSE = 100
 """Upper limit of rows below which the matrix itself is cheaper than its factors."""
-ORDERING = {
-    "permc_spec": "MMD_AT_PLUS_A",
-    "diag_pivot_thresh": 1e-3,
-    "options": {"SymmetricMode": True},
-}
-"""Ordering for symmetric patterns; diagonal pivots unless they are small."""
 
 
 @dataclass(frozen=True, eq=False)
