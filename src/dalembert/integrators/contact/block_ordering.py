@@ -121,5 +121,5 @@ class BlockOrderings:
         members = np.full((count, width), -1)
         members[rank[self._body], position] = np.arange(self._body.size)
         indices = rank[self._body], position, first, lower.indices[below], members
-        owners, places, begins, rows, speeds = (part.astype(np.int32) for part in indices)
-        return BlockOrdering(owners, places, begins, rows, speeds, pairs)
+        arrays: list[np.ndarray] = [np.asarray(part, dtype=np.int32) for part in indices]
+        return BlockOrdering(arrays[0], arrays[1], arrays[2], arrays[3], arrays[4], pairs)
