@@ -1,5 +1,7 @@
 """Many contacts: sparse operators against dense ones, near pairs against all, piles, energy."""
 
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ from dalembert import planar
 from dalembert.analysis.nonsmooth.gaps.bounding_balls import near_balls
 from dalembert.analysis.nonsmooth.gaps.neighbours import Neighbours
 from dalembert.analysis.nonsmooth.mobility import Coupling, Mobility
+from dalembert.integrators.contact.block_ordering import BlockOrderings
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import DENSE, Delassus
 from dalembert.integrators.contact.semismooth_newton import semismooth_newton
@@ -80,6 +83,34 @@ def test_sparse_impulses_are_those_of_the_dense_matrix(joints, groups, minimum):
     assert same.residual(expected) < 1e-10
     assert semismooth_newton(problem, start, 1e-12) == pytest.approx(expected, abs=1e-8)
     assert swept(problem, start, 1e-13) == pytest.approx(expected, abs=1e-8)
+    if not joints:
+        sizes = np.array([3] * 60 + [JOINED])
+        orderings = BlockOrderings(sizes, np.stack(mobility.matrix.tocoo().coords))
+        blocks = replace(problem, matrix=replace(sparse, orderings=orderings))
+        assert blocks.matrix.by_blocks
+        assert semismooth_newton(blocks, start, 1e-12) == pytest.approx(expected, abs=1e-8)
+
+
+def test_blocks_of_bodies_are_those_of_the_factors_and_serve_fewer_contacts():
+    """Filled entries lie in the pattern; contacts of fewer pairs of bodies have the same order."""
+    rng, count = np.random.default_rng(7), 30
+    row = np.repeat(np.arange(2 * count), 6)
+    bodies = np.stack([rng.permutation(count)[:2] for _ in range(count)])
+    column = np.repeat((3 * bodies[:, :, None] + np.arange(3)).reshape(count, 6), 2, axis=0).ravel()
+    directions = scipy.sparse.csr_array((rng.normal(size=row.size), (row, column)))
+    directions.resize((2 * count, 3 * count))
+    orderings = BlockOrderings(np.full(count, 3), np.tile(np.arange(3 * count), (2, 1)))
+    order = orderings(directions, 2)
+    rank = order.owner[::3]
+    matrix = np.eye(count) * 100
+    matrix[bodies[:, 0], bodies[:, 1]] = matrix[bodies[:, 1], bodies[:, 0]] = -1.0
+    permuted = np.zeros_like(matrix)
+    permuted[np.ix_(rank, rank)] = matrix
+    filled = np.tril(np.linalg.cholesky(permuted), -1)
+    columns = np.repeat(np.arange(count), np.diff(order.first))
+    filled[order.row, columns] = 0.0
+    assert not filled.any()
+    assert orderings(directions[: 2 * 20], 2) is order
 
 
 @pytest.mark.parametrize("large", [0, 1, 3])

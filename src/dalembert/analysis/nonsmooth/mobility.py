@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -9,6 +10,7 @@ import numpy as np
 import scipy
 
 from dalembert.errors import SingularityError
+from dalembert.integrators.contact.block_ordering import BlockOrderings
 from dalembert.integrators.contact.delassus import Delassus
 from dalembert.sparse.factorise import general_factors
 from dalembert.symbolic.evaluation.kernel import Matrix
@@ -30,6 +32,7 @@ class Coupling:
     members : (groups, w) speeds of each block; the last one is repeated in shorter blocks
     sizes : (groups,) numbers of speeds of the blocks
     coupled : speeds in larger groups or with joints
+    orderings : orders of elimination of the speeds of free bodies; None with joints
     """
 
     group: np.ndarray
@@ -37,10 +40,14 @@ class Coupling:
     members: np.ndarray
     sizes: np.ndarray
     coupled: np.ndarray
+    orderings: BlockOrderings | None = None
 
     @classmethod
-    def of(cls, pattern: ca.Sparsity, joints: ca.Sparsity) -> Coupling:
-        """Groups of speeds connected by a matrix (n, n) or by joints (m, n)."""
+    def of(cls, pattern: ca.Sparsity, joints: ca.Sparsity, bodies: Sequence[int] = ()) -> Coupling:
+        """Groups of speeds connected by a matrix (n, n) or by joints (m, n).
+
+        ``bodies`` are the numbers of consecutive speeds of bodies, if there are such.
+        """
         rows, columns = np.array(joints.row(), dtype=int), _columns(joints)
         n = pattern.size2()
         own = np.array(pattern.row(), dtype=int), _columns(pattern)
@@ -62,7 +69,11 @@ class Coupling:
         width = int(sizes[blocked].max(initial=1))
         last = sizes[blocked] - 1
         place = first[:, None] + np.minimum(np.arange(width), last[:, None])
-        return cls(group, position, order[place], sizes[blocked], np.flatnonzero(group < 0))
+        orderings = None
+        if sum(bodies) == n and not joints.size1():
+            orderings = BlockOrderings(np.array(bodies, dtype=int), np.stack(own))
+        coupled = np.flatnonzero(group < 0)
+        return cls(group, position, order[place], sizes[blocked], coupled, orderings)
 
 
 class Mobility:
@@ -178,7 +189,9 @@ def delassus(directions: Matrix, mobility: Mobility) -> np.ndarray | Delassus:
     if not scipy.sparse.issparse(directions):
         return np.asarray(directions @ responses.T)
     none = np.zeros(directions.shape[0])
-    return Delassus(directions, responses, mobility.matrix, mobility.joints, none)
+    matrices = mobility.matrix, mobility.joints
+    orderings = mobility.coupling.orderings
+    return Delassus(directions, responses, *matrices, none, orderings=orderings)
 
 
 def saddle(matrix: Matrix, joints: Matrix) -> Matrix:

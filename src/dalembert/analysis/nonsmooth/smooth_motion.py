@@ -85,7 +85,8 @@ class SmoothMotion:
         pattern = ca.sparsify(e.mass).sparsity()
         for slope in (forces.damping, forces.stiffness):
             pattern = pattern + ca.sparsify(slope).sparsity()
-        self._coupling = Coupling.of(pattern, e.jacobian.sparsity())
+        bodies = [group.twist.numel() for group in model.coordinates]
+        self._coupling = Coupling.of(pattern, e.jacobian.sparsity(), bodies)
         self._states = list(e.states)
         self.has_joints, self._go = e.constraint_count > 0, e.manifold.go
 

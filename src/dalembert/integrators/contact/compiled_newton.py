@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
+from dalembert.integrators.contact.block_ordering import ORDERING, BlockOrdering
 from dalembert.integrators.contact.contacts import FrictionProblem
-from dalembert.integrators.contact.delassus import ORDERING, Delassus
+from dalembert.integrators.contact.delassus import Delassus
 from dalembert.integrators.contact.machine_code import (
     Loop,
     index_arrays,
@@ -15,12 +16,19 @@ from dalembert.integrators.contact.machine_code import (
 )
 from dalembert.sparse.factorise import SuperLUFactors
 
-MODE, ASSEMBLE, SEARCH = 6, 0, 1
+MODE, ASSEMBLE, SEARCH, ITERATE = 6, 0, 1, 2
 """Place of the mode of the loop among its counts, and the modes."""
+FILES = "newton_pieces.c", "block_factors.c", "semismooth_newton.c"
+BLOCK_REGULARIZATION = 1e-7
+"""Regularisation of steps with factors without pivots, so that these are accurate, relative to the
+mobility: it reduces a residual to this share of it, at best [-]."""
+MEMORY, JUMPS = 5, 3
+"""Number of last merits, the largest of which a step has to reduce (Grippo, Lampariello & Lucidi
+1986), and upper limit of whole steps without a share that does; with factors of blocks."""
 
 
 class CompiledNewton:
-    """Newton steps on one problem.
+    """Newton steps on one problem, with factors of blocks in machine code where bodies are free.
 
     Parameters
     ----------
@@ -28,6 +36,7 @@ class CompiledNewton:
     operator : Delassus operator of the problem
     impulses : (n, k) initial guess
     settings : tolerance of the residual, regularisation, overshoot beyond a change of piece
+    max_iterations : upper limit of the steps
     """
 
     def __init__(
@@ -36,40 +45,42 @@ class CompiledNewton:
         operator: Delassus,
         impulses: np.ndarray,
         settings: tuple[float, float, float],
+        max_iterations: int = 0,
     ):
-        code = machine_code("semismooth_newton.c")
+        code = machine_code(*FILES)
         assert code is not None
-        count, width = problem.shape
-        self.pattern, rows = operator.pattern(width), count * width
-        self.speeds, size = operator.directions.shape[1], self.pattern.pointers.size - 1
-        pattern, joined = self.pattern, size > self.speeds
-        self.options = {} if joined else ORDERING
-        self.impulses, self.status = np.array(impulses), np.zeros(3)
-        self.system, self.push = np.zeros(pattern.rows.size), np.zeros(size)
-        self.solution = np.zeros(size)
-        arrays = [
-            *problem_arrays(problem, operator),
-            np.array(settings),
-            pattern.constant,
-            self.solution,
-        ]
-        indices = [pattern.start, pattern.column, pattern.local, pattern.block, pattern.place]
+        (count, width), rows = problem.shape, impulses.size
+        self.speeds, self.iterations = operator.directions.shape[1], max_iterations
+        self.impulses, self.status = np.array(impulses), np.zeros(4)
+        self.ordering = operator.ordering(width)
+        if self.ordering is not None:
+            settings = settings[0], max(settings[1], BLOCK_REGULARIZATION), settings[2]
+        inputs = [*problem_arrays(problem, operator), np.array(settings)]
+        inputs += index_arrays(problem, operator)
+        if self.ordering is None:
+            self.pattern = pattern = operator.pattern(width)
+            size, entries = pattern.pointers.size - 1, pattern.rows.size
+            self.options = {} if size > self.speeds else ORDERING
+            indices = [pattern.start, pattern.column, pattern.local, pattern.block, pattern.place]
+            constant, sizes = pattern.constant, (0, 0)
+            widest = int(np.diff(pattern.start).max(initial=0))
+        else:
+            size, entries, sizes = self.speeds, self.ordering.entries, self.ordering.members.shape
+            inputs += _block_arrays(operator, self.ordering)
+            starts = operator.directions.indptr[::width].astype(np.int64)
+            widths, constant = np.diff(starts), np.zeros(entries)
+            widest = int(widths.max(initial=0))
+            lengths = count + 1, starts[-1], starts[-1], count, int(widths @ widths)
+            indices = [np.zeros(length, dtype=np.int32) for length in lengths]
+        self.system, self.push, self.solution = np.zeros(entries), np.zeros(size), np.zeros(size)
         outputs = [self.impulses, self.system, self.push, np.zeros(rows), np.zeros(rows * width)]
         outputs += [np.zeros(rows) for _ in range(5)]
-        outputs += [np.zeros(self.speeds), self.status]
-        widest = int(np.diff(pattern.start).max(initial=0))
-        counts = [
-            count,
-            width,
-            len(problem.groups),
-            self.speeds,
-            pattern.rows.size,
-            size,
-            ASSEMBLE,
-            widest,
-        ]
+        outputs += [np.zeros(self.speeds), self.status, constant, self.solution, *indices]
+        counts = [count, width, len(problem.groups), self.speeds, entries, size]
         work = 3 * width * (width + 1) + 2 * width + 2 * width * widest
-        inputs = [*arrays, *index_arrays(problem, operator), *indices]
+        work = max(work, sizes[0] * sizes[1] + sizes[1] ** 2)
+        counts += [ASSEMBLE, widest, *sizes, max_iterations, MEMORY, JUMPS, work]
+        work += rows + MEMORY
         self._loop = Loop(code, inputs, outputs, counts, work)
 
     @property
@@ -90,6 +101,21 @@ class CompiledNewton:
         self._loop.counts[MODE] = SEARCH
         return bool(np.isfinite(self.solution).all()) and self._loop() and self.status[2] > 0
 
+    def iterate(self, tolerance: float) -> None:
+        """Steps until the residual is within the tolerance, or none reduces the merit."""
+        if self.ordering is not None:
+            self._loop.counts[MODE] = ITERATE
+            self._loop()
+            return
+        for _ in range(self.iterations):
+            if not self.assemble() or not self.residual > tolerance:
+                break
+            try:
+                if not self.advance():
+                    break
+            except np.linalg.LinAlgError:
+                break
+
 
 def compiled_newton(
     problem: FrictionProblem,
@@ -99,13 +125,17 @@ def compiled_newton(
     max_iterations: int,
 ) -> np.ndarray:
     """Impulses after at most ``max_iterations`` steps."""
-    newton = CompiledNewton(problem, operator, impulses, settings)
-    for _ in range(max_iterations):
-        if not newton.assemble() or not newton.residual > settings[0]:
-            break
-        try:
-            if not newton.advance():
-                break
-        except np.linalg.LinAlgError:
-            break
+    newton = CompiledNewton(problem, operator, impulses, settings, max_iterations)
+    newton.iterate(settings[0])
     return newton.impulses
+
+
+def _block_arrays(operator: Delassus, order: BlockOrdering) -> list[np.ndarray]:
+    """Arrays of the inertia, compressed by rows, and of the order of elimination."""
+    inertia = operator.inertia
+    if not scipy.sparse.issparse(inertia) or inertia.format != "csr":
+        inertia = scipy.sparse.csr_array(inertia)
+    parts = [inertia.indptr, inertia.indices, order.owner, order.position]
+    parts += [order.first, order.row, order.members]
+    indices = [np.ascontiguousarray(part, dtype=np.int32) for part in parts]
+    return [np.ascontiguousarray(inertia.data, dtype=float), *indices]

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 class ContactSolver:
     """Semismooth Newton method (Alart & Curnier 1991), started from the previous impulses.
 
-    For many contacts accelerated Gauss–Seidel sweeps precede it and alternate with it.
+    Accelerated Gauss–Seidel sweeps precede it and alternate with it, for many contacts of free
+    bodies only where it and a few proximal problems fail.
 
     If it stagnates, the proximal point method follows: it solves a sequence of problems with
     ``H + α D`` and ``b − α D P``, ``D`` the diagonal of ``H``, whose solution is the next ``P``.

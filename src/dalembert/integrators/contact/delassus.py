@@ -8,18 +8,17 @@ from functools import cached_property
 import numpy as np
 import scipy
 
+from dalembert.integrators.contact.block_ordering import (
+    ORDERING,
+    BlockOrdering,
+    BlockOrderings,
+)
 from dalembert.integrators.contact.system_pattern import SystemPattern
 from dalembert.sparse.factorise import SuperLUFactors
 from dalembert.symbolic.evaluation.kernel import Matrix, dense_array
 
 DENSE = 100
 """Upper limit of rows below which the matrix itself is cheaper than its factors."""
-ORDERING = {
-    "permc_spec": "MMD_AT_PLUS_A",
-    "diag_pivot_thresh": 1e-3,
-    "options": {"SymmetricMode": True},
-}
-"""Ordering for symmetric patterns; diagonal pivots unless they are small."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +33,7 @@ class Delassus:
     joints : (m, n) constraints on the speeds
     shift : (r,) addition to the diagonal
     patterns : of Newton's method by the width of contacts, once they are known
+    orderings : orders of elimination of free bodies; None for bodies with joints
     """
 
     directions: scipy.sparse.csr_array
@@ -42,6 +42,7 @@ class Delassus:
     joints: Matrix
     shift: np.ndarray
     patterns: dict[int, SystemPattern] = field(default_factory=dict, repr=False)
+    orderings: BlockOrderings | None = None
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -68,17 +69,22 @@ class Delassus:
 
     def diagonal(self) -> np.ndarray:
         """(r,) diagonal."""
+        return self._own + self.shift
+
+    @cached_property
+    def _own(self) -> np.ndarray:
+        """(r,) diagonal of ``H``."""
         w, x = self.directions, self.responses
-        if w.indices is x.indices:
+        if np.array_equal(w.indices, x.indices):
             row = np.repeat(np.arange(self.shift.size), np.diff(w.indptr))
-            own = np.bincount(row, w.data * x.data, self.shift.size)
-        else:
-            own = np.asarray(w.multiply(x).sum(axis=1)).ravel()
-        return own + self.shift
+            return np.bincount(row, w.data * x.data, self.shift.size)
+        return np.asarray(w.multiply(x).sum(axis=1)).ravel()
 
     def shifted(self, diagonal: np.ndarray) -> Delassus:
         """The operator with an addition to its diagonal."""
-        return replace(self, shift=self.shift + diagonal)
+        changed = replace(self, shift=self.shift + diagonal)
+        changed.__dict__["_own"] = self._own
+        return changed
 
     def pattern(self, width: int) -> SystemPattern:
         """Pattern of the equations of Newton's method for contacts of ``width`` rows."""
@@ -86,6 +92,17 @@ class Delassus:
             joints = self.joints
             self.patterns[width] = SystemPattern.of(self.directions, self.inertia, joints, width)
         return self.patterns[width]
+
+    @property
+    def by_blocks(self) -> bool:
+        """Whether bodies are free and contacts many, so that blocks of bodies are eliminated."""
+        return self.orderings is not None and self.shift.size > DENSE
+
+    def ordering(self, width: int) -> BlockOrdering | None:
+        """Order of elimination for contacts of ``width`` rows; None without blocks."""
+        if self.orderings is None or not self.by_blocks:
+            return None
+        return self.orderings(self.directions, width)
 
     def active_impulses(
         self, rows: np.ndarray, own: np.ndarray, coupled: np.ndarray, right: np.ndarray

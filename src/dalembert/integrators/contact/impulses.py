@@ -9,13 +9,18 @@ import numpy as np
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
 from dalembert.integrators.contact.semismooth_newton import MAX_ITERATIONS, semismooth_newton
-from dalembert.integrators.contact.sweeps import swept
+from dalembert.integrators.contact.sweeps import SWEEPS, swept
 
 WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN = 1e-3, 4.0, 0.3, 1.0, 1e-11
 """Proximal weight: initial value, factors after failure and success, upper and lower limit [-]."""
 ALTERNATIONS, NEWTON_ITERATIONS = 3, 5
 """Upper limits for many contacts: rounds of sweeps and Newton's method; iterations of the latter,
 which without friction is not limited further."""
+BLOCK_ALTERNATIONS, BLOCK_ITERATIONS, BLOCK_SWEEPS = 6, 30, 60
+"""The same where Newton's method factorises the blocks of free bodies, and precedes the sweeps; and
+the upper limit of these."""
+FEW_PROXIMAL = 12
+"""Upper limit of the proximal problems that precede sweeps there."""
 SWEEP_SHARE = 0.1
 """Tolerance of sweeps relative to that of the problem [-]."""
 RESIDUAL_SHARE, TOLERANCE_SHARE = 0.01, 0.3
@@ -68,6 +73,11 @@ def solved_impulses(
     """
     allowed = share * problem.size(guess)
     if isinstance(problem.matrix, Delassus):
+        if problem.matrix.by_blocks:
+            solution = _by_blocks(problem, guess, share, acceptable, max_iterations)
+            if solution.converged:
+                return solution
+            guess = solution.impulses
         guess, residual = _alternating(problem, guess, allowed)
         if residual <= allowed:
             return Impulses(guess, residual, True)
@@ -85,13 +95,28 @@ def solved_impulses(
     return _proximal(problem, guess, share, acceptable, max_iterations)
 
 
+def _by_blocks(problem: FrictionProblem, impulses: np.ndarray, *limits: float | int) -> Impulses:
+    """Impulses of free bodies by Newton's method, if it fails by few proximal problems."""
+    share, acceptable, max_iterations = limits
+    allowed = share * problem.size(impulses)
+    impulses = semismooth_newton(problem, impulses, allowed, BLOCK_ITERATIONS)
+    if (residual := problem.residual(impulses)) <= allowed:
+        return Impulses(impulses, residual, True)
+    few = min(FEW_PROXIMAL, int(max_iterations))
+    return _proximal(problem, impulses, share, acceptable, few)
+
+
 def _alternating(
     problem: FrictionProblem, impulses: np.ndarray, allowed: float
 ) -> tuple[np.ndarray, float]:
     """Impulses after sweeps and Newton's method in turns, and their residual."""
-    few = NEWTON_ITERATIONS if problem.friction.any() else MAX_ITERATIONS
-    for _ in range(ALTERNATIONS):
-        impulses = swept(problem, impulses, SWEEP_SHARE * allowed)
+    assert isinstance(problem.matrix, Delassus)
+    alternations, few, sweeps = ALTERNATIONS, NEWTON_ITERATIONS, SWEEPS
+    if problem.matrix.by_blocks:
+        alternations, few, sweeps = BLOCK_ALTERNATIONS, BLOCK_ITERATIONS, BLOCK_SWEEPS
+    few = few if problem.friction.any() else MAX_ITERATIONS
+    for _ in range(alternations):
+        impulses = swept(problem, impulses, SWEEP_SHARE * allowed, sweeps)
         if (residual := problem.residual(impulses)) <= allowed:
             break
         impulses = semismooth_newton(problem, impulses, allowed, few)
@@ -115,8 +140,10 @@ def _proximal(
     while best[1] > allowed and rounds < max_iterations and np.isfinite(residual):
         proximal = proximal_problem(problem, impulses, weight)
         tolerance = max(RESIDUAL_SHARE * residual, TOLERANCE_SHARE * allowed)
-        start = swept(proximal, impulses, SWEEP_SHARE * tolerance)
-        trial = semismooth_newton(proximal, start, tolerance)
+        start, few = impulses, BLOCK_ITERATIONS
+        if not isinstance(problem.matrix, Delassus) or not problem.matrix.by_blocks:
+            start, few = swept(proximal, impulses, SWEEP_SHARE * tolerance), MAX_ITERATIONS
+        trial = semismooth_newton(proximal, start, tolerance, few)
         solved = proximal.residual(trial) <= tolerance
         changed = weight * (DECREASE if solved else INCREASE)
         weight = min(max(changed, WEIGHT_MIN), WEIGHT_MAX)

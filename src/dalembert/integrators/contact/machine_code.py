@@ -55,12 +55,12 @@ class Loop:
 
 
 @lru_cache
-def machine_code(name: str) -> Call | None:
-    """Machine code of a file of this package after the common one; None without a toolchain."""
+def machine_code(*names: str) -> Call | None:
+    """Machine code of files of this package after the common one; None without a toolchain."""
     toolchain = best_toolchain()
     if toolchain is None:
         return None
-    files = (resources.files(__package__) / part for part in (COMMON, name))
+    files = (resources.files(__package__) / part for part in (COMMON, *names))
     text = "".join(file.read_text(encoding="utf-8") for file in files)
     try:
         return compiled_loop(text + LOOP.format(entry=ENTRY, function=FIRST), toolchain.for_loops())

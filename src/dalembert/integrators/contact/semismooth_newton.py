@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dalembert.integrators.contact.compiled_newton import compiled_newton
+from dalembert.integrators.contact.compiled_newton import FILES, compiled_newton
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
 from dalembert.integrators.contact.machine_code import machine_code
@@ -28,7 +28,7 @@ def semismooth_newton(
     residual is within the tolerance, or when no step reduces the merit function.
     """
     operator = problem.matrix
-    if isinstance(operator, Delassus) and machine_code("semismooth_newton.c") is not None:
+    if isinstance(operator, Delassus) and machine_code(*FILES) is not None:
         settings = tolerance, REGULARIZATION, OVERSHOOT
         return compiled_newton(problem, operator, impulses, settings, max_iterations)
     merit = _merit(problem, impulses)

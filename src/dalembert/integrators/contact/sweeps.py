@@ -27,7 +27,9 @@ SWEEPS = 300
 """Upper limit of sweeps before Newton's method takes over."""
 
 
-def swept(problem: FrictionProblem, impulses: np.ndarray, tolerance: float) -> np.ndarray:
+def swept(
+    problem: FrictionProblem, impulses: np.ndarray, tolerance: float, limit: int = SWEEPS
+) -> np.ndarray:
     """Impulses after sweeps; the same ones where no machine code is available.
 
     Parameters
@@ -35,6 +37,7 @@ def swept(problem: FrictionProblem, impulses: np.ndarray, tolerance: float) -> n
     problem : FrictionProblem
     impulses : (n, k) initial guess
     tolerance : change of the speed of a contact at which the sweeps end [m/s]
+    limit : upper limit of sweeps
     """
     operator, code = problem.matrix, machine_code("sweeps.c")
     if code is None or not isinstance(operator, Delassus) or not problem.shape[0]:
@@ -42,7 +45,7 @@ def swept(problem: FrictionProblem, impulses: np.ndarray, tolerance: float) -> n
     result, rows, speeds = np.array(impulses), impulses.size, operator.directions.shape[1]
     settings = np.array([tolerance, GROWTH, REGULARIZATION])
     inputs = [*problem_arrays(problem, operator), settings, *index_arrays(problem, operator)]
-    counts = [*problem.shape, len(problem.groups), SWEEPS, speeds, DEPTH]
+    counts = [*problem.shape, len(problem.groups), limit, speeds, DEPTH]
     work = problem.shape[1] + (3 + 2 * DEPTH) * rows + (1 + DEPTH) * speeds
     work += DEPTH * (1 + 2 * DEPTH)
     outputs = [result, operator.response(result.ravel())]

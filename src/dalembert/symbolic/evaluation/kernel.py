@@ -128,10 +128,10 @@ class Patterned:
         sparse_outputs = [ca.sparsify(output) for output in outputs]
         self._small = [o.numel() <= SMALL or o.shape[1] == 1 for o in sparse_outputs]
         self._shapes = [output.shape for output in sparse_outputs]
-        self._patterns = [
-            (np.array(s.row(), dtype=int), np.array(s.colind(), dtype=int))
-            for s in (output.sparsity() for output in sparse_outputs)
-        ]
+        self._patterns = [_by_rows(output.sparsity()) for output in sparse_outputs]
+        symbols = ca.vertcat(*(ca.vec(symbol) for symbol in inputs))
+        self._fixed = [not ca.depends_on(ca.vec(o), symbols) for o in sparse_outputs]
+        self._constants: dict[int, Matrix] = {}
         entries = [
             ca.densify(output) if small else ca.densify(stack(output.nonzeros()))  # type: ignore[arg-type]
             for output, small in zip(sparse_outputs, self._small, strict=True)
@@ -146,10 +146,23 @@ class Patterned:
         shape = self._shapes[k]
         if self._small[k]:
             return value.ravel() if shape[1] == 1 else value
-        row, start = self._patterns[k]
-        return scipy.sparse.csr_array(
-            scipy.sparse.csc_array((value.ravel(), row, start), shape=shape)
-        )
+        if k in self._constants:
+            return self._constants[k]
+        order, column, start = self._patterns[k]
+        matrix = scipy.sparse.csr_array((value.ravel()[order], column, start), shape=shape)
+        if self._fixed[k]:
+            self._constants[k] = matrix
+        return matrix
+
+
+def _by_rows(pattern: ca.Sparsity) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Order of the entries of a pattern by rows, their columns, and the first entry of each row."""
+    row = np.array(pattern.row(), dtype=np.int32)
+    starts = np.array(pattern.colind(), dtype=np.int32)
+    column = np.repeat(np.arange(pattern.size2(), dtype=np.int32), starts[1:] - starts[:-1])
+    order = np.argsort(row, kind="stable")
+    start = np.searchsorted(row[order], np.arange(pattern.size1() + 1)).astype(np.int32)
+    return order, column[order], start
 
 
 def dense_array(matrix: Matrix) -> np.ndarray:

@@ -1,0 +1,169 @@
+/* Factors L U of a sparse matrix of square blocks with a symmetric pattern, without pivots between
+   blocks: first the blocks of the diagonal, then those below it by columns, then those to the right
+   of it by rows, all in the order of elimination */
+/* number of block (i, j); -1 outside of the pattern */
+static casadi_int casadi_block(const int* first, const int* row, casadi_int blocks, casadi_int i,
+    casadi_int j) {
+  casadi_int k, pivot = i<j ? i : j, other = i<j ? j : i;
+  if (i==j) return i;
+  for (k=first[pivot]; k<first[pivot+1]; ++k) {
+    if (row[k]==other) return i>j ? blocks + k : blocks + first[blocks] + k;
+  }
+  return -1;
+}
+/* target = target - a b for blocks */
+static void casadi_subtract(casadi_real* target, const casadi_real* a, const casadi_real* b,
+    casadi_int size) {
+  casadi_int i, j, k;
+  casadi_real x, y, z;
+  if (size==3) {
+    for (i=0; i<3; ++i) {
+      x = a[3*i];
+      y = a[3*i+1];
+      z = a[3*i+2];
+      target[3*i] -= x*b[0] + y*b[3] + z*b[6];
+      target[3*i+1] -= x*b[1] + y*b[4] + z*b[7];
+      target[3*i+2] -= x*b[2] + y*b[5] + z*b[8];
+    }
+    return;
+  }
+  if (size==6) {
+    for (i=0; i<6; ++i) {
+      for (k=0; k<6; ++k) {
+        x = a[6*i+k];
+        for (j=0; j<6; ++j) target[6*i+j] -= x*b[6*k+j];
+      }
+    }
+    return;
+  }
+  for (i=0; i<size; ++i) {
+    for (k=0; k<size; ++k) {
+      x = a[i*size+k];
+      for (j=0; j<size; ++j) target[i*size+j] -= x*b[k*size+j];
+    }
+  }
+}
+/* inverses of pivots on the diagonal, L without them below; 1 if a pivot is singular */
+static int casadi_factorise(casadi_real* matrix, const int* first, const int* row,
+    casadi_int blocks, casadi_int size, casadi_real* w) {
+  casadi_int k, q, r, p, i, j, square = size*size;
+  casadi_real* lower = matrix + blocks*square;
+  casadi_real* upper = lower + first[blocks]*square;
+  for (k=0; k<blocks; ++k) {
+    for (i=0; i<square; ++i) {
+      w[i] = matrix[k*square+i];
+      matrix[k*square+i] = 0;
+    }
+    for (i=0; i<size; ++i) matrix[k*square+i*size+i] = 1;
+    if (!casadi_eliminate(w, matrix + k*square, size, size)) return 1;
+    for (q=first[k]; q<first[k+1]; ++q) {
+      for (i=0; i<square; ++i) {
+        w[i] = -lower[q*square+i];
+        lower[q*square+i] = 0;
+      }
+      casadi_subtract(lower + q*square, w, matrix + k*square, size);
+    }
+    for (q=first[k]; q<first[k+1]; ++q) {
+      j = row[q];
+      casadi_subtract(matrix + j*square, lower + q*square, upper + q*square, size);
+      p = first[j];
+      for (r=q+1; r<first[k+1]; ++r) {
+        while (row[p]!=row[r]) ++p;
+        casadi_subtract(lower + p*square, lower + r*square, upper + q*square, size);
+        casadi_subtract(upper + p*square, lower + q*square, upper + r*square, size);
+      }
+    }
+  }
+  return 0;
+}
+/* solution for a right-hand side; members are the places of the entries of each block in both, -1
+   for padding */
+static void casadi_solve(const casadi_real* matrix, const int* first, const int* row,
+    const int* members, casadi_int blocks, casadi_int size, const casadi_real* right,
+    casadi_real* solution, casadi_real* w) {
+  casadi_int k, q, i, j, square = size*size;
+  const casadi_real* lower = matrix + blocks*square;
+  const casadi_real* upper = lower + first[blocks]*square;
+  casadi_real* x = w;
+  casadi_real* y = w + blocks*size;
+  for (k=0; k<blocks*size; ++k) x[k] = members[k]<0 ? 0.0 : right[members[k]];
+  for (k=0; k<blocks; ++k) {
+    for (q=first[k]; q<first[k+1]; ++q) {
+      for (i=0; i<size; ++i) {
+        for (j=0; j<size; ++j) x[row[q]*size+i] -= lower[q*square+i*size+j]*x[k*size+j];
+      }
+    }
+  }
+  for (k=blocks-1; k>=0; --k) {
+    for (i=0; i<size; ++i) y[i] = x[k*size+i];
+    for (q=first[k]; q<first[k+1]; ++q) {
+      for (i=0; i<size; ++i) {
+        for (j=0; j<size; ++j) y[i] -= upper[q*square+i*size+j]*x[row[q]*size+j];
+      }
+    }
+    for (i=0; i<size; ++i) {
+      x[k*size+i] = 0;
+      for (j=0; j<size; ++j) x[k*size+i] += matrix[k*square+i*size+j]*y[j];
+    }
+  }
+  for (k=0; k<blocks*size; ++k) {
+    if (members[k]>=0) solution[members[k]] = x[k];
+  }
+}
+/* places of the entries of all contacts, and of the inertia, in the blocks; 1 outside of these */
+static int casadi_places(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
+  const int* w_row = (const int*) arg[9];
+  const int* w_column = (const int*) arg[10];
+  const casadi_real* inertia = arg[14];
+  const int* a_row = (const int*) arg[15];
+  const int* a_column = (const int*) arg[16];
+  const int* owner = (const int*) arg[17];
+  const int* position = (const int*) arg[18];
+  const int* first = (const int*) arg[19];
+  const int* row = (const int*) arg[20];
+  const int* members = (const int*) arg[21];
+  casadi_real* constant = res[12];
+  int* start = (int*) res[14];
+  int* column = (int*) res[15];
+  int* local = (int*) res[16];
+  int* block = (int*) res[17];
+  int* place = (int*) res[18];
+  casadi_int count = iw[0], width = iw[1], speeds = iw[3], entries = iw[4], blocks = iw[8];
+  casadi_int size = iw[9], square = size*size, i, j, k, b, c, own, next = 0;
+  start[0] = 0;
+  for (i=0; i<count; ++i) {
+    own = 0;
+    for (j=w_row[i*width]; j<w_row[(i+1)*width]; ++j) {
+      for (k=0; k<own && column[start[i]+k]!=w_column[j]; ++k) {}
+      local[j] = k;
+      if (k==own) {
+        column[start[i]+own] = w_column[j];
+        ++own;
+      }
+    }
+    start[i+1] = start[i] + own;
+    block[i] = next;
+    for (b=0; b<own; ++b) {
+      for (c=0; c<own; ++c) {
+        j = column[start[i]+c];
+        k = column[start[i]+b];
+        place[next] = casadi_block(first, row, blocks, owner[j], owner[k]);
+        if (place[next]<0) return 1;
+        place[next] = place[next]*square + position[j]*size + position[k];
+        ++next;
+      }
+    }
+  }
+  for (j=0; j<entries; ++j) constant[j] = 0;
+  for (k=0; k<blocks*size; ++k) {
+    if (members[k]<0) constant[k/size*square + k%size*(size+1)] = 1;
+  }
+  for (k=0; k<speeds; ++k) {
+    for (j=a_row[k]; j<a_row[k+1]; ++j) {
+      i = casadi_block(first, row, blocks, owner[k], owner[a_column[j]]);
+      if (i<0) return 1;
+      constant[i*square + position[k]*size + position[a_column[j]]] = inertia[j];
+    }
+  }
+  return 0;
+}
