@@ -7,12 +7,13 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
+from dalembert.analysis.explore import DURATION, OUTPUTS
 from dalembert.errors import DalembertError, ModelError
 from dalembert.io.fields import keyed_fields
 from dalembert.io.strategies import ANALYSES, STRUCTURAL_ANALYSES
 from dalembert.io.toml_places import line_and_column
 from dalembert.studio.drawing_edits import apply
-from dalembert.studio.pictures import DURATION, OUTPUTS, Problem
+from dalembert.studio.pictures import Problem
 from dalembert.text.wording import unknown
 
 TIMES = ("duration", "t_span", "outputs")
@@ -50,7 +51,7 @@ def analysis_fields(data: Mapping[str, Any], kind: str, fields: Mapping[str, Any
         if key not in keys:
             raise ModelError(unknown("key", str(key), keys), "analysis")
     old = data.get("analysis")
-    table: Mapping[str, Any] = old if isinstance(old, dict) else {}
+    table: dict[str, Any] = old if isinstance(old, dict) else {}
     if kind != table.get("type"):
         table = {key: value for key, value in table.items() if key in TIMES or key == "type"}
     former = old if isinstance(old, dict) else {}
