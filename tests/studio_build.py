@@ -26,6 +26,8 @@ DRAWN = (
     ("m", (0, 0)),
 )
 """Keys of tools and the places that are clicked with each."""
+SHOWN = {"b": "bar", "o": "pin", "m": "motor"}
+"""Key of a tool → its name; the palette shows these tools, one of each group."""
 FREE = ("bar1", "bar3")
 """Bars whose lengths become parameters."""
 OBJECTIVE = "maximum of bar3.angle"
@@ -65,7 +67,7 @@ def build(
         page.click(".guide >> text=Not now")
     revision = visit.js("studio.file.revision")
     for key, *places in DRAWN:
-        click(*middle(page.locator(f"#palette button:has(kbd:text-is('{key.upper()}'))")), 0.3)
+        click(*middle(page.locator(f"#palette .group[data-tool={SHOWN[key]}]")), 0.3)
         each = 2 if key == "b" else 1
         for k, place in enumerate(places):
             click(*visit.place(*place), 0.4)

@@ -197,7 +197,7 @@ def test_an_example_reads_the_files_beside_it(tmp_path: Path) -> None:
     session = Session(None, tmp_path)
     session.broadcast = lambda message, but=None: None  # type: ignore[method-assign]
     session.open(None, (example_folder() / "excavator.toml").read_text(), example_folder())
-    assert (session._source().parent / "soil.csv").exists()
+    assert (session.place.parent / "soil.csv").exists()
     session.open(None)
-    assert session._source().parent == Path.cwd()
+    assert session.place.parent == Path.cwd()
     session.close()

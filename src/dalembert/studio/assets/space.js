@@ -10,7 +10,7 @@
 /** @import { Document } from "./types.d.ts" */
 
 import { ModelTree } from "./model_tree.js";
-import { sectionOf } from "./operations.js";
+import { sectionOf } from "./selection.js";
 import { AXES } from "./space_math.js";
 import { grip, handleAt, handles, pulled } from "./space_gizmo.js";
 import { answer } from "./space_keys.js";
