@@ -187,7 +187,7 @@ def test_targets_are_clicked_and_a_candidate_is_inserted(desk: tuple[Desk, Studi
     visit.js(
         "(() => { const { view } = studio.pictures.page.scene; Object.assign(view, { x: 0.2, y: 0.1, s: 900, fitted: false }); view.onChange(); })()"
     )
-    visit.page.click("text=Click points (T)")
+    visit.page.click("text=Click points (⇧T)")
     for k, point in enumerate(points):
         place = visit.page.evaluate(
             """([x, y]) => {

@@ -71,7 +71,7 @@ export class SynthesisSheet {
         numberField({ key: "starts", label: "Starts", whole: true }, table.starts, (value) => this.set("set starts", { type, starts: value })),
         type === "path" && el("label", { class: "field check" }, closed, "closed path"),
         table.linkage === "own" && numberField({ key: "point", label: "Point", text: true }, table.point, (value) => this.set("set point", { type, point: value }))),
-      type === "function" ? this.functionTarget(table) : el("div", { class: "chips" }, button(type === "path" ? "Click points (T)" : "Click poses (J)", () => this.actions.draw(type === "path" ? "target" : "pose"), { class: "button" })),
+      type === "function" ? this.functionTarget(table) : el("div", { class: "chips" }, button(type === "path" ? "Click points (⇧T)" : "Click poses (⇧P)", () => this.actions.draw(type === "path" ? "target" : "pose"), { class: "button" })),
       this.entries(table, type),
       el("div", { class: "chips" }, button("Search linkages", () => this.actions.start("synthesis"), { class: "button primary", id: "start-synthesis", disabled: !this.count(table, type) })),
     ].filter((node) => node instanceof Node));
