@@ -11,21 +11,17 @@ from typing import Any
 import pytest
 
 
-def sampled(
-    cases: Iterable[Any], each: int, names: Sequence[str] | None = None, first: int = 0
-) -> list[Any]:
+def sampled(cases: Iterable[Any], each: int, names: Sequence[str] | None = None) -> list[Any]:
     """All cases, of which every ``each``-th is not marked ``thorough``.
 
     Parameters
     ----------
     cases : values of the parameters of a test, tuples where it has several
     names : names of the cases in reports
-    first : number of the first case without the mark, below ``each``; laws of the same elements
-        begin with different ones, so that each element is in some of them with every push
     """
     params = []
     for k, case in enumerate(cases):
-        marks = () if k % each == first else (pytest.mark.thorough,)
+        marks = () if k % each == 0 else (pytest.mark.thorough,)
         params.append(pytest.param(*_parts(case), marks=marks, id=names[k] if names else None))
     return params
 

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from registry import CASES, model_of
 from test_spatial_files import CASES as SPATIAL_CASES, written
-from thorough import sampled
 
 import dalembert as da
 from dalembert import planar, spatial
@@ -63,7 +62,7 @@ def test_every_element_looks_like_something(name):
         assert shown or results[0].not_drawn, "it draws nothing and does not say why"
 
 
-@pytest.mark.parametrize("name", sampled(CASES, 2))
+@pytest.mark.parametrize("name", CASES)
 def test_every_case_can_be_drawn(name):
     motion = still(model_of(name))
     scene = motion_scene(motion, np.arange(motion.time.size))

@@ -10,7 +10,6 @@ import pytest
 from registry import CASES, PLANAR, Builder, Observer, model_of
 from scipy.linalg import null_space, qr
 from spatial_twins import rotation
-from thorough import sampled
 
 import dalembert as da
 from dalembert import planar, sin, spatial, t
@@ -94,7 +93,7 @@ def test_driven_motions_are_true(name):
         assert open_by(motion.at(np.array([0.033, 0.087])), forces=forces) < 1e-9
 
 
-@pytest.mark.parametrize("name", sampled(CASES, 3, first=2))
+@pytest.mark.parametrize("name", CASES)
 def test_equilibria_are_true(name):
     rest = da.solve_equilibrium(tied(name))
     assert rest.status.success, rest.status
