@@ -14,6 +14,7 @@ import { Editor } from "./editor.js";
 import { Guide } from "./guide.js";
 import { Link } from "./link.js";
 import { Palette } from "./palette.js";
+import { Photo } from "./photo.js";
 import { Pictures } from "./pictures.js";
 import { Properties } from "./properties.js";
 import { Sheets } from "./sheets.js";
@@ -40,6 +41,7 @@ class Studio {
     this.unsent = null;
     this.pictures = new Pictures(byId("canvas"));
     this.pictures.onShow.push((page) => this.follow(page));
+    this.photo = new Photo(this.pictures, byId("canvas"), (text, failed) => this.say(text, failed));  // before the drawing, whose clicks it may take
     const keys = [
       { key: "Mod-s", run: () => this.save() }, { key: "Mod-Shift-s", run: () => this.saveAs() },
       { key: "Mod-e", run: () => this.extract() },
@@ -58,6 +60,7 @@ class Studio {
       export: button("Export…", () => this.exports.open(), { title: "Page, picture, film, table, script, and files for other programs" }),
       undo: button("Undo", () => this.undo()),
       redo: button("Redo", () => this.redo()),
+      photo: button("Photo…", () => this.photo.open(), { title: "Show a photo under the drawing; images can also be dropped on it" }),
       parameter: button("Parameter", () => this.extract(), { id: "make-parameter", title: `Turn the number at the cursor into a parameter with a slider (${MODIFIER}E)` }),
     };
     byId("actions").append(...Object.values(this.buttons));
@@ -184,6 +187,7 @@ class Studio {
       this.sendText(unsent);
     }
     byId("name").textContent = name;
+    void this.photo.show(file.path || name);
     byId("name").title = file.path;
     byId("changed").hidden = !changed;
     document.title = `${changed ? "• " : ""}${name} – studio`;
