@@ -17,8 +17,8 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from dalembert.cli.app import main
+from dalembert.studio.picture_feed import PictureFeed
 from dalembert.studio.pictures import Picture
-from dalembert.studio.session import Session
 
 FOUR_BAR = (Path(__file__).parents[1] / "examples" / "four_bar.toml").read_text("utf-8")
 
@@ -233,14 +233,12 @@ def test_wrong_files_and_ports_are_refused(tmp_path: Path, capsys: Any, studio: 
         assert text in capsys.readouterr().err
 
 
-def test_a_live_picture_follows_the_still_one(tmp_path: Path) -> None:
-    session = Session(None, tmp_path)
+def test_a_live_picture_follows_the_still_one() -> None:
     sent: list[tuple[bool, str]] = []
-    session.broadcast = lambda message, but=None: sent.append((message["live"], message["page"]))  # type: ignore[method-assign, misc]
-    session.number = 2
-    session._show("live", 1, Picture(page="outdated"))
-    session._show("live", 2, Picture(page="moving"))
+    feed = PictureFeed(lambda message: sent.append((message["live"], message["page"])), list)
+    feed.number = 2
+    feed.show("live", 1, Picture(page="outdated"))
+    feed.show("live", 2, Picture(page="moving"))
     assert sent == []
-    session._show("still", 2, Picture(page="at rest"))
+    feed.show("still", 2, Picture(page="at rest"))
     assert sent == [(False, "picture/4"), (True, "picture/5")]
-    session.close()

@@ -79,7 +79,7 @@ def make_application(session: Session, token: str, port: int, stop: Callable[[],
         return Response(json.dumps(choices), 200, HEADERS, "application/json")
 
     async def picture(request: Request) -> Response:
-        page = session.pages.get(request.path_params["number"])
+        page = session.pictures.pages.get(request.path_params["number"])
         if page is None:
             return PlainTextResponse("this picture is outdated", 404, HEADERS)
         return HTMLResponse(page, headers=HEADERS | {"X-Frame-Options": "SAMEORIGIN"})

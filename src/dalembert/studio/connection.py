@@ -51,7 +51,7 @@ class Connection:
             "files": lambda _: session.reply(self.send, session.files()),
             "export": self.export,
             "stop export": lambda _: session.exports.stop(),
-            "cancel": lambda _: session.cancel(),
+            "cancel": lambda _: session.pictures.cancel(),
             "stop": lambda _: stop(),
         }
 

@@ -6,18 +6,16 @@ import asyncio
 import json
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from dalembert.errors import DalembertError, FileError
 from dalembert.io.reading import parse_document
-from dalembert.studio.building import BuildingProcess, Request
 from dalembert.studio.draft import Draft
 from dalembert.studio.export_process import Exports
 from dalembert.studio.journal import Journal, Recovered, saving
 from dalembert.studio.listed_files import listed_files
-from dalembert.studio.pictures import Picture
+from dalembert.studio.picture_feed import PictureFeed
 from dalembert.studio.preview import Preview
 from dalembert.studio.recent_files import remember
 from dalembert.studio.tasks import Tasks
@@ -31,8 +29,6 @@ UNTITLED_SPATIAL = UNTITLED.replace("[0.0, -9.81]", "[0.0, 0.0, -9.81]")
 RESTORED = "unsaved changes were restored; undo returns to the file"
 MAX_TEXT = 2_000_000
 """Upper limit of the length of a text [characters]."""
-KINDS = ("still", "live")
-"""Kinds of pictures, in the order in which they are made."""
 
 
 class Session:
@@ -53,30 +49,23 @@ class Session:
         self.draft = Draft(path, UNTITLED)
         self.journal = Journal(self.draft.path, journals)
         self._journals = journals
-        self.pages: dict[int, str] = {}
-        """Number of a picture → its page."""
-        self.number = 0
         self.exports = Exports()
-        self._revision = 0
         self._is_stored = True
         self._folder: Path | None = None
         self._parsed: tuple[str, dict[str, Any] | None] = ("", None)
-        self.latest: dict[str, dict[str, Any]] = {}
-        """Kind of picture → the last message about it."""
-        self._early: tuple[int, Picture] | None = None
-        """A live picture that is made before the still one, and its number."""
         self._clients: list[Send] = []
         self._tasks: set[asyncio.Task[None]] = set()
-        self._builders: dict[str, BuildingProcess] = {}
         self._loop: asyncio.AbstractEventLoop | None = None
         self.tasks = Tasks(self._task_changed)
         self.preview = Preview()
+        self.pictures = PictureFeed(
+            self.broadcast, lambda problems: self.preview.in_text(problems, self.draft.text)
+        )
 
     def start(self) -> None:
         """Start the building processes; call inside the event loop."""
         self._loop = asyncio.get_running_loop()
-        for kind in KINDS:
-            self._builders[kind] = BuildingProcess(kind == "live", self._receiver(kind))
+        self.pictures.start()
         self.recovered = self._recover()
         if self.draft.path is not None:
             remember(self.draft.path, self._journals)
@@ -135,15 +124,9 @@ class Session:
         number = self.exports.start(to, self.draft.text, path, share, report)
         self.reply(send, {"kind": "export", "number": number, "state": "progress", "share": 0.0})
 
-    def cancel(self) -> None:
-        """Stop making pictures."""
-        for builder in self._builders.values():
-            builder.cancel()
-
     def close(self) -> None:
         """End the processes; a draft with unsaved changes remains in the journal."""
-        for builder in self._builders.values():
-            builder.close()
+        self.pictures.close()
         self.exports.close()
         self.tasks.close()
         self.journal.close()
@@ -158,14 +141,6 @@ class Session:
                 each.file.unlink(missing_ok=True)
         return left[-1] if any(changes) and self.draft.is_changed else None
 
-    def _receiver(self, kind: str) -> Callable[[int, Picture], None]:
-        def receive(number: int, picture: Picture) -> None:
-            assert self._loop is not None
-            with suppress(RuntimeError):  # the loop is closed
-                self._loop.call_soon_threadsafe(self._show, kind, number, picture)
-
-        return receive
-
     @property
     def place(self) -> Path:
         """Path of the file, or that of a new model beside the files that it reads."""
@@ -173,11 +148,8 @@ class Session:
 
     def build(self) -> None:
         """Make pictures of the present text, with the analysis of the preview."""
-        self.number += 1
-        self._revision = self.draft.revision
         text = self.preview.apply(self.draft.text)
-        for builder in self._builders.values():
-            builder.request(Request(self.number, text, self.place))
+        self.pictures.build(text, self.place, self.draft.revision)
 
     def show_analysis(self, fields: dict[str, Any] | None) -> None:
         """Show another analysis than that of the text; None shows that of the text."""
@@ -206,32 +178,6 @@ class Session:
         assert self._loop is not None
         with suppress(RuntimeError):  # the loop is closed
             self._loop.call_soon_threadsafe(show)
-
-    def _show(self, kind: str, number: int, picture: Picture) -> None:
-        """Send a picture to the pages, the still one before the live one."""
-        if number != self.number:
-            return
-        if kind == "live" and self.latest.get("still", {}).get("number") != number:
-            self._early = number, picture
-            return
-        message: dict[str, Any] = {"kind": "picture", "number": number, "live": kind == "live"}
-        message["revision"] = self._revision
-        if kind == "still":
-            problems = self.preview.in_text(picture.problems, self.draft.text)
-            message["problems"] = [asdict(problem) for problem in problems]
-            message |= {"summary": picture.summary, "facts": picture.facts}
-        message["page"] = ""
-        if picture.page:
-            name = 2 * number + (kind == "live")
-            self.pages = {k: v for k, v in self.pages.items() if k > name - 8} | {
-                name: picture.page
-            }
-            message["page"] = f"picture/{name}"
-        self.latest[kind] = message
-        self.broadcast(message)
-        if kind == "still" and self._early is not None:
-            early, self._early = self._early, None
-            self._show("live", *early)
 
     def state(self) -> dict[str, Any]:
         """The text and the state of its file, as a message."""
@@ -268,10 +214,8 @@ class Session:
         await send(self.state())
         if self.recovered is not None:
             await send({"kind": "notice", "text": RESTORED})
-        for kind in KINDS:
-            message = self.latest.get(kind)
-            if message is not None and message["number"] == self.number:
-                await send(message)
+        for message in self.pictures.present():
+            await send(message)
         for message in (*self.tasks.messages(), self.preview.message()):
             await send(message)
 
