@@ -67,13 +67,8 @@ def disc_in_a_valley() -> da.Model:
 MODELS = {"disc": rolling_disc, "box": box_in_a_bore, "valley": disc_in_a_valley}
 
 
-@pytest.mark.parametrize(
-    ("name", "each"),
-    [(name, 3) for name in MODELS]
-    + [pytest.param(name, 1, marks=pytest.mark.thorough) for name in MODELS],
-)
-def test_run_along_a_concave_gap(name, each):
-    """Direct and adjoint by all parameters; differences by one in ``each`` of them."""
+@pytest.mark.parametrize("name", MODELS)
+def test_run_along_a_concave_gap(name):
     motion = da.solve_nonsmooth(MODELS[name](), 0.1, step=5e-3, integrator=SCHEME, solver=SOLVER)
     record = motion.record
     assert motion.status.success
@@ -84,6 +79,5 @@ def test_run_along_a_concave_gap(name, each):
     )
     scale = abs(direct.values).max()
     np.testing.assert_allclose(adjoint.values, direct.values, rtol=1e-9, atol=1e-11 * scale)
-    some, method = list(motion.model.parameters)[::each], da.FiniteDifference("richardson")
-    differences = da.sensitivity(motion, responses, wrt=some, method=method).values
-    np.testing.assert_allclose(direct.values[:, ::each], differences, rtol=1e-6, atol=1e-6 * scale)
+    differences = da.sensitivity(motion, responses, method=da.FiniteDifference("richardson"))
+    np.testing.assert_allclose(direct.values, differences.values, rtol=1e-6, atol=1e-6 * scale)

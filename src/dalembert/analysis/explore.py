@@ -125,12 +125,12 @@ def _widget_class() -> Any:
         @traitlets.validate("parameters")
         def _check(self, proposal: Any) -> dict[str, float]:
             """All parameters, with the new values; values are in SI units or texts with a unit."""
-            known = self.model.parameters
-            values = {name: float(p.value) for name, p in known.items()} | dict(self.parameters)
+            declared = self.model.parameters
+            values = {name: float(p.value) for name, p in declared.items()} | dict(self.parameters)
             for name, value in dict(proposal["value"]).items():
-                if name not in known:
-                    raise ModelError(unknown("parameter", name, known))
-                number = known[name].in_si(value) if isinstance(value, str) else value
+                if name not in declared:
+                    raise ModelError(unknown("parameter", name, declared))
+                number = declared[name].in_si(value) if isinstance(value, str) else value
                 if isinstance(number, bool) or not isinstance(number, (int, float)):
                     raise ModelError(f"expected a number, got {value!r:.60}", name)
                 if not math.isfinite(number):
