@@ -37,13 +37,13 @@ def declarations(document: ModelDocument, source: Path, formulas: FormulaCode) -
     variables = formulas.variables
     sections: Any = document
     for name, entry in sections.parameters.items():
-        given = entry if isinstance(entry, ParameterTable) else ParameterTable(value=entry)
-        code = call("system.parameter", quoted(name), literal(given.value), **_texts(given))
+        declared = entry if isinstance(entry, ParameterTable) else ParameterTable(value=entry)
+        code = call("system.parameter", quoted(name), literal(declared.value), **_texts(declared))
         yield variables.assign("value", name, "value"), code
-    for name, given in sections.tables.items():
-        keywords = read_curve(given, source, Formulas(formulas.system).read)
+    for name, declared in sections.tables.items():
+        keywords = read_curve(declared, source, Formulas(formulas.system).read)
         written: dict[str, Any] = {
-            key: _column(given, key, keywords[key], formulas) for key in ("x", "y")
+            key: _column(declared, key, keywords[key], formulas) for key in ("x", "y")
         }
         for key, default in (("kind", "spline"), ("outside", "error"), ("ends", "not-a-knot")):
             if keywords[key] != default:
