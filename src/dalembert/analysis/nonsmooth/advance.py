@@ -9,7 +9,7 @@ import numpy as np
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.paths import bent_gaps, path_means
-from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart
+from dalembert.analysis.nonsmooth.step_state import LastImpulses, StepResult, StepStart
 from dalembert.integrators.contact.contacts import Contacts
 
 AHEAD = 2.0
@@ -23,7 +23,7 @@ GAIN = 1e-10
 
 
 def advance(
-    step: ContactStep, t: float, h: float, y: np.ndarray, v: np.ndarray, before: StepResult | None
+    step: ContactStep, t: float, h: float, y: np.ndarray, v: np.ndarray, before: LastImpulses | None
 ) -> StepResult:
     """A step of length ``h``; impulses of the step ``before`` are the starting point.
 
@@ -42,12 +42,12 @@ def advance(
             break
         straight = contacts.some(~np.isin(contacts.key, bent))
         contacts = Contacts.joined([straight, path_means(step, start, bent, result)])
-        result = _advanced(step, start, contacts, result)
+        result = _advanced(step, start, contacts, result.last)
     return result
 
 
 def _advanced(
-    step: ContactStep, start: StepStart, contacts: Contacts, before: StepResult | None
+    step: ContactStep, start: StepStart, contacts: Contacts, before: LastImpulses | None
 ) -> StepResult:
     """A step with some contacts, and with those that have to open or to close with them."""
     if step.scheme.anticipates:
@@ -65,7 +65,7 @@ def _closed(
     start: StepStart,
     contacts: Contacts,
     resting: np.ndarray,
-    before: StepResult | None,
+    before: LastImpulses | None,
 ) -> StepResult:
     """Solution in which the gaps that a correction would open have their impact, too.
 
@@ -87,7 +87,7 @@ def _closed(
         if not added.count:
             break
         contacts = Contacts.joined([contacts, added])
-        again = step.solved(step.struck(start, contacts), contacts, result)
+        again = step.solved(step.struck(start, contacts), contacts, result.last)
         push = again.impulses.impulses.ravel()
         exchanged = float(push @ (again.contacts.directions @ (again.v - start.free)))
         gains = again.loss < min(result.loss, -GAIN * exchanged)
@@ -98,7 +98,7 @@ def _closed(
 
 
 def _opened(
-    step: ContactStep, start: StepStart, contacts: Contacts, before: StepResult | None
+    step: ContactStep, start: StepStart, contacts: Contacts, before: LastImpulses | None
 ) -> StepResult:
     """Solution whose gaps are open at the end of the step.
 
@@ -164,4 +164,4 @@ def _solved_on_path(
     """Solution with means over the path of the last one for curved gaps."""
     keys = contacts.key[curved]
     path = Contacts.joined([contacts.some(~curved), path_means(step, start, keys, last)])
-    return replace(step.solved(start, path, last), curved=np.sort(keys), path=last)
+    return replace(step.solved(start, path, last.last), curved=np.sort(keys), path=last)

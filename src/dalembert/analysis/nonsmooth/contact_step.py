@@ -15,7 +15,7 @@ from dalembert.analysis.nonsmooth.gaps.joined_gaps import selected_of, separatin
 from dalembert.analysis.nonsmooth.impact_stage import impact_stage
 from dalembert.analysis.nonsmooth.mobility import Mobility, delassus
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
-from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart, warm_start
+from dalembert.analysis.nonsmooth.step_state import LastImpulses, StepResult, StepStart, warm_start
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.contact.approach import Approach
@@ -169,7 +169,9 @@ class ContactStep:
         late: np.ndarray = contacts.key[other & approach.impacting & ~approach.hit]
         return late
 
-    def solved(self, start: StepStart, contacts: Contacts, before: StepResult | None) -> StepResult:
+    def solved(
+        self, start: StepStart, contacts: Contacts, before: LastImpulses | None
+    ) -> StepResult:
         """A step with some contacts; impulses of the step ``before`` are the starting point."""
         v, theta = start.v, self.scheme.theta
         approach = start.approach(contacts, self.rounding)
@@ -192,7 +194,7 @@ class ContactStep:
         return StepResult(position, after, start.multiplier + reactions, *solution)
 
     def _impulses(
-        self, approach: Approach, mobility: Mobility, before: StepResult | None
+        self, approach: Approach, mobility: Mobility, before: LastImpulses | None
     ) -> tuple[Impulses, np.ndarray, np.ndarray, CompliantContacts]:
         """Impulses of the contacts, their offsets, which are updated until they no longer change,
         keys of the sticking contacts with static friction, and the compliant contacts."""

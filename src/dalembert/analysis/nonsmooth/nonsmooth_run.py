@@ -14,11 +14,12 @@ from dalembert.analysis.dynamics.residual_check import DRIFT, DRIFT_WARNING, Ene
 from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.model_residuals import Violation
 from dalembert.analysis.nonsmooth.advance import advance
+from dalembert.analysis.nonsmooth.ball_march import BallMarch
 from dalembert.analysis.nonsmooth.contact_durations import duration_warnings
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import consistent_speeds, correct_position
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
-from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
+from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
 from dalembert.analysis.nonsmooth.step_log import StepLog, interpolate
 from dalembert.analysis.nonsmooth.step_state import StepResult
 from dalembert.analysis.progress import progress_reporter
@@ -36,7 +37,6 @@ from dalembert.model.graph.model import Model
 from dalembert.results.nonsmooth_motion import ContactRecord, NonsmoothMotion
 from dalembert.results.status import Outcome, Status, reached, stopped
 from dalembert.symbolic.equations.newton import Solution
-from dalembert.symbolic.once import once
 
 
 class NonsmoothRun:
@@ -100,11 +100,16 @@ class NonsmoothRun:
 
     def march(self, grid: np.ndarray, log: StepLog, report) -> Status:
         """Steps until the end or until one fails."""
-        result: StepResult | None = None
+        result, last, k = None, None, 0
+        balls = BallMarch.of(self.step)
         try:
-            for k in range(grid.size - 1):
+            while k < grid.size - 1:
+                if balls is not None and last is not None:
+                    k, last = balls.march(grid, k, log, last, report)
+                    if k == grid.size - 1:
+                        break
                 t, h = float(grid[k]), float(grid[k + 1] - grid[k])
-                result = advance(self.step, t, h, log.y, log.v, result)
+                result = advance(self.step, t, h, log.y, log.v, last)
                 if failure := self.failure(t, result):
                     return failure
                 position = self.corrected(t + h, h, result)
@@ -112,7 +117,8 @@ class NonsmoothRun:
                     return self.not_corrected(t, h, position)
                 v, lost = self.speeds(t + h, position.x, result)
                 log.add(t + h, h, position.x, v, result, lost)
-                report((grid[k + 1] - self.start) / (self.end - self.start))
+                k, last = k + 1, result.last
+                report((grid[k] - self.start) / (self.end - self.start))
         except KeyboardInterrupt:
             return stopped(log.t, log.open_by)
         except SingularityError as error:
@@ -265,9 +271,3 @@ class ContactCheck(ResidualCheck):
                 "value of acceptable to end such runs"
             )
         return [*warnings, *duration_warnings(record, self.energy.moved)]
-
-
-@once
-def smooth_motion(model: Model) -> SmoothMotion:
-    """Functions of a model, built once."""
-    return SmoothMotion(model)

@@ -14,6 +14,7 @@ from dalembert.errors import UnsupportedError
 from dalembert.model.graph.assembly.assembly import ROUNDING
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel, Matrix, Patterned
+from dalembert.symbolic.once import once
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +53,10 @@ class SmoothMotion:
     Parameters
     ----------
     model : Model
+
+    Attributes
+    ----------
+    forces, lead : formulas of the forces, and the symbol of ``θ h`` in them
     """
 
     def __init__(self, model: Model):
@@ -69,6 +74,7 @@ class SmoothMotion:
                 "blocks are sampled, which solve_nonsmooth does not do; use solve_dynamics, or "
                 "blocks of continuous time"
             )
+        self.forces, self.lead = forces, lead
         inputs_at_position = [e.t, e.y, e.p]
         still = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
         inputs = [e.t, e.y, e.v, e.p, lead]
@@ -119,6 +125,12 @@ class SmoothMotion:
         """Mobility with ``M`` and ``C`` at a position, ``Φ``, ``Φ_t`` and ``C``."""
         joints, still, open_by = self._joints(t, y, p)[:3]
         return Mobility(self._mass(y, p)[0], joints, self._coupling), open_by, still, joints
+
+
+@once
+def smooth_motion(model: Model) -> SmoothMotion:
+    """Functions of a model, built once."""
+    return SmoothMotion(model)
 
 
 def constrained_fraction(theta: float) -> float:

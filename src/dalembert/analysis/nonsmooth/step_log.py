@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import casadi as ca
 import numpy as np
@@ -19,54 +19,71 @@ from dalembert.symbolic.once import once
 
 
 @dataclass(frozen=True, eq=False)
-class StepEntry:
-    """Part of a step that is recorded.
+class StepEntries:
+    """Parts of K steps that are recorded; contacts of all steps are concatenated.
 
     Attributes
     ----------
-    multiplier : of the joints, times the step
+    multiplier : (m, K) of the joints, times the steps
+    count : (K,) numbers of pressing contacts
     owner, key, impulse, offset : element, gap, impulse and velocity offset of each pressing contact
     curved : whether the step had means over its path for the gap of a pressing contact
-    loss, friction : energy dissipated by the contacts, and its part by tangential impulses
+    loss, friction : (K,) energy dissipated by the contacts, and its part by tangential impulses
     work, fraction : of each pressing contact, as in ``StepResult``
-    residual, rounds, converged : of the solution of the friction problem
+    residual, rounds, converged : (K,) of the solutions of the friction problems
     """
 
     multiplier: np.ndarray
+    count: np.ndarray
     owner: np.ndarray
     key: np.ndarray
     impulse: np.ndarray
     offset: np.ndarray
     curved: np.ndarray
-    loss: float
-    friction: float
+    loss: np.ndarray
+    friction: np.ndarray
     work: np.ndarray
     fraction: np.ndarray
-    residual: float
-    rounds: int
-    converged: bool
+    residual: np.ndarray
+    rounds: np.ndarray
+    converged: np.ndarray
 
     @classmethod
-    def of(cls, result: StepResult, v: np.ndarray) -> StepEntry:
+    def of(cls, result: StepResult, v: np.ndarray) -> StepEntries:
         """The entry of a step with the speeds ``v`` at its start."""
         impulses, contacts = result.impulses, result.contacts
         pressing = impulses.impulses[:, 0] > 0
         slip = contacts.speeds((v + result.v) / 2)[:, 1:]
+        friction = -float((impulses.impulses[:, 1:] * slip).sum())
         return cls(
-            result.multiplier,
+            result.multiplier[:, None],
+            np.array([np.count_nonzero(pressing)]),
             contacts.owner[pressing],
             contacts.key[pressing],
             impulses.impulses[pressing],
             result.offsets[pressing],
             np.isin(contacts.key[pressing], result.curved),
-            result.loss,
-            -float((impulses.impulses[:, 1:] * slip).sum()),
+            np.array([result.loss]),
+            np.array([friction]),
             result.work[pressing],
             result.fractions[pressing],
-            impulses.residual,
-            impulses.rounds,
-            impulses.converged,
+            np.array([impulses.residual]),
+            np.array([impulses.rounds]),
+            np.array([impulses.converged]),
         )
+
+    @classmethod
+    def joined(cls, parts: list[StepEntries], joints: int, components: int) -> StepEntries:
+        """Entries of consecutive steps, with a number of joint multipliers and of components of
+        impulses."""
+        whole, number, flag = np.zeros(0), np.zeros(0, dtype=int), np.zeros(0, dtype=bool)
+        table = np.zeros((0, components))
+        entries = number, number, number, table, table, flag, whole, whole, whole, whole, whole
+        none = cls(np.zeros((joints, 0)), *entries, number, flag)
+        parts = [none, *parts]
+        columns = {f.name: [getattr(part, f.name) for part in parts] for f in fields(cls)}
+        multiplier = np.concatenate(columns.pop("multiplier"), axis=1)
+        return cls(multiplier, **{name: np.concatenate(c) for name, c in columns.items()})
 
 
 class StepLog:
@@ -85,7 +102,7 @@ class StepLog:
         self.times, self.positions, self.speeds = [t], [y], [v]
         self.uncorrected: list[np.ndarray] = []
         self.lengths: list[float] = []
-        self.entries: list[StepEntry] = []
+        self.parts: list[StepEntries] = []
         self.speed_losses: list[float] = []
         self.depths, self.stored = [self._depth(t, y)], [self._stored(t, y)]
         self.scheme_losses, self.correction_work = np.zeros(1), 0.0
@@ -105,7 +122,7 @@ class StepLog:
     @property
     def friction(self) -> float:
         """Energy dissipated by friction of contacts [J]."""
-        return float(sum(entry.friction for entry in self.entries))
+        return float(sum(part.friction.sum() for part in self.parts))
 
     @property
     def open_by(self) -> float:
@@ -120,12 +137,27 @@ class StepLog:
         self.times.append(t)
         self.lengths.append(h)
         self.uncorrected.append(result.y)
-        self.entries.append(StepEntry.of(result, self.v))
+        self.parts.append(StepEntries.of(result, self.v))
         self.positions.append(y)
         self.speeds.append(v)
         self.speed_losses.append(lost)
         self.depths.append(self._depth(t, y))
         self.stored.append(self._stored(t, y))
+
+    def extend(
+        self, t: np.ndarray, y: np.ndarray, v: np.ndarray, depths: np.ndarray, part: StepEntries
+    ) -> None:
+        """Append K steps without corrections or force laws: times, states by rows and penetrations
+        at their ends."""
+        self.lengths += list(np.diff(t, prepend=self.t))
+        self.times += list(t)
+        self.uncorrected += list(y)
+        self.positions += list(y)
+        self.speeds += list(v)
+        self.speed_losses += [0.0] * t.size
+        self.depths += list(depths)
+        self.stored += [0.0] * t.size
+        self.parts.append(part)
 
     def _depth(self, t: float, y: np.ndarray) -> float:
         return abs(self.step.deepest(self.step.at(t, y)))
@@ -138,21 +170,13 @@ class StepLog:
         """The steps as arrays."""
         y, v, h = np.stack(self.positions, 1), np.stack(self.speeds, 1), np.array(self.lengths)
         model, entries = self.step.model, self.entries
-        m = model.equations.constraint_count
-        a = np.diff(v, axis=1) / h
-        multiplier = np.stack(
-            [s.multiplier / d for s, d in zip(entries, h, strict=True)] or [np.zeros(m)], 1
-        )[:, : h.size]
-        owners, keys, impulses, offsets = (
-            [getattr(s, name) for s in entries] for name in ("owner", "key", "impulse", "offset")
-        )
-        loss = np.array([s.loss for s in entries])
+        a, multiplier, loss = np.diff(v, axis=1) / h, entries.multiplier / h, entries.loss
         ends = Trajectory(
             np.array(self.times),
             y,
             v,
             _with_start(a),
-            _with_start(np.vstack([model.all_multipliers(multiplier), self._contact_forces(h)])),
+            _with_start(np.vstack([model.all_multipliers(multiplier), self._forces(entries, h)])),
             self._work(y, v, a, multiplier, h, loss),
         )
         if h.size:
@@ -161,32 +185,33 @@ class StepLog:
         return ContactRecord(
             ends=ends,
             names=tuple(e.name for source in self.step.sources for e in source.elements),
-            step=np.repeat(np.arange(h.size), [own.size for own in keys]),
-            owner=np.concatenate([*owners, np.zeros(0, dtype=int)]),
-            key=np.concatenate([*keys, np.zeros(0, dtype=int)]),
-            impulse=np.concatenate([*impulses, self._no_impulses]),
-            offset=np.concatenate([*offsets, self._no_impulses]),
-            curved=np.concatenate([*(s.curved for s in entries), np.zeros(0, dtype=bool)]),
+            step=np.repeat(np.arange(h.size), entries.count),
+            owner=entries.owner,
+            key=entries.key,
+            impulse=entries.impulse,
+            offset=entries.offset,
+            curved=entries.curved,
             linear=1 + sum(self.step.groups[:1]),
             loss=loss,
-            work=np.concatenate([*(s.work for s in entries), np.zeros(0)]),
-            fraction=np.concatenate([*(s.fraction for s in entries), np.zeros(0)]),
+            work=entries.work,
+            fraction=entries.fraction,
             stored=np.array(self.stored),
             penetration=np.array(self.depths),
-            residual=np.array([s.residual for s in entries]),
-            rounds=np.array([s.rounds for s in entries], dtype=int),
-            converged=np.array([s.converged for s in entries], dtype=bool),
+            residual=entries.residual,
+            rounds=entries.rounds,
+            converged=entries.converged,
         )
 
     @property
-    def _no_impulses(self) -> np.ndarray:
-        return np.zeros((0, 1 + sum(self.step.groups)))
+    def entries(self) -> StepEntries:
+        """Entries of all steps."""
+        joints, components = self.step.model.equations.constraint_count, 1 + sum(self.step.groups)
+        return StepEntries.joined(self.parts, joints, components)
 
-    def _contact_forces(self, h: np.ndarray) -> np.ndarray:
+    def _forces(self, entries: StepEntries, h: np.ndarray) -> np.ndarray:
         """(n, K) means over the steps of the normal and tangential forces of formula gaps."""
-        step = np.repeat(np.arange(h.size), [entry.key.size for entry in self.entries])
-        keys = np.concatenate([np.zeros(0, dtype=int), *(entry.key for entry in self.entries)])
-        impulses = np.concatenate([self._no_impulses, *(entry.impulse for entry in self.entries)])
+        step, keys = np.repeat(np.arange(h.size), entries.count), entries.key
+        impulses = entries.impulse
         parts = [np.zeros((0, h.size))]
         for key, gap in enumerate(self.step.model.all_equations.contacts):
             forces, own = np.zeros((1 + gap.slip.numel(), h.size)), keys == key

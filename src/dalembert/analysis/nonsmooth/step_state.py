@@ -15,6 +15,20 @@ from dalembert.integrators.contact.impulses import Impulses
 
 
 @dataclass(frozen=True, eq=False)
+class LastImpulses:
+    """Part of a step on which the next one depends.
+
+    Attributes
+    ----------
+    pressing : sorted keys, and impulses, of the contacts that press
+    stuck : keys of the contacts with static friction at the end
+    """
+
+    pressing: tuple[np.ndarray, np.ndarray]
+    stuck: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
 class StepResult:
     """Result of one step.
 
@@ -52,6 +66,11 @@ class StepResult:
         rows = np.flatnonzero(self.impulses.impulses[:, 0] > 0)
         rows = rows[np.argsort(self.contacts.key[rows])]
         return self.contacts.key[rows], self.impulses.impulses[rows]
+
+    @property
+    def last(self) -> LastImpulses:
+        """Part on which the next step depends."""
+        return LastImpulses(self.pressing, self.stuck)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +114,9 @@ class StepStart:
         return replace(approach, struck=struck, hit=self.impact.rows(contacts))
 
 
-def warm_start(contacts: Contacts, before: StepResult | None, shape: tuple[int, ...]) -> np.ndarray:
+def warm_start(
+    contacts: Contacts, before: LastImpulses | None, shape: tuple[int, ...]
+) -> np.ndarray:
     """Impulses of the same gaps in the step before; zero for new contacts."""
     start = np.zeros(shape)
     if before is None or not before.pressing[0].size:

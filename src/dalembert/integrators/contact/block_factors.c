@@ -43,12 +43,19 @@ static void casadi_subtract(casadi_real* target, const casadi_real* a, const cas
     }
   }
 }
-/* inverses of pivots on the diagonal, L without them below; 1 if a pivot is singular */
+/* inverses of pivots on the diagonal, L without them below; 1 if a pivot is singular. used[k] is 1
+   for blocks below the diagonal that are not zero, or whose counterparts to the right are not */
 static int casadi_factorise(casadi_real* matrix, const int* first, const int* row,
-    casadi_int blocks, casadi_int size, casadi_real* w) {
-  casadi_int k, q, r, p, i, j, square = size*size;
+    casadi_int blocks, casadi_int size, casadi_real* used, casadi_real* w) {
+  casadi_int k, q, r, p, i, j, square = size*size, below = first[blocks];
   casadi_real* lower = matrix + blocks*square;
-  casadi_real* upper = lower + first[blocks]*square;
+  casadi_real* upper = lower + below*square;
+  for (q=0; q<below; ++q) {
+    used[q] = 0;
+    for (i=0; i<square; ++i) {
+      if (lower[q*square+i]!=0 || upper[q*square+i]!=0) used[q] = 1;
+    }
+  }
   for (k=0; k<blocks; ++k) {
     for (i=0; i<square; ++i) {
       w[i] = matrix[k*square+i];
@@ -57,6 +64,7 @@ static int casadi_factorise(casadi_real* matrix, const int* first, const int* ro
     for (i=0; i<size; ++i) matrix[k*square+i*size+i] = 1;
     if (!casadi_eliminate(w, matrix + k*square, size, size)) return 1;
     for (q=first[k]; q<first[k+1]; ++q) {
+      if (used[q]==0) continue;
       for (i=0; i<square; ++i) {
         w[i] = -lower[q*square+i];
         lower[q*square+i] = 0;
@@ -64,13 +72,16 @@ static int casadi_factorise(casadi_real* matrix, const int* first, const int* ro
       casadi_subtract(lower + q*square, w, matrix + k*square, size);
     }
     for (q=first[k]; q<first[k+1]; ++q) {
+      if (used[q]==0) continue;
       j = row[q];
       casadi_subtract(matrix + j*square, lower + q*square, upper + q*square, size);
       p = first[j];
       for (r=q+1; r<first[k+1]; ++r) {
+        if (used[r]==0) continue;
         while (row[p]!=row[r]) ++p;
         casadi_subtract(lower + p*square, lower + r*square, upper + q*square, size);
         casadi_subtract(upper + p*square, lower + q*square, upper + r*square, size);
+        used[p] = 1;
       }
     }
   }
@@ -79,8 +90,8 @@ static int casadi_factorise(casadi_real* matrix, const int* first, const int* ro
 /* solution for a right-hand side; members are the places of the entries of each block in both, -1
    for padding */
 static void casadi_solve(const casadi_real* matrix, const int* first, const int* row,
-    const int* members, casadi_int blocks, casadi_int size, const casadi_real* right,
-    casadi_real* solution, casadi_real* w) {
+    const int* members, casadi_int blocks, casadi_int size, const casadi_real* used,
+    const casadi_real* right, casadi_real* solution, casadi_real* w) {
   casadi_int k, q, i, j, square = size*size;
   const casadi_real* lower = matrix + blocks*square;
   const casadi_real* upper = lower + first[blocks]*square;
@@ -89,6 +100,7 @@ static void casadi_solve(const casadi_real* matrix, const int* first, const int*
   for (k=0; k<blocks*size; ++k) x[k] = members[k]<0 ? 0.0 : right[members[k]];
   for (k=0; k<blocks; ++k) {
     for (q=first[k]; q<first[k+1]; ++q) {
+      if (used[q]==0) continue;
       for (i=0; i<size; ++i) {
         for (j=0; j<size; ++j) x[row[q]*size+i] -= lower[q*square+i*size+j]*x[k*size+j];
       }
@@ -97,6 +109,7 @@ static void casadi_solve(const casadi_real* matrix, const int* first, const int*
   for (k=blocks-1; k>=0; --k) {
     for (i=0; i<size; ++i) y[i] = x[k*size+i];
     for (q=first[k]; q<first[k+1]; ++q) {
+      if (used[q]==0) continue;
       for (i=0; i<size; ++i) {
         for (j=0; j<size; ++j) y[i] -= upper[q*square+i*size+j]*x[row[q]*size+j];
       }

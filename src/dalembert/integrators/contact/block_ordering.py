@@ -65,7 +65,18 @@ class BlockOrderings:
         last = self._last
         if last is not None and directions is self._covered:
             return last
-        pairs, self._covered = self._pairs(directions, width), directions
+        self._covered = directions
+        return self._covering(self._pairs(directions, width))
+
+    def between(self, first: np.ndarray, second: np.ndarray) -> BlockOrdering:
+        """Order for contacts between bodies (n,) and (n,)."""
+        self._covered = None
+        pairs = self._numbers(first, second)
+        return self._covering(np.union1d(pairs, self._coupled))
+
+    def _covering(self, pairs: np.ndarray) -> BlockOrdering:
+        """The last order if it covers pairs of bodies, otherwise a new one."""
+        last = self._last
         if last is not None:
             place = np.searchsorted(last.pairs, pairs)
             if place.max(initial=-1) < last.pairs.size and (last.pairs[place] == pairs).all():

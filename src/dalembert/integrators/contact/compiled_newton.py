@@ -18,7 +18,7 @@ from dalembert.sparse.factorise import SuperLUFactors
 
 MODE, ASSEMBLE, SEARCH, ITERATE = 6, 0, 1, 2
 """Place of the mode of the loop among its counts, and the modes."""
-FILES = "newton_pieces.c", "block_factors.c", "semismooth_newton.c"
+FILES = "newton_pieces.c", "block_factors.c", "semismooth_newton.c", "newton_modes.c"
 BLOCK_REGULARIZATION = 1e-7
 """Regularisation of steps with factors without pivots, so that these are accurate, relative to the
 mobility: it reduces a residual to this share of it, at best [-]."""
@@ -80,7 +80,7 @@ class CompiledNewton:
         work = 3 * width * (width + 1) + 2 * width + 2 * width * widest
         work = max(work, sizes[0] * sizes[1] + sizes[1] ** 2)
         counts += [ASSEMBLE, widest, *sizes, max_iterations, MEMORY, JUMPS, work]
-        work += rows + MEMORY
+        work += rows + MEMORY + count + 2 + entries
         self._loop = Loop(code, inputs, outputs, counts, work)
 
     @property

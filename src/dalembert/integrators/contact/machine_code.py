@@ -55,13 +55,21 @@ class Loop:
 
 
 @lru_cache
-def machine_code(*names: str) -> Call | None:
-    """Machine code of files of this package after the common one; None without a toolchain."""
+def machine_code(*names: str, constants: tuple[tuple[int, int], ...] = ()) -> Call | None:
+    """Machine code of files of this package after the common one; None without a toolchain.
+
+    Parameters
+    ----------
+    names : of the files
+    constants : places among the counts, and their values, with which the compiler unrolls loops
+    """
     toolchain = best_toolchain()
     if toolchain is None:
         return None
     files = (resources.files(__package__) / part for part in (COMMON, *names))
     text = "".join(file.read_text(encoding="utf-8") for file in files)
+    for place, value in constants:
+        text = text.replace(f"iw[{place}]", str(value))
     try:
         return compiled_loop(text + LOOP.format(entry=ENTRY, function=FIRST), toolchain.for_loops())
     except UnsupportedError:  # an optional acceleration

@@ -1,14 +1,59 @@
 /* Semismooth Newton method for frictional contact: linear system of a step, and its line search */
-/* residual and, above the tolerance, the equations of a step; 1 if a contact is singular */
+/* speeds of the contacts by their impulses, squared merit and residual */
+static void casadi_state(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+    casadi_real* violation) {
+  const casadi_real* directions = arg[0];
+  const casadi_real* velocity = arg[2];
+  const casadi_real* shift = arg[7];
+  const int* w_row = (const int*) arg[9];
+  const int* w_column = (const int*) arg[10];
+  const casadi_real* impulse = res[0];
+  casadi_real* speed = res[5];
+  casadi_real* moved = res[10];
+  casadi_real* status = res[11];
+  casadi_int rows = iw[0]*iw[1], r;
+  casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], impulse, rows, iw[3], moved);
+  for (r=0; r<rows; ++r) {
+    speed[r] = velocity[r] + shift[r]*impulse[r];
+    speed[r] += casadi_row(directions, w_column, w_row[r], w_row[r+1], moved);
+  }
+  status[0] = casadi_merit(impulse, speed, arg[5], arg[6], arg[3], arg[4], (const int*) arg[13],
+    iw[2], iw[0], iw[1], violation, status + 1);
+}
+/* forget the pieces of the matrix, so that the next step assembles another */
+static void casadi_forget(casadi_real* pieces, casadi_int count) {
+  casadi_int i;
+  for (i=0; i<count+2; ++i) pieces[i] = 0.5;
+}
+/* number of the piece of a contact: 0 without pressure, else by sticking or the direction of slip;
+   negative if the derivatives vary within it */
+static casadi_real casadi_piece(const casadi_real* z, const casadi_real* friction,
+    casadi_real minimum, const int* group, casadi_int groups) {
+  casadi_int g, a, varies = 0;
+  casadi_real piece = z[0]>minimum ? 1.0 : 2.0, length, limit;
+  if (!(z[0]>minimum || minimum>0)) return 0;
+  for (g=0; g<groups; ++g) {
+    length = 0;
+    for (a=group[g]; a<group[g+1]; ++a) length += z[a]*z[a];
+    limit = friction[g]*(z[0]>minimum ? z[0] : minimum);
+    piece = 3*piece;
+    if (!(length>limit*limit) && friction[g]!=0) continue;
+    piece += z[group[g]]>0 ? 2.0 : 1.0;
+    if (group[g+1]-group[g]>1) varies = 1;
+  }
+  return varies ? -piece : piece;
+}
+/* residual and, above the tolerance, the equations of a step; 1 if a contact is singular. The
+   matrix remains if the pieces are those of the step before, and their derivatives are the same or
+   that step reduced the residual enough: pieces[count] is then 1. pieces[count+1] is its residual
+   */
 static int casadi_assemble(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
-    casadi_real* w) {
+    casadi_real* w, casadi_real* pieces) {
   const casadi_real* directions = arg[0];
   const casadi_real* responses = arg[1];
-  const casadi_real* velocity = arg[2];
   const casadi_real* friction = arg[3];
   const casadi_real* minimum = arg[4];
   const casadi_real* mobility = arg[5];
-  const casadi_real* weight = arg[6];
   const casadi_real* shift = arg[7];
   const casadi_real* settings = arg[8];
   const int* w_row = (const int*) arg[9];
@@ -41,22 +86,21 @@ static int casadi_assemble(const casadi_real** arg, casadi_real** res, const cas
   casadi_real* violation = both + width*(width+1);
   casadi_real* across = violation + width;
   casadi_real* weighted = across + width*widest;
-  casadi_int i, a, b, c, j, r, size, first;
+  casadi_int i, a, b, c, j, r, size, first, varies = 0;
   casadi_real share, u;
-  casadi_respond(responses, x_row, x_column, impulse, rows, speeds, moved);
-  for (r=0; r<rows; ++r) {
-    speed[r] = velocity[r] + shift[r]*impulse[r];
-    speed[r] += casadi_row(directions, w_column, w_row[r], w_row[r+1], moved);
-  }
-  status[0] = casadi_merit(impulse, speed, mobility, weight, friction, minimum, group, groups,
-    count, width, violation, status + 1);
+  casadi_state(arg, res, iw, violation);
   if (!(status[1]>settings[0])) return 0;
+  pieces[count] = 1;
   for (i=0; i<count; ++i) {
     r = i*width;
+    for (a=0; a<width; ++a) z[a] = impulse[r+a] - speed[r+a]/mobility[r+a];
+    share = casadi_piece(z, friction + i*groups, minimum[i], group, groups);
+    if (share!=pieces[i]) pieces[count] = 0;
+    if (share<0) varies = 1;
+    pieces[i] = share;
     casadi_violation(impulse + r, speed + r, mobility + r, friction + i*groups, minimum[i],
       group, groups, violation);
-    share = impulse[r] - speed[r]/mobility[r];
-    status[2] = (share>minimum[i] || minimum[i]>0) ? 1.0 : 0.0;
+    status[2] = share!=0 ? 1.0 : 0.0;
     for (a=0; a<width; ++a) {
       free[r+a] = -violation[a];
       step[r+a] = status[2]>0 ? 0.0 : -violation[a];
@@ -64,7 +108,11 @@ static int casadi_assemble(const casadi_real** arg, casadi_real** res, const cas
     }
   }
   casadi_respond(responses, x_row, x_column, step, rows, speeds, moved);
-  for (j=0; j<entries; ++j) system[j] = constant[j];
+  if (varies && !(status[1]<=0.01*pieces[count+1])) pieces[count] = 0;
+  pieces[count+1] = status[1];
+  if (pieces[count]==0) {
+    for (j=0; j<entries; ++j) system[j] = constant[j];
+  }
   for (j=0; j<unknowns; ++j) push[j] = 0;
   for (i=0; i<count; ++i) {
     r = i*width;
@@ -86,10 +134,16 @@ static int casadi_assemble(const casadi_real** arg, casadi_real** res, const cas
       both[a*(width+1)+width] = share;
     }
     if (!casadi_eliminate(own, both, width, width + 1)) return 1;
+    for (a=0; a<width; ++a) free[r+a] = both[a*(width+1)+width];
     size = start[i+1] - start[i];
+    if (pieces[count]==1) {
+      for (a=0; a<width; ++a) {
+        for (j=w_row[r+a]; j<w_row[r+a+1]; ++j) push[w_column[j]] += directions[j]*free[r+a];
+      }
+      continue;
+    }
     for (a=0; a<width*size; ++a) across[a] = 0;
     for (a=0; a<width; ++a) {
-      free[r+a] = both[a*(width+1)+width];
       for (b=0; b<width; ++b) gain[(r+a)*width+b] = both[a*(width+1)+b];
       for (j=w_row[r+a]; j<w_row[r+a+1]; ++j) across[a*size+local[j]] = directions[j];
     }
@@ -186,25 +240,26 @@ static int casadi_search(const casadi_real** arg, casadi_real** res, const casad
   status[2] = 0;
   return 0;
 }
-static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w,
-    int mem) {
+/* steps with factors of blocks until the residual is within the tolerance; 1 if singular */
+static int casadi_iterate(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+    casadi_real* w) {
   const casadi_real* settings = arg[8];
   casadi_real* status = res[11];
   const int* first = (const int*) arg[19];
   const int* row = (const int*) arg[20];
   const int* members = (const int*) arg[21];
-  casadi_int mode = iw[6], blocks = iw[8], size = iw[9], iterations = iw[10], k, j;
+  casadi_int blocks = iw[8], size = iw[9], iterations = iw[10], k, j;
   casadi_int memory = iw[11], rows = iw[0]*iw[1], jumps = 0;
   casadi_real* impulse = res[0];
   casadi_real* best = w + iw[13];
   casadi_real* merits = best + rows;
+  casadi_real* pieces = merits + memory;
+  casadi_real* used = pieces + iw[0] + 2;
   casadi_real least = 0, reference;
-  if (mode==0) return casadi_assemble(arg, res, iw, w);
-  if (mode==1) return casadi_search(arg, res, iw, w);
-  if (casadi_places(arg, res, iw)) return 1;
+  pieces[iw[0]+1] = 0;
   for (k=0; k<iterations; ++k) {
     status[3] = k;
-    if (casadi_assemble(arg, res, iw, w)) return 1;
+    if (casadi_assemble(arg, res, iw, w, pieces)) return 1;
     if (k==0 || status[0]<least) {
       least = status[0];
       for (j=0; j<rows; ++j) best[j] = impulse[j];
@@ -216,8 +271,11 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
       if (merits[j]>reference) reference = merits[j];
     }
     status[0] = reference;
-    if (casadi_factorise(res[1], first, row, blocks, size, w)) return 1;
-    casadi_solve(res[1], first, row, members, blocks, size, res[2], res[13], w);
+    if (pieces[iw[0]]==0 && casadi_factorise(res[1], first, row, blocks, size, used, w)) {
+      pieces[0] = 0.5;
+      return 1;
+    }
+    casadi_solve(res[1], first, row, members, blocks, size, used, res[2], res[13], w);
     for (j=0; j<iw[3]; ++j) {
       if (!(fabs(res[13][j])<1e300)) return 1;
     }

@@ -1,9 +1,4 @@
 /* Projected Gauss-Seidel sweeps over contacts with Anderson acceleration */
-static void casadi_push(const casadi_real* value, const int* column, casadi_int begin,
-    casadi_int end, casadi_real impulse, casadi_real* speed) {
-  casadi_int j;
-  for (j=begin; j<end; ++j) speed[column[j]] += value[j]*impulse;
-}
 static casadi_real casadi_product(const casadi_real* x, const casadi_real* y, casadi_int size) {
   casadi_int i;
   casadi_real a = 0, b = 0, c = 0, d = 0;
@@ -56,20 +51,8 @@ static void casadi_shares(const casadi_real* gram, casadi_int size, casadi_int s
 }
 static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w,
     int mem) {
-  const casadi_real* directions = arg[0];
-  const casadi_real* responses = arg[1];
-  const casadi_real* velocity = arg[2];
-  const casadi_real* friction = arg[3];
-  const casadi_real* minimum = arg[4];
   const casadi_real* mobility = arg[5];
-  const casadi_real* weight = arg[6];
-  const casadi_real* shift = arg[7];
   const casadi_real* settings = arg[8];
-  const int* w_row = (const int*) arg[9];
-  const int* w_column = (const int*) arg[10];
-  const int* x_row = (const int*) arg[11];
-  const int* x_column = (const int*) arg[12];
-  const int* group = (const int*) arg[13];
   casadi_real* impulse = res[0];
   casadi_real* speed = res[1];
   casadi_int count = iw[0], width = iw[1], groups = iw[2], sweeps = iw[3], speeds = iw[4];
@@ -84,46 +67,11 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   casadi_real* changes = factor + depth*depth;
   casadi_real* impulses = changes + depth*rows;
   casadi_real* velocities = impulses + depth*rows;
-  casadi_int sweep, i, g, a, r, slot = 0, stored = 0;
-  casadi_real largest, u, d, length, limit, square, last = 0;
+  casadi_int sweep, i, r, slot = 0, stored = 0;
+  casadi_real largest, d, square, last = 0;
   for (sweep=0; sweep<sweeps; ++sweep) {
-    largest = 0;
     casadi_copy_to(impulse, change, rows);
-    for (i=0; i<count; ++i) {
-      r = i*width;
-      u = velocity[r] + shift[r]*impulse[r];
-      u += casadi_row(directions, w_column, w_row[r], w_row[r+1], speed);
-      d = impulse[r] - u/mobility[r];
-      d = (d>minimum[i] ? d : minimum[i]) - impulse[r];
-      if (d!=0) {
-        impulse[r] += d;
-        if (fabs(d)*weight[r]>largest) largest = fabs(d)*weight[r];
-        casadi_push(responses, x_column, x_row[r], x_row[r+1], d, speed);
-      }
-      for (g=0; g<groups; ++g) {
-        limit = friction[i*groups+g]*impulse[i*width];
-        length = 0;
-        for (a=group[g]; a<group[g+1]; ++a) {
-          w[a] = 0;
-          if (!(limit>0)) continue;
-          r = i*width + a;
-          u = velocity[r] + shift[r]*impulse[r];
-          u += casadi_row(directions, w_column, w_row[r], w_row[r+1], speed);
-          w[a] = impulse[r] - u/mobility[r];
-          length += w[a]*w[a];
-        }
-        length = sqrt(length);
-        for (a=group[g]; a<group[g+1]; ++a) {
-          r = i*width + a;
-          d = (length>limit ? w[a]*(limit/length) : w[a]) - impulse[r];
-          if (d!=0) {
-            impulse[r] += d;
-            if (fabs(d)*weight[r]>largest) largest = fabs(d)*weight[r];
-            casadi_push(responses, x_column, x_row[r], x_row[r+1], d, speed);
-          }
-        }
-      }
-    }
+    largest = casadi_sweep(arg, impulse, speed, count, width, groups, w);
     if (!(largest>settings[0])) return 0;
     square = 0;
     for (r=0; r<rows; ++r) {

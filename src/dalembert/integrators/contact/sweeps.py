@@ -39,7 +39,7 @@ def swept(
     tolerance : change of the speed of a contact at which the sweeps end [m/s]
     limit : upper limit of sweeps
     """
-    operator, code = problem.matrix, machine_code("sweeps.c")
+    operator, code = problem.matrix, machine_code("sweep.c", "sweeps.c")
     if code is None or not isinstance(operator, Delassus) or not problem.shape[0]:
         return impulses
     result, rows, speeds = np.array(impulses), impulses.size, operator.directions.shape[1]

@@ -13,13 +13,12 @@ from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import SETTINGS
 from dalembert.analysis.nonsmooth.mobility import delassus
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
-from dalembert.analysis.nonsmooth.step_state import StepResult
+from dalembert.analysis.nonsmooth.step_state import LastImpulses, StepResult
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contact_laws import FIRST, IMPACT
 from dalembert.integrators.contact.contacts import FrictionProblem
-from dalembert.integrators.contact.impulses import Impulses
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.sensitivity.nonsmooth.active_contacts import STICK_MARGIN, ActiveContacts
 from dalembert.sensitivity.nonsmooth.contact_changes import ContactChanges
@@ -173,7 +172,7 @@ class ContactSteps:
     def _on_path(self, k: int) -> MapAt:
         """Map of a step with means of gaps over the path of a solution, which is repeated."""
         (t, h), (y, v), x = self.span(k), self.split(k), self.x[:, k]
-        result: StepResult | None = advance(self.step, t, h, y, v, self._result(k - 1))
+        result: StepResult | None = advance(self.step, t, h, y, v, self._last(k - 1))
         results = []
         while result is not None:
             results.append(result)
@@ -184,17 +183,14 @@ class ContactSteps:
         assert before is not None
         return before
 
-    def _result(self, k: int) -> StepResult | None:
-        """Result of step ``k`` with what the next step starts from; None before the first."""
+    def _last(self, k: int) -> LastImpulses | None:
+        """Part of step ``k`` on which the next one depends; None before the first."""
         if k < 0:
             return None
-        (t, _), (y, v) = self.span(k), self.split(k + 1)
-        active, none = self.active(k), np.zeros(0)
-        contacts = self.step.selected(self.step.at(t, self.split(k)[0]), active.keys)
-        impulses = Impulses(active.impulses, 0.0, True)
+        active = self.active(k)
+        order = np.argsort(active.keys)
         stuck = active.keys[~self._slips(active.keys, active.impulses)]
-        rigid = np.zeros((2, contacts.count))
-        return StepResult(y, v, none, contacts, impulses, active.offsets, stuck, 0.0, *rigid)
+        return LastImpulses((active.keys[order], active.impulses[order]), stuck)
 
     def acceleration(
         self,

@@ -19,7 +19,7 @@ from dalembert.analysis.nonsmooth.gaps.gap_source import (
 from dalembert.analysis.nonsmooth.gaps.hulls.hull_gaps import HullGaps
 from dalembert.analysis.nonsmooth.gaps.joined_gaps import JoinedGaps
 from dalembert.analysis.nonsmooth.gaps.near_pairs import NearPairs, ShapesAt
-from dalembert.analysis.nonsmooth.gaps.neighbours import Neighbours
+from dalembert.analysis.nonsmooth.gaps.neighbours import NeighbourList, Neighbours
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST, ShapeVelocities
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact_point import contact_at_wall, contact_of_balls
@@ -47,6 +47,10 @@ class CollisionGaps(GapSource):
     ----------
     model : Model
     element : Collisions
+
+    Attributes
+    ----------
+    counts : numbers of shapes, of walls and of balls
     """
 
     def __init__(self, model: Model, element: Collisions):
@@ -68,7 +72,7 @@ class CollisionGaps(GapSource):
         self._velocities = ShapeVelocities(moving, e.v, inputs)
         columns = [ca.horzcat(*positions), ca.horzcat(*normals) if normals else ca.SX(3, 0)]
         columns = [model.at_ground(ca.densify(c)) if c.numel() else c for c in columns]
-        self._counts = len(points), len(walls), len(balls)
+        self.counts = len(points), len(walls), len(balls)
         formulas = [*(ca.vec(column) for column in columns), radii, ca.vec(coefficients)]
         self.formulas = GapFormulas(ca.vertcat(*formulas), moving)
         outputs = [*columns, ca.densify(radii), coefficients]
@@ -146,6 +150,15 @@ class CollisionGaps(GapSource):
         derivatives = self._velocities.gap_derivatives(blocks, first, second, shapes.velocities)
         return NearPairs(shapes, reach, first, second, distance, derivatives)
 
+    def listed(
+        self, positions: np.ndarray, normals: np.ndarray, radii: np.ndarray, reach: float
+    ) -> tuple[NeighbourList, np.ndarray, np.ndarray]:
+        """A list that contains all pairs within reach; of these (2, n) shapes that may touch, balls
+        before walls, and (n,) numbers of their laws."""
+        near = self._neighbours.listed(positions, normals, radii, reach)
+        pairs = np.hstack([self._touching(near.pairs), self._touching(near.walls)])
+        return near, pairs, self._law(*pairs)
+
     def _law(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """(n,) numbers of the laws of pairs of shapes."""
         numbers: np.ndarray = self._laws[self._groups[first], self._groups[second]]
@@ -156,7 +169,7 @@ class CollisionGaps(GapSource):
         return pairs[:, self._law(*pairs) != APART]
 
     def kinds(self, keys: np.ndarray) -> list[GapKind]:
-        (shapes, walls, balls), place = self._counts, np.arange(3)
+        (shapes, walls, balls), place = self.counts, np.arange(3)
         first, second = np.divmod(keys, shapes)
         starts = 3 * shapes, 3 * (shapes + walls), 3 * (shapes + walls) + balls
         other = np.column_stack([3 * second[:, None] + place, starts[1] + second])

@@ -62,12 +62,7 @@ class Neighbours:
     ) -> tuple[np.ndarray, np.ndarray]:
         """(2, n) pairs of balls, and of walls (numbered after the balls) and balls, of different
         bodies, whose gap is within reach."""
-        shapes = positions, normals, radii
-        near = self._list
-        if near is None or not near.contains(*shapes, reach):
-            wide = reach + MARGIN * float(radii.max(initial=0.0))
-            lists = self._pairs(positions, radii, wide), self._walls(*shapes, wide)
-            near = self._list = NeighbourList(*shapes, wide, *lists)
+        near = self.listed(positions, normals, radii, reach)
         balls, (first, second) = positions[: radii.size], near.pairs
         apart = balls[second] - balls[first]
         distance = np.sqrt(np.einsum("ij,ij->i", apart, apart)) - radii[first] - radii[second]
@@ -75,6 +70,17 @@ class Neighbours:
         normal = normals[wall - radii.size]
         depth = np.einsum("ij,ij->i", normal, positions[ball] - positions[wall]) - radii[ball]
         return near.pairs[:, distance <= reach], near.walls[:, depth <= reach]
+
+    def listed(
+        self, positions: np.ndarray, normals: np.ndarray, radii: np.ndarray, reach: float
+    ) -> NeighbourList:
+        """A list that contains all pairs within reach."""
+        shapes = positions, normals, radii
+        if self._list is None or not self._list.contains(*shapes, reach):
+            wide = reach + MARGIN * float(radii.max(initial=0.0))
+            lists = self._pairs(positions, radii, wide), self._walls(*shapes, wide)
+            self._list = NeighbourList(*shapes, wide, *lists)
+        return self._list
 
     def _pairs(self, positions: np.ndarray, radii: np.ndarray, reach: float) -> np.ndarray:
         """(2, n) pairs of balls whose gap is within reach, in the order of their numbers."""

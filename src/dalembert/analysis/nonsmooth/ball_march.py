@@ -1,0 +1,157 @@
+"""Time loop of steps in machine code; steps that these cannot do are left to the general one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from dalembert.analysis.nonsmooth.ball_motion import BallMotion, ball_motion
+from dalembert.analysis.nonsmooth.ball_steps import (
+    CHUNK,
+    PRESSING,
+    STEPS,
+    BallSteps,
+    StepOutcome,
+)
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.step_log import StepEntries, StepLog
+from dalembert.analysis.nonsmooth.step_state import LastImpulses
+from dalembert.symbolic.evaluation.fixed_call import FixedCalls
+
+REPORTED = 16
+"""Number of steps between reports of the progress."""
+
+
+class BallMarch:
+    """Steps of free bodies with balls and walls.
+
+    A step is undone, and left to the general one, if a gap is closed at its end.
+
+    Parameters
+    ----------
+    step : ContactStep
+    motion : functions of the step
+    steps : arrays and machine code of a step
+    """
+
+    def __init__(self, step: ContactStep, motion: BallMotion, steps: BallSteps):
+        self._step, self._steps = step, steps
+        self._t, self._h = np.zeros(1), np.zeros(1)
+        self._y = np.zeros(step.model.equations.coordinate_count)
+        self._next, self._still = np.zeros_like(self._y), np.zeros_like(steps.v)
+        self._ys, self._vs = np.zeros((CHUNK, self._y.size)), np.zeros((CHUNK, steps.v.size))
+        places, t, v, p = FixedCalls(motion.places, compiled=False), self._t, steps.v, step.p
+        geometry = steps.positions, steps.normals, steps.velocities
+        forces = FixedCalls(motion.forces, compiled=False)
+        self._forces = forces.on([t, self._y, v, p, self._h], [steps.force, steps.inertia])
+        move = [t, self._y, steps.displacement, p], [self._next, *geometry]
+        self._move = places.on(*([flat(a) for a in part] for part in move))
+        place = [t, self._y, self._still, p], [self._next, *geometry]
+        self._place = places.on(*([flat(a) for a in part] for part in place))
+
+    @classmethod
+    def of(cls, step: ContactStep) -> BallMarch | None:
+        """The loop, if the steps run in machine code."""
+        motion = ball_motion(step)
+        if motion is None:
+            return None
+        steps = BallSteps(step, motion)
+        return cls(step, motion, steps) if steps.available else None
+
+    def march(
+        self,
+        grid: np.ndarray,
+        k: int,
+        log: StepLog,
+        last: LastImpulses,
+        report: Callable[[float], None],
+    ) -> tuple[int, LastImpulses]:
+        """Steps from instant ``k`` of the grid until the end, or until one needs the general step.
+
+        Returns the number of the instant reached, and the last impulses.
+        """
+        steps, span, self._last = self._steps, grid[-1] - grid[0], last
+        self._load(log)
+        begin = k
+        try:
+            while k < grid.size - 1:
+                self._t[0], self._h[0] = grid[k], grid[k + 1] - grid[k]
+                steps.limits[0] = self._h[0]
+                outcome = self._attempt()
+                if outcome is StepOutcome.FULL and k - begin > 1:
+                    begin = self._transfer(grid, begin, k - 1, log)
+                    continue
+                if outcome is StepOutcome.CLOSED and k > begin:
+                    k -= 1
+                if outcome is not StepOutcome.DONE:
+                    break
+                self._t[0] = grid[k + 1]
+                if not self._move():
+                    break
+                self._y[:] = self._next
+                self._ys[k - begin], self._vs[k - begin] = self._y, steps.v
+                k += 1
+                if k - begin == CHUNK:
+                    begin = self._transfer(grid, begin, k - 1, log)
+                if k % REPORTED == 0:
+                    report((grid[k] - grid[0]) / span)
+            else:
+                end = self._step.at(grid[-1], self._y)
+                if k > begin and self._step.deepest(end) < -self._step.rounding:
+                    k -= 1
+        finally:
+            self._transfer(grid, begin, k, log)
+            steps.counts[[STEPS, PRESSING]] = 0
+        return k, self._last
+
+    def _load(self, log: StepLog) -> None:
+        """Take over the state at the end of the log, and the last impulses."""
+        steps = self._steps
+        self._t[0], self._y[:], steps.v[:] = log.t, log.y, log.v
+        self._place()
+        steps.warm(*self._last.pressing)
+
+    def _attempt(self) -> StepOutcome:
+        return self._steps() if self._forces() else StepOutcome.UNSOLVED
+
+    def _transfer(self, grid: np.ndarray, begin: int, end: int, log: StepLog) -> int:
+        """Append the steps from ``begin`` to ``end`` to the log; the end."""
+        steps, count = self._steps, end - begin
+        if count <= 0:
+            return begin
+        numbers = steps.numbers[:count].copy()
+        contacts = int(numbers[:, 5].sum())
+        keys, impulses, offsets = steps.pressing(0, contacts)
+        y, v = self._ys[:count].copy(), self._vs[:count].copy()
+        depth = self._step.deepest(self._step.at(grid[end], y[-1]))
+        none, zero = np.zeros(contacts, dtype=int), np.zeros(contacts)
+        part = StepEntries(
+            multiplier=np.zeros((0, count)),
+            count=numbers[:, 5].astype(int),
+            owner=none,
+            key=keys,
+            impulse=impulses,
+            offset=offsets,
+            curved=none.astype(bool),
+            loss=numbers[:, 1],
+            friction=numbers[:, 2],
+            work=zero,
+            fraction=zero,
+            residual=numbers[:, 3],
+            rounds=numbers[:, 4].astype(int),
+            converged=np.ones(count, dtype=bool),
+        )
+        depths = np.abs(np.append(numbers[1:, 0], depth))
+        log.extend(grid[begin + 1 : end + 1], y, v, depths, part)
+        own = slice(contacts - int(numbers[-1, 5]), contacts)
+        self._last = LastImpulses((keys[own], impulses[own]), keys[:0])
+        rest = int(steps.counts[STEPS]) - count
+        self._ys[:rest], self._vs[:rest] = self._ys[count:][:rest], self._vs[count:][:rest]
+        steps.forget(count, contacts)
+        return end
+
+
+def flat(array: np.ndarray) -> np.ndarray:
+    """The same memory as one column."""
+    return array.reshape(-1)

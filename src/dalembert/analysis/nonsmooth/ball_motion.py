@@ -1,0 +1,161 @@
+"""Functions of free bodies with balls and walls, whose steps run in machine code."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.gaps.collision_gaps import CollisionGaps, gap_sources
+from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
+from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
+from dalembert.elements.contact.impact_law import ImpactLaw
+from dalembert.elements.contact.pairs import COEFFICIENTS
+from dalembert.integrators.contact.block_ordering import BlockOrderings
+from dalembert.integrators.contact.contact_laws import ContactLaws
+from dalembert.integrators.contact.schemes import AnticipatedImpacts
+from dalembert.model.graph.model import Model
+from dalembert.symbolic.evaluation.kernel import Kernel, condensed
+from dalembert.symbolic.formulas.expression import stack
+from dalembert.symbolic.once import once
+
+
+@dataclass(frozen=True, eq=False)
+class BallMotion:
+    """Functions of a step, and the bodies to which its speeds and shapes belong.
+
+    Attributes
+    ----------
+    forces : ``(t, y, v, p, h) → F, A``, forces and entries of the matrix of a step by rows
+    places : ``(t, y, δ, p) → y ⊕ δ, positions, normals, J`` of shapes
+    starts, columns : pattern of ``A`` by rows
+    body : (shapes,) body of each shape, -1 for the ground
+    first : (bodies + 1,) first speed of each body
+    balls : number of shapes before the walls
+    constants : ``p → `` radii of the balls, coefficients of the laws
+    orderings : orders of elimination of the bodies
+    """
+
+    forces: ca.Function
+    places: ca.Function
+    starts: np.ndarray
+    columns: np.ndarray
+    body: np.ndarray
+    first: np.ndarray
+    balls: int
+    constants: Kernel
+    orderings: BlockOrderings
+
+    def radii(self, p: np.ndarray) -> np.ndarray:
+        """(balls,) radii."""
+        return self.constants(p)[0].ravel()[: self.balls]
+
+    def laws(self, p: np.ndarray) -> np.ndarray:
+        """(c, l) coefficients of the laws."""
+        coefficients = self.constants(p)[0].ravel()[self.balls :]
+        return coefficients.reshape(len(COEFFICIENTS), -1, order="F")
+
+    @property
+    def shapes(self) -> int:
+        """Number of balls and walls."""
+        return self.body.size
+
+    @property
+    def widest(self) -> int:
+        """Largest number of speeds of a body."""
+        return int(np.diff(self.first).max(initial=1))
+
+
+def ball_motion(step: ContactStep) -> BallMotion | None:
+    """Functions of the steps if these run in machine code: free bodies, all of whose shapes are
+    balls and walls with Newton's law of impact, and the scheme of anticipated impacts."""
+    if type(step.scheme) is not AnticipatedImpacts or step.force_laws.elements:
+        return None
+    motion = _functions(step.model)
+    if motion is None:
+        return None
+    laws = ContactLaws.of(motion.laws(step.p), step.groups)
+    if laws.higher_at_rest.any() or not laws.follows(ImpactLaw.NEWTON).all():
+        return None
+    return motion
+
+
+@once
+def _functions(model: Model) -> BallMotion | None:
+    sources, e = gap_sources(model), model.equations
+    bodies = [group.twist.numel() for group in model.coordinates]
+    if len(sources) > 1 or not isinstance(sources[0], CollisionGaps):
+        return None
+    if e.constraint_count or e.states or sum(bodies) != e.speed_count or not e.speed_count:
+        return None
+    source, n = sources[0], e.speed_count
+    first, body_of = np.cumsum([0, *bodies]), np.repeat(np.arange(len(bodies)), bodies)
+    forces, matrix, h = _step_formulas(model)
+    pattern = matrix.T.sparsity()
+    column, row = np.array(pattern.row(), dtype=np.int32), _columns(pattern)
+    body, velocities = _shape_velocities(source, e.v, body_of, first)
+    shapes, walls, balls = source.counts
+    geometry = source.formulas.geometry
+    positions, normals = geometry[: 3 * shapes], geometry[3 * shapes : 3 * (shapes + walls)]
+    constants = geometry[3 * (shapes + walls) :]
+    if body is None or (body_of[row] != body_of[column]).any():
+        return None
+    if ca.depends_on(constants, ca.vertcat(e.t, e.y)):
+        return None
+    outputs = ca.vertcat(positions, normals, velocities)
+    moved = e.manifold.retract(e.y, e.manifold.delta)
+    placed = ca.vertcat(moved, ca.substitute(outputs, e.y, moved))
+    cuts = np.cumsum([0, moved.numel(), positions.numel(), normals.numel(), velocities.numel()])
+    parts = [placed[i:j] for i, j in pairwise(cuts.tolist())]
+    inputs = [e.t, e.y, e.manifold.delta, e.p]
+    entries = stack(matrix.T.nonzeros())  # type: ignore[arg-type]
+    return BallMotion(
+        forces=condensed("forces", [e.t, e.y, e.v, e.p, h], [forces, ca.densify(entries)]),
+        places=condensed("places", inputs, [ca.densify(part) for part in parts]),
+        constants=Kernel(ca.Function("constants", [e.p], [ca.densify(constants)])),
+        starts=np.searchsorted(row, np.arange(n + 1)).astype(np.int32),
+        columns=column,
+        body=body,
+        first=first.astype(np.int32),
+        balls=balls,
+        orderings=BlockOrderings(np.array(bodies, dtype=int), np.zeros((2, 0), dtype=int)),
+    )
+
+
+def _step_formulas(model: Model) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """``F``, ``A`` and the symbol ``h`` of a step by the midpoint rule, from its start."""
+    e, smooth, h = model.equations, smooth_motion(model), ca.SX.sym("h")
+    half, forces = AnticipatedImpacts.theta * h, smooth.forces
+    matrix = ca.sparsify(e.mass - half * forces.damping - half**2 * forces.stiffness)
+    symbols = ca.vertcat(e.t, e.y, smooth.lead)
+    middle = ca.vertcat(e.t + half, e.manifold.retract(e.y, half * e.v), half)
+    outputs = ca.vertcat(ca.densify(forces.driving), stack(matrix.nonzeros()))  # type: ignore[arg-type]
+    outputs = ca.substitute(outputs, symbols, ca.densify(middle))
+    n = e.speed_count
+    return outputs[:n], ca.SX(matrix.sparsity(), outputs[n:]), h
+
+
+def _shape_velocities(
+    source: CollisionGaps, v: ca.SX, body_of: np.ndarray, first: np.ndarray
+) -> tuple[np.ndarray | None, ca.SX]:
+    """Body of each shape, -1 for the ground, and the derivatives of its twist by the speeds of the
+    body, by rows; None if a shape moves with several bodies."""
+    jacobian = ca.sparsify(ca.jacobian(source.formulas.velocities, v))
+    row, column = np.array(jacobian.sparsity().row(), dtype=int), _columns(jacobian.sparsity())
+    shapes, widest = source.counts[0], int(np.diff(first).max())
+    velocities = ca.SX.zeros(TWIST * shapes * widest)
+    place = row * widest + column - first[body_of[column]]
+    if place.size:
+        velocities[place.tolist()] = stack(jacobian.nonzeros())  # type: ignore[arg-type]
+    body = np.full(shapes, -1, dtype=np.int32)
+    body[row // TWIST] = body_of[column]
+    same = (body[row // TWIST] == body_of[column]).all()
+    return (body if same else None), velocities
+
+
+def _columns(pattern: ca.Sparsity) -> np.ndarray:
+    starts = np.array(pattern.colind(), dtype=int)
+    return np.repeat(np.arange(pattern.size2(), dtype=np.int32), np.diff(starts))

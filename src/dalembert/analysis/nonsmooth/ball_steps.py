@@ -1,0 +1,277 @@
+"""Steps of free bodies with balls and walls: one call of machine code per step."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+import numpy as np
+
+from dalembert.analysis.nonsmooth.advance import AHEAD
+from dalembert.analysis.nonsmooth.ball_motion import BallMotion
+from dalembert.analysis.nonsmooth.contact_step import JAMMED, ROUNDS, ContactStep
+from dalembert.analysis.nonsmooth.gaps.collision_gaps import CollisionGaps
+from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
+from dalembert.integrators.contact.approach import SLOW
+from dalembert.integrators.contact.compiled_newton import (
+    BLOCK_REGULARIZATION,
+    JUMPS,
+    MEMORY,
+)
+from dalembert.integrators.contact.contact_laws import FIRST
+from dalembert.integrators.contact.impulses import (
+    BLOCK_ITERATIONS,
+    DECREASE,
+    FEW_PROXIMAL,
+    INCREASE,
+    RESIDUAL_SHARE,
+    TOLERANCE_SHARE,
+    WEIGHT,
+    WEIGHT_MAX,
+    WEIGHT_MIN,
+)
+from dalembert.integrators.contact.machine_code import Loop, machine_code
+from dalembert.integrators.contact.schemes import CLOSING, ROUNDING
+from dalembert.integrators.contact.semismooth_newton import OVERSHOOT
+
+FILES = (
+    "newton_pieces.c",
+    "sweep.c",
+    "block_factors.c",
+    "semismooth_newton.c",
+    "contact_solution.c",
+    "ball_contacts.c",
+    "anticipated_step.c",
+)
+"""Files of the machine code of a step."""
+CHUNK, RECORDS, NUMBERS = 256, 4096, 6
+"""Steps between transfers of the record, least number of its contacts, numbers of a step."""
+FIRST_ATTEMPT, FEW_SWEEPS = 6, 10
+"""Upper limit of Newton's steps before a few sweeps, and the number of these."""
+GROWTH = 1.5
+"""Ratio of the memory for pairs to the pairs that first exceeded it [-]."""
+COUNT, WIDTH, GROUPS, SPEEDS, ENTRIES, UNKNOWNS, OUTCOME, WIDEST, BLOCKS, SIZE = range(10)
+ITERATIONS, MERITS, JUMPING, WORK, SHAPES, BALLS, BODIES, PAIRS, DIMENSION = range(10, 19)
+CONTACTS, STEPS, PRESSING, RECORDED, CHUNKS, TURNS, INERTIA, PROXIMAL, REPEATS = range(20, 29)
+ATTEMPT, SWEPT, LAST = range(29, 32)
+"""Places among the counts of the loop, and their number."""
+RENEWALS = 4
+"""Upper limit of the repetitions of a call with other lists and orders."""
+
+
+class StepOutcome(IntEnum):
+    """Outcome of a call."""
+
+    DONE = 0
+    SINGULAR = 1
+    OUTDATED = 2
+    FULL = 3
+    CLOSED = 4
+    UNORDERED = 5
+    UNSOLVED = 6
+
+
+class BallSteps:
+    """Arrays of the machine code, and its calls.
+
+    Parameters
+    ----------
+    step : ContactStep
+    motion : functions of the step
+
+    Attributes
+    ----------
+    v, force, inertia, displacement : (n,) of the step; entries of ``A``
+    positions, normals, velocities : of the shapes
+    limits : length of the step, tolerance, rounding of gaps, reach of the list
+    """
+
+    def __init__(self, step: ContactStep, motion: BallMotion):
+        assert isinstance(step.sources[0], CollisionGaps)
+        self._source, self._motion = step.sources[0], motion
+        n, shapes, widest = motion.first[-1], motion.shapes, motion.widest
+        walls = shapes - motion.balls
+        self.width = 1 + sum(step.groups)
+        self.v, self.force, self.displacement = (np.zeros(n) for _ in range(3))
+        self.inertia = np.zeros(motion.columns.size)
+        self.positions, self.normals = np.zeros((shapes, 3)), np.zeros((walls, 3))
+        self.velocities = np.zeros((shapes, TWIST, widest))
+        self.limits = np.array([0.0, step.solver.tolerance, step.rounding, -1.0])
+        coefficients = motion.laws(step.p)
+        used = [0, 1, *range(FIRST, FIRST + len(step.groups))]
+        self._radii = motion.radii(step.p)
+        self._laws = np.ascontiguousarray(coefficients[used].T)
+        self._settings = np.array([0.0, BLOCK_REGULARIZATION, OVERSHOOT])
+        shares = [WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN, RESIDUAL_SHARE]
+        shares += [TOLERANCE_SHARE, 2 * AHEAD, CLOSING, SLOW, ROUNDING, JAMMED]
+        self._shares = np.array(shares)
+        self._groups = np.cumsum([1, *step.groups]).astype(np.int32)
+        self._loop: Loop | None = None
+        self._pressed = np.zeros((0, 2), np.int32)
+        self._impulses, self._offsets = np.zeros((2, 0, self.width))
+        self._old = np.full((shapes, 3), np.inf), np.full((walls, 3), np.inf)
+        self._pairs = np.zeros((3, 0), dtype=np.int32)
+        self._warm, self._capacity = np.zeros((0, self.width)), 0
+        bodies = motion.first.size - 1
+        order = n, n, bodies + 1, 1
+        self._order = [np.zeros(size, dtype=np.int32) for size in order]
+        self._order.append(np.full((bodies, widest), -1, dtype=np.int32))
+        self._inverses = np.zeros(bodies * widest**2), np.full(self.inertia.size, np.nan)
+        counts = {
+            WIDTH: self.width,
+            GROUPS: len(step.groups),
+            SPEEDS: n,
+            UNKNOWNS: n,
+            WIDEST: 2 * widest,
+            BLOCKS: bodies,
+            SIZE: widest,
+            ITERATIONS: BLOCK_ITERATIONS,
+            MERITS: MEMORY,
+            JUMPING: JUMPS,
+            SHAPES: shapes,
+            BALLS: motion.balls,
+            BODIES: bodies,
+            DIMENSION: self._source.dimension,
+            CHUNKS: CHUNK,
+            INERTIA: self.inertia.size,
+            PROXIMAL: FEW_PROXIMAL,
+            REPEATS: ROUNDS,
+            ATTEMPT: FIRST_ATTEMPT,
+            SWEPT: FEW_SWEEPS,
+        }
+        fixed = WIDTH, GROUPS, SIZE, DIMENSION
+        constants = tuple((place, int(counts[place])) for place in fixed)
+        self._code = machine_code(*FILES, constants=constants)
+        self.counts = np.zeros(LAST, dtype=np.int64)
+        self.counts[list(counts)] = list(counts.values())
+        self.numbers = np.zeros((CHUNK, NUMBERS))
+        if self.available:
+            self._allocate(1, 1)
+            self._renew_order()
+
+    @property
+    def available(self) -> bool:
+        """Whether there is machine code."""
+        return self._code is not None
+
+    def __call__(self) -> StepOutcome:
+        """A step from the state and the forces in the arrays; other lists of pairs and orders of
+        elimination are made where these are needed."""
+        for _ in range(RENEWALS):
+            assert self._loop is not None
+            self._loop()
+            outcome = StepOutcome(int(self.counts[OUTCOME]))
+            if outcome is StepOutcome.OUTDATED and np.isfinite(self._status[3]):
+                self._renew_list(float(self._status[3]))
+            elif outcome is StepOutcome.UNORDERED:
+                self._renew_order()
+            else:
+                return outcome
+        return StepOutcome.UNSOLVED
+
+    def warm(self, keys: np.ndarray, impulses: np.ndarray) -> None:
+        """Initial impulses of the pairs of the list with some sorted keys, zero for others."""
+        own = self._keys
+        self._warm[: own.size] = 0.0
+        if keys.size:
+            place = np.minimum(np.searchsorted(keys, own), keys.size - 1)
+            same = keys[place] == own
+            self._warm[: own.size][same] = impulses[place[same]]
+
+    def pressing(self, begin: int, end: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Keys, impulses and offsets of recorded contacts."""
+        first, second = self._pressed[begin:end].T.astype(int)
+        keys = first * self._motion.shapes + second
+        return keys, self._impulses[begin:end].copy(), self._offsets[begin:end].copy()
+
+    def forget(self, steps: int, contacts: int) -> None:
+        """Remove the first steps, and their contacts, from the record."""
+        done, pressing = self.counts[STEPS], self.counts[PRESSING]
+        self.numbers[: done - steps] = self.numbers[steps:done].copy()
+        for array in (self._pressed, self._impulses, self._offsets):
+            array[: pressing - contacts] = array[contacts:pressing].copy()
+        self.counts[STEPS] -= steps
+        self.counts[PRESSING] -= contacts
+
+    @property
+    def _keys(self) -> np.ndarray:
+        """Keys of the pairs of the list, in ascending order."""
+        first, second = self._pairs[:2, : self.counts[PAIRS]].astype(int)
+        return first * self._motion.shapes + second
+
+    def _renew_list(self, reach: float) -> None:
+        """Pairs within reach and a margin, with the impulses of the pairs before."""
+        keys, impulses = self._keys, self._warm[: self.counts[PAIRS]].copy()
+        geometry = self.positions.copy(), self.normals.copy(), self._radii
+        near, pairs, laws = self._source.listed(*geometry, reach)
+        if pairs.shape[1] > self._capacity:
+            self._allocate(int(GROWTH * pairs.shape[1]), self._entries)
+        self.counts[PAIRS] = count = pairs.shape[1]
+        self._pairs[:2, :count], self._pairs[2, :count] = pairs, laws
+        self._old[0][:], self._old[1][:] = near.positions, near.normals
+        self.limits[3] = near.reach
+        self.warm(keys, impulses)
+
+    def _renew_order(self) -> None:
+        """Order of elimination for the contacts of the step."""
+        pairs = self._pair_of[: self.counts[COUNT]]
+        bodies = self._motion.body[self._pairs[:2, pairs]]
+        order = self._motion.orderings.between(*bodies[:, (bodies >= 0).all(axis=0)])
+        parts = order.owner, order.position, order.first, order.row, order.members
+        rows = self._order[3]
+        if order.row.size > rows.size or order.entries > self._entries:
+            self._order[3] = np.zeros(int(GROWTH * order.row.size) + 1, dtype=np.int32)
+            self._allocate(self._capacity, int(GROWTH * order.entries))
+        for array, part in zip(self._order, parts, strict=True):
+            array.ravel()[: part.size] = part.ravel()
+        self.counts[ENTRIES] = order.entries
+
+    def _allocate(self, pairs: int, entries: int) -> None:
+        """Arrays for a number of pairs, all of which may be contacts, and of matrix entries."""
+        n, k, widest, groups = self.v.size, self.width, self._motion.widest, self.counts[GROUPS]
+        rows, pattern, old = pairs * k, pairs * k * 2 * widest, self._pairs
+        self._capacity, self._entries = pairs, entries
+
+        def real(size: int) -> np.ndarray:
+            return np.zeros(size)
+
+        def whole(size: int) -> np.ndarray:
+            return np.zeros(size, dtype=np.int32)
+
+        self._pairs = np.zeros((3, pairs), dtype=np.int32)
+        self._pairs[:, : old.shape[1]] = old
+        warm, self._warm = self._warm, np.zeros((pairs, k))
+        self._warm[: warm.shape[0]] = warm
+        records = max(RECORDS, 4 * pairs)
+        pressed, impulses, offsets = np.zeros((records, 2), np.int32), *np.zeros((2, records, k))
+        used = self.counts[PRESSING]
+        pressed[:used], impulses[:used] = self._pressed[:used], self._impulses[:used]
+        offsets[:used] = self._offsets[:used]
+        self._pressed, self._impulses, self._offsets = pressed, impulses, offsets
+        row, column = whole(rows + 1), whole(pattern)
+        motion, bodies = self._motion, (self._motion.body, self._motion.first)
+        inputs = [real(pattern), real(pattern), real(rows), real(pairs * groups), real(pairs)]
+        inputs += [real(rows), real(rows), real(rows), self._settings, row, column, row, column]
+        inputs += [self._groups, self.inertia, motion.starts, motion.columns, *self._order]
+        inputs += [self.v, self.force, self.positions, self.normals, self._radii, self.velocities]
+        inputs += [self._laws, *bodies, *self._pairs, *self._old, self.limits, self._shares]
+        self._status, self._pair_of = real(4), whole(pairs)
+        outputs = [real(rows), real(entries), real(n), real(rows), real(rows * k)]
+        outputs += [real(rows) for _ in range(5)]
+        outputs += [real(n), self._status, real(entries), real(n), whole(pairs + 1)]
+        outputs += [whole(pairs * 2 * widest), whole(pattern), whole(pairs)]
+        outputs += [whole(pairs * (2 * widest) ** 2), real(n), *self._inverses, real(pairs)]
+        outputs += [self._pair_of, *(real(rows) for _ in range(4)), self.displacement, self._warm]
+        outputs += [self.numbers, pressed, impulses, offsets, real(3 * rows)]
+        blocks, size = self.counts[[BLOCKS, SIZE]]
+        work = 3 * k * (k + 1) + 2 * k + 4 * k * widest
+        work = int(max(work, blocks * size + size**2))
+        self.counts[[WORK, CONTACTS, RECORDED]] = work, pairs, records
+        assert self._code is not None
+        self._loop = Loop(
+            self._code,
+            inputs,
+            outputs,
+            list(self.counts),
+            work + rows + MEMORY + pairs + 2 + entries,
+        )
+        self.counts = self._loop.counts

@@ -1,0 +1,243 @@
+/* One step of free bodies with balls and walls by the scheme of anticipated impacts */
+/* minimum speed that leaves a gap open */
+static casadi_real casadi_open(casadi_real gap, casadi_real before, casadi_real h) {
+  return -2*gap/h - before;
+}
+/* minimum speed that permits an impact in the next step */
+static casadi_real casadi_margin(casadi_real gap, casadi_real before, casadi_real h,
+    casadi_real restitution) {
+  casadi_real margin = -(gap + h*before/2)/(h*(1 - restitution/2));
+  casadi_real open = casadi_open(gap, before, h);
+  return margin>open ? margin : open;
+}
+/* minimum speed of a contact under pressure: impacting, resting or separating */
+static casadi_real casadi_bounce(casadi_real gap, casadi_real before, casadi_real h,
+    casadi_real restitution, casadi_real forced, casadi_real closing, casadi_real slow) {
+  casadi_real speed = closing*gap/h, open = casadi_open(gap, before, h);
+  if (speed>forced) speed = forced;
+  speed = before>0 ? casadi_margin(gap, before, h, 0.0) : -speed;
+  if (before<-slow*forced) speed = -restitution*before;
+  return speed>open ? speed : open;
+}
+/* contacts within reach, with their gaps, laws and velocities, and the deepest penetration */
+static casadi_real casadi_contacts(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    casadi_real reach) {
+  const int* law = (const int*) arg[33];
+  casadi_real* friction = (casadi_real*) arg[3];
+  casadi_real* before = res[24];
+  casadi_real* free = res[25];
+  const int* row = (const int*) arg[9];
+  const int* column = (const int*) arg[10];
+  int* pair = (int*) res[23];
+  casadi_int e, g, r, width = iw[1], groups = iw[2], count = 0;
+  casadi_real deepest = 0, gap, direction[9], place[3];
+  ((int*) arg[9])[0] = 0;
+  for (e=0; e<iw[17]; ++e) {
+    gap = casadi_gap(arg, iw, e, direction, place);
+    if (!(gap>=deepest)) deepest = gap;
+    if (gap>reach) continue;
+    if (count==iw[20]) {
+      ++count;
+      break;
+    }
+    casadi_contact_rows(arg, res, iw, count, e, direction, place);
+    res[22][count] = gap>0 ? gap : 0.0;
+    pair[count] = e;
+    for (g=0; g<groups; ++g) friction[count*groups+g] = arg[28][law[e]*(2+groups)+2+g];
+    for (r=count*width; r<(count+1)*width; ++r) {
+      before[r] = casadi_row(arg[0], column, row[r], row[r+1], arg[22]);
+      free[r] = casadi_row(arg[0], column, row[r], row[r+1], res[19]);
+    }
+    ++count;
+  }
+  iw[0] = count;
+  return deepest;
+}
+/* velocity offsets by Newton's law of impact, and the largest change of a normal speed by forces
+   and the largest speed in limits */
+static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
+    const casadi_int* iw, casadi_real* limits) {
+  const casadi_real* before = res[24];
+  const casadi_real* free = res[25];
+  const int* law = (const int*) arg[33];
+  const int* pair = (const int*) res[23];
+  const int* group = (const int*) arg[13];
+  casadi_int i, a, r, width = iw[1], linear = iw[2]>0 ? group[1] : 1, laws = 2 + iw[2];
+  casadi_real h = arg[36][0], restitution, margin;
+  limits[0] = 0;
+  limits[1] = 0;
+  for (i=0; i<iw[0]; ++i) {
+    r = i*width;
+    if (!(fabs(free[r] - before[r])<=limits[0])) limits[0] = fabs(free[r] - before[r]);
+    for (a=0; a<linear; ++a) {
+      if (!(fabs(before[r+a])<=limits[1])) limits[1] = fabs(before[r+a]);
+      if (!(fabs(free[r+a])<=limits[1])) limits[1] = fabs(free[r+a]);
+    }
+  }
+  for (i=0; i<iw[0]; ++i) {
+    r = i*width;
+    restitution = arg[28][law[pair[i]]*laws];
+    for (a=1; a<width; ++a) {
+      res[26][r+a] = a<linear ? arg[28][law[pair[i]]*laws+1]*before[r+a] : 0.0;
+    }
+    margin = casadi_margin(res[22][i], before[r], h, restitution);
+    if (free[r]<margin) {
+      margin = casadi_bounce(res[22][i], before[r], h, restitution, limits[0], arg[37][8],
+        arg[37][9]);
+    }
+    res[26][r] = -margin;
+  }
+}
+/* offsets for the computed impulses; whether they changed. Velocities without offsets are in
+   res[5] */
+static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+    casadi_real forced) {
+  const casadi_real* before = res[24];
+  const casadi_real* after = res[5];
+  const casadi_real* impulse = res[0];
+  const int* law = (const int*) arg[33];
+  const int* pair = (const int*) res[23];
+  casadi_real* offset = res[26];
+  casadi_real* changed = res[27];
+  casadi_int i, a, r, width = iw[1], rows = iw[0]*iw[1], differs = 0;
+  casadi_real bounce, total = 0, magnitude = 0, work;
+  for (r=0; r<rows; ++r) {
+    changed[r] = offset[r];
+    total += impulse[r]*(after[r] + before[r]);
+    magnitude += fabs(impulse[r])*(fabs(after[r]) + fabs(before[r]));
+  }
+  for (i=0; i<iw[0]; ++i) {
+    r = i*width;
+    bounce = casadi_bounce(res[22][i], before[r], arg[36][0], arg[28][law[pair[i]]*(2+iw[2])],
+      forced, arg[37][8], arg[37][9]);
+    if (impulse[r]>0 && -offset[r]<bounce && (before[r]<=0 || offset[r]<before[r])) {
+      changed[r] = -bounce;
+    }
+    if (!(total>arg[37][10]*magnitude)) continue;
+    work = 0;
+    for (a=0; a<width; ++a) work += impulse[r+a]*(after[r+a] + before[r+a]);
+    if (!(work>0)) continue;
+    if (before[r]>changed[r]) changed[r] = before[r];
+    for (a=1; a<width; ++a) changed[r+a] = before[r+a];
+  }
+  for (r=0; r<rows; ++r) {
+    if (changed[r]!=offset[r]) differs = 1;
+    offset[r] = changed[r];
+  }
+  return differs;
+}
+/* impulses of all contacts; the number of proximal problems, or -1 if they did not converge */
+static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    casadi_real* w) {
+  casadi_real* velocity = (casadi_real*) arg[2];
+  casadi_int rows = iw[0]*iw[1], r, k, rounds = 0;
+  casadi_real limits[2], scale, allowed, residual;
+  casadi_first_offsets(arg, res, iw, limits);
+  scale = limits[1]>0 ? limits[1] : 1.0;
+  for (r=0; r<rows; ++r) ((casadi_real*) arg[7])[r] = 0;
+  casadi_mobilities(arg, res, iw);
+  casadi_inertia_blocks(arg, res, iw);
+  casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
+  for (k=0; k<iw[28]; ++k) {
+    for (r=0; r<rows; ++r) velocity[r] = res[25][r] + res[26][r];
+    allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
+    residual = casadi_twice(arg, res, iw, w, allowed);
+    if (!(residual<=allowed)) {
+      allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
+      rounds += casadi_proximal(arg, res, iw, w, allowed);
+      residual = res[11][1];
+    }
+    if (!(residual<=allowed) || residual>arg[37][11]*scale) return -1;
+    casadi_shorten(arg, res[0], iw);
+    casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], res[0], rows, iw[3],
+      res[10]);
+    for (r=0; r<rows; ++r) {
+      res[5][r] = res[25][r] + casadi_row(arg[0], (const int*) arg[10], ((const int*) arg[9])[r],
+        ((const int*) arg[9])[r+1], res[10]);
+    }
+    if (!casadi_next_offsets(arg, res, iw, limits[0])) break;
+  }
+  res[11][1] = residual;
+  return rounds;
+}
+/* record of the step: losses, residual, and keys, impulses and offsets of pressing contacts */
+static void casadi_record(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    casadi_real deepest, casadi_int rounds) {
+  const int* pair = (const int*) res[23];
+  casadi_real* impulse = res[0];
+  casadi_real* numbers = res[30] + 6*iw[21];
+  int* keys = (int*) res[31];
+  casadi_int i, a, r, width = iw[1], rows = iw[0]*iw[1], pressing = 0;
+  casadi_real loss = 0, friction = 0;
+  for (r=0; r<iw[17]*width; ++r) res[29][r] = 0;
+  for (i=0; i<iw[0]; ++i) {
+    r = i*width;
+    for (a=0; a<width; ++a) {
+      loss -= 0.5*impulse[r+a]*(res[5][r+a] + res[24][r+a]);
+      if (a>0) friction -= 0.5*impulse[r+a]*(res[5][r+a] + res[24][r+a]);
+    }
+    if (!(impulse[r]>0)) continue;
+    keys[2*(iw[22]+pressing)] = ((const int*) arg[31])[pair[i]];
+    keys[2*(iw[22]+pressing)+1] = ((const int*) arg[32])[pair[i]];
+    for (a=0; a<width; ++a) {
+      res[29][pair[i]*width+a] = impulse[r+a];
+      res[32][(iw[22]+pressing)*width+a] = impulse[r+a];
+      res[33][(iw[22]+pressing)*width+a] = res[26][r+a];
+    }
+    ++pressing;
+  }
+  numbers[0] = deepest;
+  numbers[1] = loss;
+  numbers[2] = friction;
+  numbers[3] = rows>0 ? res[11][1] : 0.0;
+  numbers[4] = rounds;
+  numbers[5] = pressing;
+  iw[22] += pressing;
+  ++iw[21];
+}
+/* a step; iw[6] is its outcome: 0 done, 1 singular inertia, 2 the list is outdated, 3 more
+   contacts than memory, 4 a gap is closed, 5 the order of elimination misses a pair of bodies, 6
+   the impulses did not converge */
+static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w,
+    int mem) {
+  const int* start = (const int*) arg[30];
+  casadi_real* v = (casadi_real*) arg[22];
+  casadi_real* free = res[19];
+  casadi_real h = arg[36][0], reach, other, deepest;
+  casadi_int i, a, j, width = iw[1], rounds = 0;
+  iw[6] = 1;
+  if (casadi_invert(arg, res, iw, w)) return 0;
+  for (j=0; j<iw[3]; ++j) free[j] = v[j];
+  casadi_accelerate(res[20], start, iw[16], iw[9], h, arg[23], free);
+  reach = casadi_fastest(arg, iw, v);
+  other = casadi_fastest(arg, iw, free);
+  reach = arg[37][7]*h*sqrt(other>reach ? other : reach);
+  res[11][3] = reach;
+  iw[6] = 2;
+  if (!casadi_listed(arg, iw, reach)) return 0;
+  deepest = casadi_contacts(arg, res, iw, reach);
+  iw[6] = 3;
+  if (iw[0]>iw[20] || iw[22]+iw[0]>iw[23]) return 0;
+  iw[6] = 4;
+  if (!(deepest>=-arg[36][2])) return 0;
+  iw[6] = 5;
+  if (casadi_contact_places(arg, res, iw)) return 0;
+  for (i=0; i<iw[0]; ++i) {
+    for (a=0; a<width; ++a) res[0][i*width+a] = res[29][((const int*) res[23])[i]*width+a];
+  }
+  iw[6] = 6;
+  for (j=0; j<iw[3]; ++j) res[10][j] = 0;
+  if (iw[0]>0) rounds = casadi_impulses(arg, res, iw, w);
+  if (rounds<0) return 0;
+  for (j=0; j<iw[3]; ++j) {
+    free[j] += res[10][j];
+    if (!(fabs(free[j])<1e300)) return 0;
+  }
+  casadi_record(arg, res, iw, deepest, rounds);
+  for (j=0; j<iw[3]; ++j) {
+    res[28][j] = h*(0.5*free[j] + 0.5*v[j]);
+    v[j] = free[j];
+  }
+  iw[6] = 0;
+  return 0;
+}

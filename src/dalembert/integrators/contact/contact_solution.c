@@ -1,0 +1,138 @@
+/* Impulses of the contacts of free bodies: Newton's method, then a few proximal problems */
+/* mobility and weights of the residual, with additions to the diagonal */
+static void casadi_mobilities(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
+  const casadi_real* directions = arg[0];
+  const casadi_real* responses = arg[1];
+  const casadi_real* shift = arg[7];
+  casadi_real* mobility = (casadi_real*) arg[5];
+  casadi_real* weight = (casadi_real*) arg[6];
+  const int* row = (const int*) arg[9];
+  const int* group = (const int*) arg[13];
+  casadi_int width = iw[1], groups = iw[2], i, g, a, r, j, linear = iw[2]>0 ? group[1] : 1;
+  casadi_real along;
+  for (i=0; i<iw[0]; ++i) {
+    r = i*width;
+    for (a=0; a<width; ++a) {
+      mobility[r+a] = shift[r+a];
+      for (j=row[r+a]; j<row[r+a+1]; ++j) mobility[r+a] += directions[j]*responses[j];
+    }
+    if (!(mobility[r]>0)) mobility[r] = 1;
+    for (g=0; g<groups; ++g) {
+      along = 0;
+      for (a=group[g]; a<group[g+1]; ++a) along += mobility[r+a];
+      for (a=group[g]; a<group[g+1]; ++a) mobility[r+a] = along>0 ? along : mobility[r];
+    }
+    for (a=0; a<width; ++a) {
+      weight[r+a] = a<linear ? mobility[r+a] : sqrt(mobility[r+a]*mobility[r]);
+    }
+  }
+}
+/* reference speed: the scale, or the largest change of speed of a contact by its impulse */
+static casadi_real casadi_size(const casadi_real** arg, const casadi_int* iw,
+    const casadi_real* impulse, casadi_real scale) {
+  const int* group = (const int*) arg[13];
+  casadi_int i, a, linear = iw[2]>0 ? group[1] : 1;
+  casadi_real square;
+  for (i=0; i<iw[0]; ++i) {
+    square = 0;
+    for (a=0; a<linear; ++a) square += impulse[i*iw[1]+a]*impulse[i*iw[1]+a];
+    square = sqrt(square)*arg[5][i*iw[1]];
+    if (square>scale) scale = square;
+  }
+  return scale;
+}
+/* residual after Newton's method with a tolerance */
+static casadi_real casadi_newton(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    casadi_real* w, casadi_real tolerance) {
+  casadi_real* settings = (casadi_real*) arg[8];
+  settings[0] = tolerance;
+  casadi_iterate(arg, res, iw, w);
+  casadi_state(arg, res, iw, w);
+  return res[11][1];
+}
+/* residual after Newton's method, or where it fails at first, after sweeps and a second attempt */
+static casadi_real casadi_twice(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    casadi_real* w, casadi_real tolerance) {
+  casadi_int most = iw[10], k;
+  casadi_real residual;
+  iw[10] = iw[29];
+  residual = casadi_newton(arg, res, iw, w, tolerance);
+  iw[10] = most;
+  if (residual<=tolerance) return residual;
+  casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], res[0], iw[0]*iw[1], iw[3],
+    res[10]);
+  for (k=0; k<iw[30]; ++k) casadi_sweep(arg, res[0], res[10], iw[0], iw[1], iw[2], w);
+  return casadi_newton(arg, res, iw, w, tolerance);
+}
+/* proximal problems from the impulses in res[0], at most iw[27]; their number, and the residual in
+   status[1]. The best impulses are in res[0] */
+static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    casadi_real* w, casadi_real allowed) {
+  casadi_real* velocity = (casadi_real*) arg[2];
+  casadi_real* shift = (casadi_real*) arg[7];
+  casadi_real* impulse = res[0];
+  casadi_real* original = res[34];
+  casadi_real* center = original + iw[0]*iw[1];
+  casadi_real* best = center + iw[0]*iw[1];
+  casadi_int rows = iw[0]*iw[1], rounds = 0, r, solved;
+  casadi_real weight = arg[37][0], residual = res[11][1], least = residual, tolerance, limit;
+  for (r=0; r<rows; ++r) {
+    original[r] = velocity[r];
+    center[r] = impulse[r];
+    best[r] = impulse[r];
+  }
+  while (least>allowed && rounds<iw[27] && residual<1e300) {
+    for (r=0; r<rows; ++r) {
+      shift[r] = weight*arg[5][r];
+      velocity[r] = original[r] - shift[r]*center[r];
+      impulse[r] = center[r];
+    }
+    casadi_mobilities(arg, res, iw);
+    casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
+    tolerance = arg[37][5]*residual;
+    limit = arg[37][6]*allowed;
+    if (limit>tolerance) tolerance = limit;
+    solved = casadi_newton(arg, res, iw, w, tolerance)<=tolerance;
+    weight = weight*(solved ? arg[37][2] : arg[37][1]);
+    if (weight>arg[37][3]) weight = arg[37][3];
+    if (weight<arg[37][4]) weight = arg[37][4];
+    ++rounds;
+    for (r=0; r<rows; ++r) {
+      shift[r] = 0;
+      velocity[r] = original[r];
+    }
+    casadi_mobilities(arg, res, iw);
+    casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
+    if (solved || weight==arg[37][3]) {
+      casadi_state(arg, res, iw, w);
+      residual = res[11][1];
+      for (r=0; r<rows; ++r) {
+        center[r] = impulse[r];
+        if (residual<least) best[r] = impulse[r];
+      }
+      if (residual<least) least = residual;
+    }
+  }
+  for (r=0; r<rows; ++r) impulse[r] = best[r];
+  res[11][1] = least;
+  return rounds;
+}
+/* impulses in their cones: those beyond by less than the tolerance are shortened */
+static void casadi_shorten(const casadi_real** arg, casadi_real* impulse, const casadi_int* iw) {
+  const int* group = (const int*) arg[13];
+  casadi_int i, g, a, width = iw[1];
+  casadi_real length, limit;
+  for (i=0; i<iw[0]; ++i) {
+    if (!(impulse[i*width]>0)) impulse[i*width] = 0;
+    for (g=0; g<iw[2]; ++g) {
+      length = 0;
+      for (a=group[g]; a<group[g+1]; ++a) length += impulse[i*width+a]*impulse[i*width+a];
+      length = sqrt(length);
+      limit = arg[3][i*iw[2]+g]*impulse[i*width];
+      if (!(length>limit)) continue;
+      for (a=group[g]; a<group[g+1]; ++a) {
+        impulse[i*width+a] = impulse[i*width+a]*(limit/length);
+      }
+    }
+  }
+}

@@ -1,0 +1,171 @@
+"""Steps of balls and walls in one call of machine code: the same as the general steps."""
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar, spatial
+from dalembert.analysis.nonsmooth import ball_march, ball_steps, nonsmooth_run
+from dalembert.analysis.nonsmooth.ball_march import BallMarch
+
+SEEDS = range(6)
+AGREEMENT = {"y": 2e-8, "v": 2e-6}
+"""Differences relative to the largest value: tolerances of impulses accumulate, and differences of
+gaps count as speeds by the length of a step."""
+
+
+def planar_scene(seed: int) -> da.Model:
+    """Discs of several sizes, some off their bodies' centres, in a box with a tilted wall."""
+    rng = np.random.default_rng(seed)
+    system = da.System("discs", gravity=(0, -9.81))
+    contact, shapes, bodies = planar.contact, [], []
+    for k in range(8):
+        place = (0.5 * (k % 3) + 0.05 * rng.random(), 0.25 + 0.45 * (k // 3))
+        start = {"position": place, "angle": rng.normal(), "velocity": tuple(rng.normal(size=2))}
+        spin = rng.normal()
+        if k == 7:
+            body = planar.Particle(f"b{k}", mass=rng.uniform(1, 3), position=place)
+            system.add(body)
+            shapes.append(contact.Circle(body.center, 0.1))
+            continue
+        mass = {"mass": rng.uniform(1, 3), "inertia": 0.02}
+        body = system.add(planar.Body(f"b{k}", angular_velocity=spin, **mass, **start))
+        bodies.append(body)
+        offset = (0.05, 0.02) if k % 3 == 2 else (0.0, 0.0)
+        shapes.append(contact.Circle(body.point(*offset), rng.uniform(0.08, 0.18)))
+    rope = bodies[0].center, system.ground.center
+    system.add(planar.Spring("rope", *rope, stiffness=30.0, free_length=0.3))
+    shapes.append(contact.HalfPlane(system.ground.point(0, 0), (0.1, 1)))
+    shapes.append(contact.HalfPlane(system.ground.point(-0.4, 0), (1, 0)))
+    shapes.append(contact.HalfPlane(system.ground.point(1.6, 0), (-1, 0)))
+    laws = {"friction": 0.3, "restitution": 0.4, "tangential": 0.1}
+    if seed % 2:
+        laws["rolling"] = 0.002
+    system.add(planar.Collisions("hits", shapes, **laws))
+    return system.build()
+
+
+def spatial_scene(seed: int) -> da.Model:
+    """Spheres in a corner, with damping and principal inertias that differ."""
+    rng = np.random.default_rng(seed)
+    system = da.System("spheres", gravity=(0, 0, -9.81))
+    contact, shapes = spatial.contact, []
+    for k in range(6):
+        place = np.array([0.4 * (k % 2), 0.4 * (k // 2 % 2), 0.3 + 0.5 * (k // 4)])
+        body = spatial.Body(
+            f"b{k}",
+            mass=rng.uniform(1, 3),
+            inertia=tuple(rng.uniform(0.01, 0.015, 3)),
+            position=tuple(place + 0.05 * rng.random(3)),
+            rotation=da.rotation.axis_angle(tuple(rng.normal(size=3)), 1.0),
+            velocity=tuple(rng.normal(size=3)),
+            angular_velocity=tuple(rng.normal(size=3)),
+        )
+        system.add(body)
+        shapes.append(contact.Sphere(body.center, rng.uniform(0.1, 0.18)))
+    for normal in np.eye(3):
+        place = (-0.3 * (1 - normal[2])) * normal
+        shapes.append(contact.HalfSpace(system.ground.frame(tuple(place), axis=tuple(normal))))
+    laws = {"friction": 0.4, "restitution": 0.3}
+    if seed % 2:
+        laws |= {"rolling": 0.002, "spinning": 0.003}
+    system.add(spatial.Collisions("hits", shapes, **laws))
+    return system.build()
+
+
+def both_ways(model: da.Model, monkeypatch, **options):
+    """Runs in machine code and by general steps."""
+    compiled = da.solve_nonsmooth(model, **options)
+    with monkeypatch.context() as patch:
+        patch.setattr(BallMarch, "of", lambda step: None)
+        general = da.solve_nonsmooth(model, **options)
+    return compiled, general
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("scene", [planar_scene, spatial_scene])
+def test_steps_in_machine_code_are_the_general_steps(scene, seed, monkeypatch):
+    model = scene(seed)
+    compiled, general = both_ways(model, monkeypatch, duration=0.4, step=1e-3)
+    assert compiled.status.success and general.status.success
+    for name, tolerance in AGREEMENT.items():
+        ours, theirs = (getattr(run.record.ends, name) for run in (compiled, general))
+        assert ours == pytest.approx(theirs, abs=tolerance * np.abs(theirs).max())
+    own, other = compiled.record, general.record
+    assert other.pressing.max() > 2
+    assert own.loss == pytest.approx(other.loss, abs=2e-6 * np.abs(other.loss).max())
+    assert np.array_equal(own.step, other.step) and np.array_equal(own.key, other.key)
+    assert own.impulse == pytest.approx(other.impulse, abs=4e-6 * np.abs(other.impulse).max())
+    keys = "energy dissipated by friction of contacts [J]"
+    assert compiled.statistics[keys] == pytest.approx(general.statistics[keys], rel=4e-6)
+
+
+@pytest.mark.parametrize(
+    "limits",
+    [
+        {"CHUNK": 7, "RECORDS": 12},
+        {"BLOCK_ITERATIONS": 2, "FIRST_ATTEMPT": 2, "FEW_PROXIMAL": 0},
+    ],
+    ids=["short records", "failing solutions"],
+)
+def test_steps_go_on_beyond_the_limits_of_machine_code(limits, monkeypatch):
+    """Full records are transferred; where the impulses do not converge the general step follows."""
+    model = planar_scene(0)
+    general = da.solve_nonsmooth(model, duration=0.3, step=1e-3)
+    for name, value in limits.items():
+        for owner in (ball_steps, ball_march):
+            if hasattr(owner, name):
+                monkeypatch.setattr(owner, name, value)
+    limited = da.solve_nonsmooth(model, duration=0.3, step=1e-3)
+    assert limited.status.success
+    for name, tolerance in AGREEMENT.items():
+        ours, theirs = (getattr(run.record.ends, name) for run in (limited, general))
+        assert ours == pytest.approx(theirs, abs=tolerance * np.abs(theirs).max())
+    assert np.array_equal(limited.record.key, general.record.key)
+
+
+def turning_wall() -> da.Model:
+    """Discs that fall on a spinning body with a flat side, whose gaps are not convex."""
+    system = da.System("wheel", gravity=(0, -9.81))
+    motion = {"position": (0, 0), "velocity": (0, 0), "angular_velocity": 6.0}
+    plate = system.add(planar.Body("plate", mass=50.0, inertia=2.0, **motion))
+    contact = planar.contact
+    shapes = [contact.HalfPlane(plate.point(0, 0), (0, 1))]
+    for k in range(4):
+        place = (-0.6 + 0.4 * k, 0.15 + 0.02 * k)
+        disc = system.add(planar.Body(f"d{k}", mass=1.0, inertia=0.005, position=place))
+        shapes.append(contact.Circle(disc.center, 0.1))
+    system.add(planar.Collisions("hits", shapes, friction=0.2, restitution=0.5))
+    return system.build()
+
+
+def test_steps_that_close_gaps_are_repeated_by_the_general_step(monkeypatch):
+    model, calls = turning_wall(), []
+    original = nonsmooth_run.advance
+
+    def counted(*arguments):
+        calls.append(arguments[1])
+        return original(*arguments)
+
+    monkeypatch.setattr(nonsmooth_run, "advance", counted)
+    compiled = da.solve_nonsmooth(model, 0.3, step=1e-3)
+    repeated = len(calls)
+    monkeypatch.setattr(BallMarch, "of", lambda step: None)
+    general = da.solve_nonsmooth(model, 0.3, step=1e-3)
+    assert 1 < repeated < 300 and len(calls) == repeated + 300
+    for name, tolerance in AGREEMENT.items():
+        ours, theirs = (getattr(run.record.ends, name) for run in (compiled, general))
+        assert ours == pytest.approx(theirs, abs=tolerance * np.abs(theirs).max())
+    assert np.array_equal(compiled.record.curved, general.record.curved)
+    assert general.record.curved.any()
+
+
+def test_an_interrupted_run_keeps_its_steps():
+    def stop(fraction: float) -> None:
+        if fraction > 0.5:
+            raise KeyboardInterrupt
+
+    motion = da.solve_nonsmooth(planar_scene(0), 0.4, step=1e-3, progress=stop)
+    assert not motion.status.success
+    assert 0.2 <= motion.record.t[-1] <= 0.22
+    assert motion.record.loss.size == motion.record.t.size - 1
