@@ -104,7 +104,7 @@ def test_steps_in_machine_code_are_the_general_steps(scene, seed, monkeypatch):
     "limits",
     [
         {"CHUNK": 7, "RECORDS": 12},
-        {"BLOCK_ITERATIONS": 2, "FIRST_ATTEMPT": 2, "FEW_PROXIMAL": 0},
+        {"BLOCK_ITERATIONS": 2, "FIRST_ATTEMPT": 2, "MANY_PROXIMAL": 0},
     ],
     ids=["short records", "failing solutions"],
 )

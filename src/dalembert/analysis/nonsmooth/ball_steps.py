@@ -21,7 +21,6 @@ from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.integrators.contact.impulses import (
     BLOCK_ITERATIONS,
     DECREASE,
-    FEW_PROXIMAL,
     INCREASE,
     RESIDUAL_SHARE,
     TOLERANCE_SHARE,
@@ -45,14 +44,15 @@ FILES = (
 """Files of the machine code of a step."""
 CHUNK, RECORDS, NUMBERS = 256, 4096, 6
 """Steps between transfers of the record, least number of its contacts, numbers of a step."""
-FIRST_ATTEMPT, FEW_SWEEPS = 6, 10
-"""Upper limit of Newton's steps before a few sweeps, and the number of these."""
+FIRST_ATTEMPT, FEW_SWEEPS, ATTEMPTS, MANY_PROXIMAL = 6, 10, 2, 100
+"""Upper limit of Newton's steps before a few sweeps, number of these and of attempts in all, and
+upper limit of the proximal problems that follow."""
 GROWTH = 1.5
 """Ratio of the memory for pairs to the pairs that first exceeded it [-]."""
 COUNT, WIDTH, GROUPS, SPEEDS, ENTRIES, UNKNOWNS, OUTCOME, WIDEST, BLOCKS, SIZE = range(10)
 ITERATIONS, MERITS, JUMPING, WORK, SHAPES, BALLS, BODIES, PAIRS, DIMENSION = range(10, 19)
 CONTACTS, STEPS, PRESSING, RECORDED, CHUNKS, TURNS, INERTIA, PROXIMAL, REPEATS = range(20, 29)
-ATTEMPT, SWEPT, LAST = range(29, 32)
+ATTEMPT, SWEPT, TURNED, LAST = range(29, 33)
 """Places among the counts of the loop, and their number."""
 RENEWALS = 4
 """Upper limit of the repetitions of a call with other lists and orders."""
@@ -133,10 +133,11 @@ class BallSteps:
             DIMENSION: self._source.dimension,
             CHUNKS: CHUNK,
             INERTIA: self.inertia.size,
-            PROXIMAL: FEW_PROXIMAL,
+            PROXIMAL: MANY_PROXIMAL,
             REPEATS: ROUNDS,
             ATTEMPT: FIRST_ATTEMPT,
             SWEPT: FEW_SWEEPS,
+            TURNED: ATTEMPTS,
         }
         fixed = WIDTH, GROUPS, SIZE, DIMENSION
         constants = tuple((place, int(counts[place])) for place in fixed)

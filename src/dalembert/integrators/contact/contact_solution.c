@@ -50,19 +50,21 @@ static casadi_real casadi_newton(const casadi_real** arg, casadi_real** res, cas
   casadi_state(arg, res, iw, w);
   return res[11][1];
 }
-/* residual after Newton's method, or where it fails at first, after sweeps and a second attempt */
-static casadi_real casadi_twice(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+/* residual after Newton's method and sweeps in turns */
+static casadi_real casadi_alternate(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real tolerance) {
-  casadi_int most = iw[10], k;
-  casadi_real residual;
-  iw[10] = iw[29];
-  residual = casadi_newton(arg, res, iw, w, tolerance);
-  iw[10] = most;
-  if (residual<=tolerance) return residual;
-  casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], res[0], iw[0]*iw[1], iw[3],
-    res[10]);
-  for (k=0; k<iw[30]; ++k) casadi_sweep(arg, res[0], res[10], iw[0], iw[1], iw[2], w);
-  return casadi_newton(arg, res, iw, w, tolerance);
+  casadi_int most = iw[10], turn, k;
+  casadi_real residual = 0;
+  for (turn=0; turn<iw[31]; ++turn) {
+    iw[10] = turn==iw[31]-1 ? most : iw[29];
+    residual = casadi_newton(arg, res, iw, w, tolerance);
+    iw[10] = most;
+    if (residual<=tolerance || turn==iw[31]-1) return residual;
+    casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], res[0], iw[0]*iw[1],
+      iw[3], res[10]);
+    for (k=0; k<iw[30]; ++k) casadi_sweep(arg, res[0], res[10], iw[0], iw[1], iw[2], w);
+  }
+  return residual;
 }
 /* proximal problems from the impulses in res[0], at most iw[27]; their number, and the residual in
    status[1]. The best impulses are in res[0] */

@@ -15,6 +15,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.coordinates import Coordinates
+from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.formulas.expression import stack
 
 STILL = 1e-6
@@ -108,17 +109,17 @@ class Manifold:
     # numerical evaluation -------------------------------------------------------------------
     def go(self, y: np.ndarray, delta: np.ndarray) -> np.ndarray:
         """``y ⊕ δ`` of a position, or of all columns."""
-        return y + delta if self.flat else _shaped(self.going(y, delta), y)
+        return y + delta if self.flat else _evaluated(self.going, self._go, y, delta)
 
     def lead(self, y: np.ndarray, other: np.ndarray) -> np.ndarray:
         """``other ⊖ y`` of a pair of positions, or of all columns."""
-        return other - y if self.flat else _shaped(self._apart(y, other), y)
+        return other - y if self.flat else _evaluated(self._leading, self._lead, y, other)
 
     def path_shares(self, y: np.ndarray, delta: np.ndarray, s: float) -> np.ndarray:
         """Displacement per ``s`` at ``y ⊕ s δ``, relative to ``δ``, by components."""
         if self.flat or s == 0:
             return np.ones(delta.size)
-        return self._path_shares(y, delta, s).full().ravel()
+        return self._path_shares(y, delta, s)[0].ravel()
 
     @cached_property
     def path(self) -> tuple[ca.SX, ca.SX, ca.SX]:
@@ -135,20 +136,32 @@ class Manifold:
         return share, moved, ca.if_else(still, limit, ratio)
 
     @cached_property
-    def _path_shares(self) -> ca.Function:
+    def _path_shares(self) -> Kernel:
         share, _, shares = self.path
-        return ca.Function("path_shares", [self.y, self.delta, share], [shares])
+        inputs = [self.y, self.delta, share]
+        return Kernel(ca.Function("path_shares", inputs, [ca.densify(shares)]))
 
     @cached_property
     def going(self) -> ca.Function:
         """``(y, δ) → y ⊕ δ``."""
-        return ca.Function("retract", [self.y, self.delta], [self.moved])
+        return ca.Function("retract", [self.y, self.delta], [ca.densify(self.moved)])
 
     @cached_property
-    def _apart(self) -> ca.Function:
-        return ca.Function("displacement", [self.y, self.other], [self.apart])
+    def _leading(self) -> ca.Function:
+        """``(y, other) → other ⊖ y``."""
+        return ca.Function("displacement", [self.y, self.other], [ca.densify(self.apart)])
+
+    @cached_property
+    def _go(self) -> Kernel:
+        return Kernel(self.going)
+
+    @cached_property
+    def _lead(self) -> Kernel:
+        return Kernel(self._leading)
 
 
-def _shaped(values: ca.DM, like: np.ndarray) -> np.ndarray:
-    """A single position as a vector, several as columns."""
-    return values.full() if like.ndim > 1 else values.full().ravel()
+def _evaluated(
+    function: ca.Function, kernel: Kernel, y: np.ndarray, other: np.ndarray
+) -> np.ndarray:
+    """A function of a single position as a vector, or of several as columns."""
+    return function(y, other).full() if y.ndim > 1 else kernel(y, other)[0].ravel()
