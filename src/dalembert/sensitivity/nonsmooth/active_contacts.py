@@ -22,8 +22,11 @@ from dalembert.integrators.contact.offset_slopes import OffsetSlopes
 from dalembert.integrators.contact.semismooth_newton import pieces
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
+from dalembert.sensitivity.nonsmooth.impact_slopes import ImpactSlopes
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 
+ROUNDING = 1e-13
+"""Rounding error of the impulses after impacts, relative to the sums [-]."""
 STICK_MARGIN = 1e-6
 """Excess of a friction force over the sliding one that static friction explains [-]."""
 
@@ -46,12 +49,18 @@ class ActiveContacts:
 
     @classmethod
     def of(cls, result: StepResult) -> ActiveContacts:
-        """Pressing contacts of a result."""
+        """Pressing contacts of a result, with the impulses after impacts at the start."""
         impulses, keys = result.impulses.impulses, result.contacts.key
         rows = np.flatnonzero(impulses[:, 0] > 0)
         rows = rows[np.argsort(keys[rows])]
-        curved = np.isin(keys[rows], result.curved)
-        return cls(keys[rows], impulses[rows], result.offsets[rows], curved)
+        curved, impulses = np.isin(keys[rows], result.curved), impulses[rows]
+        if result.impact is not None:
+            stage, place = result.impact, {int(key): i for i, key in enumerate(keys[rows])}
+            for key, own in zip(stage.contacts.key, stage.impulses.impulses, strict=True):
+                if (i := place.get(int(key))) is not None:
+                    rest = impulses[i] - own
+                    impulses[i] = np.where(abs(rest) > ROUNDING * abs(impulses[i]), rest, 0.0)
+        return cls(keys[rows], impulses, result.offsets[rows], curved)
 
     def some(self, selected: np.ndarray) -> ActiveContacts:
         """The selected contacts."""
@@ -77,6 +86,7 @@ class ContactEquations:
     column : (n, k) numbers of these coefficients
     factors : (n, k) derivatives of the offsets by the velocities before
     residual : (n k,)
+    impact : impacts at the start of the step; None without any
     """
 
     keys: np.ndarray
@@ -88,10 +98,17 @@ class ContactEquations:
     column: np.ndarray
     factors: np.ndarray
     residual: np.ndarray
+    impact: ImpactSlopes | None = None
 
     @classmethod
     def of(
-        cls, gaps: Gaps, step: ContactStep, active: ActiveContacts, h: float, inertia: np.ndarray
+        cls,
+        gaps: Gaps,
+        step: ContactStep,
+        active: ActiveContacts,
+        h: float,
+        inertia: np.ndarray,
+        impact: ImpactSlopes | None = None,
     ) -> ContactEquations:
         """Equations of a step as it was taken, scaled by an approximate ``inertia`` (n_v,)."""
         values, w, groups = gaps.values, gaps.directions, step.groups
@@ -99,6 +116,9 @@ class ContactEquations:
         laws = ContactLaws.of(values.laws.T, groups)
         contacts = Contacts(values.distance, w, np.zeros((count, k)), laws, groups, keys, 0 * keys)
         approach = Approach(contacts, values.before, values.after, h)
+        if impact is not None:
+            hit = np.isin(np.arange(count), impact.rows)
+            approach = replace(approach, struck=impact.struck, hit=hit)
         slopes = step.scheme.slopes(approach, active.offsets, 2 * step.rounding / h)
         row = np.repeat(np.arange(count * k), np.diff(w.indptr))
         diagonal = np.bincount(row, w.data**2 / inertia[w.indices], count * k).astype(float)
@@ -115,7 +135,7 @@ class ContactEquations:
         factors[:, 1 : contacts.linear] = laws.tangential[:, None]
         factors[slopes.idle] = 1.0
         factors[:, 0] = slopes.speed
-        return cls(keys, gaps, own, coupled, slopes, limit, column, factors, residual)
+        return cls(keys, gaps, own, coupled, slopes, limit, column, factors, residual, impact)
 
     @classmethod
     def of_openings(
@@ -123,21 +143,29 @@ class ContactEquations:
     ) -> ContactEquations:
         """``N δ + g = 0``, with ``g`` constant unless the contact presses."""
         zero, one = np.zeros(distance.size), np.ones((distance.size, 1, 1))
-        slopes = OffsetSlopes(presses.astype(float), zero, zero, zero, ~presses, ~presses)
+        slopes = OffsetSlopes(presses.astype(float), zero, zero, zero, zero, ~presses, ~presses)
         residual, still = gaps.values.after[:, 0] + distance, zero[:, None]
         column = np.zeros((distance.size, 1), dtype=int)
         return cls(keys, gaps, 0 * one, one, slopes, still, column, still, residual)
 
     def impact_law(self, keys: np.ndarray) -> ContactEquations:
-        """The same equations if the contacts with some keys follow Newton's law, and the others
-        remain closed."""
+        """The same equations if the contacts with some keys follow their law of impact, and the
+        others remain closed."""
         impacting = np.isin(self.keys, keys)
         zero, laws = np.zeros(self.slopes.gap.size), self.gaps.values.laws
         speed, factors = zero.copy(), self.factors.copy()
-        speed[impacting] = laws[impacting, 0]
+        speed[impacting], struck = laws[impacting, 0], self.slopes.struck
+        if self.impact is not None:
+            own, struck = self.impact.rows, struck.copy()
+            struck[own[impacting[own]]], speed[own] = -1.0, 0.0
         factors[:, 0] = speed
-        slopes = replace(self.slopes, gap=zero, speed=speed, restitution=zero)
+        slopes = replace(self.slopes, gap=zero, speed=speed, restitution=zero, struck=struck)
         return replace(self, slopes=slopes, factors=factors)
+
+    @property
+    def struck(self) -> np.ndarray | float:
+        """(n_v,) momentum by impacts at the start of the step."""
+        return 0.0 if self.impact is None else self.impact.momentum
 
     @property
     def by_forced(self) -> np.ndarray:
@@ -162,17 +190,30 @@ class ContactEquations:
         offset[:, 1:] += self._restituted[..., None] * change.laws[:, 1, None]
         offset[:, 0] += s.gap[:, None] * change.distance
         offset[:, 0] += s.restitution[:, None] * change.laws[:, 0]
+        if self.impact is not None:
+            exchanged, struck = self.impact.push(dq, path)
+            momentum = momentum + exchanged
+            offset[:, 0] += s.struck[:, None] * struck
         rows = self.coupled @ (change.after + offset)
         friction = change.laws[np.arange(before.shape[0])[:, None], self.column]
         return momentum, (rows + self.limit[..., None] * friction).reshape(-1, dq.shape[1])
 
     def pull(self, momentum: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Weights of ``q`` from those of ``Wᵀ P`` and of the equations."""
-        return self.gaps.pull(self._weights(weights), momentum)
+        own = self._weights(weights)
+        pulled = self.gaps.pull(own, momentum)
+        if self.impact is None:
+            return pulled
+        struck = self.slopes.struck[:, None] * own.after[:, 0]
+        return np.asarray(pulled + self.impact.pull(momentum, struck))
 
     def pull_path(self, momentum: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Weights of the speeds at the end of a path of means."""
-        return self.gaps.pull_path(self._weights(weights), momentum)
+        own = self._weights(weights)
+        pulled = self.gaps.pull_path(own, momentum)
+        if self.impact is not None:
+            pulled = pulled + self.impact.pull_path(self.slopes.struck[:, None] * own.after[:, 0])
+        return pulled
 
     def _weights(self, weights: np.ndarray) -> GapChanges:
         """Weights of the gaps from those of the equations."""

@@ -44,7 +44,7 @@ class ContactSteps:
     Raises
     ------
     UnsupportedError
-        The law of impact is not Newton's, or contacts have force laws.
+        Contacts have force laws.
     """
 
     def __init__(self, motion: NonsmoothMotion):
@@ -64,7 +64,6 @@ class ContactSteps:
         self.size = self.record.ends.y.shape[0]
         self.changes: dict[int, ContactChanges] = {}
         self.growth = 0.0
-        self._refuse_laws()
         self._starts = np.searchsorted(self.record.step, np.arange(self.count + 1))
 
     @property
@@ -116,16 +115,12 @@ class ContactSteps:
         slip = np.linalg.norm(impulse[:, 1:linear], axis=1)
         return np.asarray(np.abs(slip - limit) <= STICK_MARGIN * limit)
 
-    def _refuse_laws(self) -> None:
-        if not self.record.key.size:
-            return
-        numbers = self._laws(self.record.key)[:, IMPACT]
-        for law in ImpactLaw:
-            if law is not ImpactLaw.NEWTON and (numbers == law.number).any():
-                raise UnsupportedError(
-                    f"gradients of impacts by the {law.value} law are not available in "
-                    "solve_nonsmooth; use Newton's law, or solve_dynamics"
-                )
+    def _is_repeated(self, active: ActiveContacts) -> bool:
+        """Whether a step has solutions that are not recorded: those on whose paths means of gaps
+        are taken, and impacts by other laws than Newton's."""
+        if active.curved.any() or not active.keys.size:
+            return bool(active.curved.any())
+        return bool((self._laws(active.keys)[:, IMPACT] != ImpactLaw.NEWTON.number).any())
 
     def split(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """``y`` and ``v`` at the start of step ``k``."""
@@ -157,8 +152,8 @@ class ContactSteps:
     def _maps(self, k: int) -> list[MapAt]:
         (t, h), active, x = self.span(k), self.active(k), self.x[:, k]
         after = self.x[self.size :, k + 1]
-        if active.curved.any():
-            maps = [self._on_path(k)]
+        if self._is_repeated(active):
+            maps = [self._repeated(k)]
         else:
             maps = [self.maps.step(x, after, t, h, active)]
         recorder = RecordedOpening(self.step, t + h, self.step.scheme.projection)
@@ -170,8 +165,9 @@ class ContactSteps:
             maps.append(self.maps.consistent(maps[-1].following, t + h))
         return maps
 
-    def _on_path(self, k: int) -> MapAt:
-        """Map of a step with means of gaps over the path of a solution, which is repeated."""
+    def _repeated(self, k: int) -> MapAt:
+        """Map of a step that is repeated: with means of gaps over the path of a solution, or with
+        impacts at its start."""
         (t, h), (y, v), x = self.span(k), self.split(k), self.x[:, k]
         result: StepResult | None = advance(self.step, t, h, y, v, self._result(k - 1))
         results = []
@@ -180,7 +176,8 @@ class ContactSteps:
             result = result.path
         before: MapAt | None = None
         for result in reversed(results):
-            before = self.maps.step(x, result.v, t, h, ActiveContacts.of(result), before)
+            own = ActiveContacts.of(result), before, result.impact
+            before = self.maps.step(x, result.v, t, h, *own)
         assert before is not None
         return before
 
