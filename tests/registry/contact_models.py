@@ -160,6 +160,46 @@ def thrown_box(law: str) -> da.Model:
     return system.build()
 
 
+def compliant_box_and_disc() -> da.Model:
+    """Force laws, one of which begins and ends; corners that turn, and friction that stops."""
+    system = da.System("soft", gravity=(0.0, -10.0))
+    stiffness, damping = system.parameter("stiffness", 1e5, "N/m"), system.parameter("d", 5.0)
+    width, friction = system.parameter("width", 0.2, "m"), system.parameter("friction", 0.2)
+    hertz, exponent = system.parameter("hertz", 3e5), system.parameter("exponent", 1.5)
+    size, mass = system.parameter("size", 0.1, "m"), system.parameter("mass", 1.0, "kg")
+    start = {"position": (0.0, 0.1), "angle": 0.5, "velocity": (1.0, -0.5)}
+    box = system.add(planar.Body("box", mass=mass, inertia=0.004, **start))
+    start = {"position": (0.5, 0.11), "velocity": (0.5, -1.0)}
+    disc = system.add(planar.Body("disc", mass=2.0, inertia=0.004 * mass, **start))
+    shapes = {
+        "box": [planar.contact.Rectangle(box.center, (width, 0.1))],
+        "disc": [planar.contact.Circle(disc, size)],
+        "floor": [planar.contact.HalfPlane(system.ground)],
+    }
+    law = planar.contact.KelvinVoigt(stiffness=stiffness, damping=damping)
+    other = planar.contact.HuntCrossley(stiffness=hertz, damping=0.3, exponent=exponent)
+    pair = planar.contact.Pair(("disc", "floor"), law=other)
+    system.add(planar.Collisions("touch", shapes, law=law, friction=friction, pairs=[pair]))
+    return system.build()
+
+
+def disc_on_a_soft_disc() -> da.Model:
+    """A compliant contact of two discs on a rigid floor."""
+    system = da.System("mixed", gravity=(0.0, -10.0))
+    stiffness, height = system.parameter("stiffness", 1e4, "N/m"), system.parameter("height", 0.32)
+    mass, friction = system.parameter("mass", 2.0, "kg"), system.parameter("friction", 0.3)
+    low = planar.Body("low", mass=1.0, inertia=0.005, position=(0.0, 0.1 - 1e-7))
+    high = planar.Body("high", mass=mass, inertia=0.01, position=(0.01, height))
+    shapes = {
+        "discs": [planar.contact.Circle(system.add(disc), 0.1) for disc in (low, high)],
+        "floor": [planar.contact.HalfPlane(system.ground)],
+    }
+    law = planar.contact.KelvinVoigt(stiffness=stiffness, damping=200.0)
+    pair = planar.contact.Pair(("discs", "discs"), law=law)
+    system.add(planar.Collisions("all", shapes, friction=friction, pairs=[pair]))
+    return system.build()
+
+
 CONTACT_MODELS = {
     "bouncing ball": ContactModel(bouncing_ball, 0.3, 5e-3),
     "rocking block": ContactModel(rocking_block, 0.3, 5e-3),
@@ -171,4 +211,6 @@ CONTACT_MODELS = {
     "rods, energetic": ContactModel(lambda: thrown_rods("energetic"), 0.2, 2e-3),
     "box in space, Poisson": ContactModel(lambda: thrown_box("poisson"), 0.15, 2e-3),
     "box in space, energetic": ContactModel(lambda: thrown_box("energetic"), 0.15, 2e-3),
+    "compliant box and disc": ContactModel(compliant_box_and_disc, 0.06, 1e-3),
+    "disc on a soft disc": ContactModel(disc_on_a_soft_disc, 0.1, 1e-3),
 }

@@ -20,6 +20,7 @@ from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.integrators.contact.offset_slopes import OffsetSlopes
 from dalembert.integrators.contact.semismooth_newton import pieces
+from dalembert.sensitivity.nonsmooth.force_slopes import ForceSlopes
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
 from dalembert.sensitivity.nonsmooth.impact_slopes import ImpactSlopes
@@ -87,6 +88,7 @@ class ContactEquations:
     factors : (n, k) derivatives of the offsets by the velocities before
     residual : (n k,)
     impact : impacts at the start of the step; None without any
+    forces : contacts with force laws; None without any
     """
 
     keys: np.ndarray
@@ -99,6 +101,7 @@ class ContactEquations:
     factors: np.ndarray
     residual: np.ndarray
     impact: ImpactSlopes | None = None
+    forces: ForceSlopes | None = None
 
     @classmethod
     def of(
@@ -109,6 +112,7 @@ class ContactEquations:
         h: float,
         inertia: np.ndarray,
         impact: ImpactSlopes | None = None,
+        forces: ForceSlopes | None = None,
     ) -> ContactEquations:
         """Equations of a step as it was taken, scaled by an approximate ``inertia`` (n_v,)."""
         values, w, groups = gaps.values, gaps.directions, step.groups
@@ -119,23 +123,35 @@ class ContactEquations:
         if impact is not None:
             hit = np.isin(np.arange(count), impact.rows)
             approach = replace(approach, struck=impact.struck, hit=hit)
-        slopes = step.scheme.slopes(approach, active.offsets, 2 * step.rounding / h)
+        rounding, soft = 2 * step.rounding / h, np.zeros(0, dtype=int)
+        if forces is None:
+            slopes = step.scheme.slopes(approach, active.offsets, rounding)
+        else:
+            soft = forces.rows
+            slopes = forces.slopes(step.scheme, approach, active.offsets, rounding)
         row = np.repeat(np.arange(count * k), np.diff(w.indptr))
         diagonal = np.bincount(row, w.data**2 / inertia[w.indices], count * k).astype(float)
         speeds, impulses = values.after + active.offsets, active.impulses
+        speeds[soft, 0] = 0.0  # friction is that of the impulses
         friction, static = laws.friction.copy(), _static(laws, groups, impulses)
         friction[static, :1] = laws.static_friction[static, None]
         problem = FrictionProblem(scipy.sparse.diags_array(diagonal), speeds, friction, groups)
         z = impulses - speeds / problem.mobility
         own, coupled = pieces(problem, z, np.arange(count))
-        residual = (own @ impulses[..., None] + coupled @ speeds[..., None]).ravel()
+        coupled[soft, :, 0] = 0.0
+        residual = (own @ impulses[..., None] + coupled @ speeds[..., None])[..., 0]
+        if forces is not None:
+            own[soft, 0], coupled[soft, 0] = np.eye(k)[0], 0.0
+            coupled[soft, 0, 0] = -forces.after
+            residual[soft, 0] = impulses[soft, 0] - forces.impulse
         limit, column = _limit_slopes(problem, own, z)
         column[:, 1 : contacts.linear] -= static[:, None]
         factors = np.zeros((count, k))
         factors[:, 1 : contacts.linear] = laws.tangential[:, None]
         factors[slopes.idle] = 1.0
         factors[:, 0] = slopes.speed
-        return cls(keys, gaps, own, coupled, slopes, limit, column, factors, residual, impact)
+        equations = own, coupled, slopes, limit, column, factors, residual.ravel()
+        return cls(keys, gaps, *equations, impact, forces)
 
     @classmethod
     def of_openings(
@@ -158,8 +174,11 @@ class ContactEquations:
         if self.impact is not None:
             own, struck = self.impact.rows, struck.copy()
             struck[own[impacting[own]]], speed[own] = -1.0, 0.0
-        factors[:, 0] = speed
-        slopes = replace(self.slopes, gap=zero, speed=speed, restitution=zero, struck=struck)
+        if self.forces is not None:
+            soft = self.forces.rows
+            zero[soft], speed[soft] = self.slopes.gap[soft], self.slopes.speed[soft]
+        factors[:, 0], none = speed, np.zeros_like(speed)
+        slopes = replace(self.slopes, gap=zero, speed=speed, restitution=none, struck=struck)
         return replace(self, slopes=slopes, factors=factors)
 
     @property
@@ -196,12 +215,19 @@ class ContactEquations:
             offset[:, 0] += s.struck[:, None] * struck
         rows = self.coupled @ (change.after + offset)
         friction = change.laws[np.arange(before.shape[0])[:, None], self.column]
-        return momentum, (rows + self.limit[..., None] * friction).reshape(-1, dq.shape[1])
+        rows += self.limit[..., None] * friction
+        if self.forces is not None:
+            by_p = self.forces.parameters
+            rows[self.forces.rows, 0] -= by_p @ dq[dq.shape[0] - by_p.shape[1] :]
+        return momentum, rows.reshape(-1, dq.shape[1])
 
     def pull(self, momentum: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Weights of ``q`` from those of ``Wᵀ P`` and of the equations."""
         own = self._weights(weights)
         pulled = self.gaps.pull(own, momentum)
+        if self.forces is not None:
+            by_p, rows = self.forces.parameters, weights.reshape(*self.coupled.shape[:2], -1)
+            pulled[pulled.shape[0] - by_p.shape[1] :] -= by_p.T @ rows[self.forces.rows, 0]
         if self.impact is None:
             return pulled
         struck = self.slopes.struck[:, None] * own.after[:, 0]

@@ -17,6 +17,7 @@ from dalembert.analysis.nonsmooth.impact_stage import ImpactStage
 from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations
+from dalembert.sensitivity.nonsmooth.force_slopes import ForceSlopes
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps, Part
 from dalembert.sensitivity.nonsmooth.impact_slopes import ImpactSlopes, Motions
 from dalembert.sensitivity.nonsmooth.linear_map import ForcedChange, MapAt
@@ -100,7 +101,8 @@ class ContactMaps:
         (y, v), n = self._split(x), self.speeds
         path = None
         if before is not None:
-            path = Path(before.z[:n], h, path_points(self.contact_step.model))
+            step = self.contact_step
+            path = Path(before.z[:n], h, step.scheme.theta, path_points(step.model))
         z = np.concatenate([after, np.zeros(self.smooth - n), active.impulses.ravel()])
         impact = None if stage is None else self._impact(stage, active, path, (y, v, t, self.p, h))
         for _ in range(MAX_ITERATIONS):
@@ -114,7 +116,8 @@ class ContactMaps:
                 gaps = self.gaps(state, *own, path)
                 inertia = np.maximum(np.abs(by_z.diagonal()[:n]), np.finfo(float).tiny)
                 given = self.contact_step, pressing, h, inertia
-                contacts = ContactEquations.of(gaps, *given, impact)
+                forces = self._forces(gaps, y, t, h, pressing.keys)
+                contacts = ContactEquations.of(gaps, *given, impact, forces)
                 right, below = self._joined(value, contacts, impulses)
                 matrix += below
             factors = ProximalFactors(matrix, self._weight(impulses.size))
@@ -127,6 +130,18 @@ class ContactMaps:
             forced = self._forced(y, v, t, h, offsets)
         next_by_z, next_by_q = slopes
         return MapAt(z, following, factors, by_q, next_by_z, next_by_q, contacts, forced, before)
+
+    def _forces(
+        self, gaps: Gaps, y: np.ndarray, t: float, h: float, keys: np.ndarray
+    ) -> ForceSlopes | None:
+        """Contacts with force laws; None without any."""
+        step = self.contact_step
+        if not step.force_laws.elements:
+            return None
+        numbers, values = step.force_laws.of(step.selected(step.at(t, y), keys)), gaps.values
+        state = values.distance, values.before[:, 0], values.after[:, 0]
+        span = h, step.scheme.theta
+        return ForceSlopes.of(step.force_laws, numbers, step.model, span, state)
 
     def _impact(
         self,

@@ -41,10 +41,6 @@ class ContactSteps:
     changes : step → ContactChanges of the linearised steps
     growth : largest entry of a change of the state, or of its weights, in the marches so far
 
-    Raises
-    ------
-    UnsupportedError
-        Contacts have force laws.
     """
 
     def __init__(self, motion: NonsmoothMotion):
@@ -52,13 +48,6 @@ class ContactSteps:
         self.record, self.p = motion.record, motion.parameters
         run = NonsmoothRun(analysis, motion.model, motion.parameters)
         self.step: ContactStep = run.step
-        if elements := self.step.force_laws.elements:
-            names = ", ".join(element.name for element in elements)
-            raise UnsupportedError(
-                f"{names}: gradients of contacts with a force law are not available in "
-                "solve_nonsmooth; use rigid contacts, or a Contact for each pair of shapes in "
-                "solve_dynamics"
-            )
         self.maps = ContactMaps(self.step)
         self.x = np.vstack([self.record.ends.y, self.record.ends.v])
         self.size = self.record.ends.y.shape[0]
@@ -175,11 +164,22 @@ class ContactSteps:
             results.append(result)
             result = result.path
         before: MapAt | None = None
+        if any(self._is_mixed(result) for result in results):
+            raise UnsupportedError(
+                f"rigid contacts along curved paths act with contacts with a force law in the step "
+                f"at t = {t:.9g} s: no gradient; give them all force laws, or none"
+            )
         for result in reversed(results):
             own = ActiveContacts.of(result), before, result.impact
             before = self.maps.step(x, result.v, t, h, *own)
         assert before is not None
         return before
+
+    def _is_mixed(self, result: StepResult) -> bool:
+        """Whether rigid contacts have means over a path, and compliant ones others."""
+        own = result.contacts.some(np.isin(result.contacts.key, result.curved))
+        laws = self.step.force_laws
+        return bool(laws.elements) and not laws.compliant(own).all()
 
     def _result(self, k: int) -> StepResult | None:
         """Result of step ``k`` with what the next step starts from; None before the first."""
