@@ -90,13 +90,6 @@ def test_energy_momentum_and_parameters():
     assert (softer.record.fraction.max() < 0.7 * motion.record.fraction.max()).item()
 
 
-def test_gradients_are_refused_by_name():
-    motion = da.solve_nonsmooth(billiards(), 0.01, step=1e-3)
-    for method in ("direct", "adjoint"):
-        with pytest.raises(UnsupportedError, match="hits: gradients of contacts with a force law"):
-            da.sensitivity(motion, da.Final("a.x"), method=method)
-
-
 def test_forces_of_compliant_contacts_have_places():
     """Contacts of pictures: the normal force on the ball, halfway between the surfaces."""
     system = da.System("rest", gravity=(0, -10))

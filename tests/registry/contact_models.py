@@ -123,6 +123,83 @@ def ball_and_box_in_space() -> da.Model:
     return system.build()
 
 
+def thrown_rods(law: str) -> da.Model:
+    """Rough impacts of two jointed rods and a ball, with compression and expansion."""
+    system = da.System("rods", gravity=(0.0, -9.81))
+    bounce, friction = system.parameter("bounce", 0.6), system.parameter("friction", 0.3)
+    length, mass = system.parameter("length", 0.5, "m"), system.parameter("mass", 1.0, "kg")
+    height, size = system.parameter("height", 0.02, "m"), system.parameter("size", 0.06, "m")
+    start = {"position": (0.25, 0.25), "angle": 0.9, "velocity": (0.4, -1.0)}
+    rod = system.add(planar.Bar("rod", length=length, mass=mass, **start))
+    start = {"position": (0.62, 0.3), "angle": -0.6, "velocity": (0.5, -1.2)}
+    other = system.add(planar.Bar("other", length=length, mass=2.0, **start))
+    system.add(planar.Revolute("knee", rod.end, other.start))
+    start = {"position": (0.95, 0.05 + height), "velocity": (-1.0, -0.8)}
+    ball = planar.Body("ball", mass=mass, inertia=0.001, **start)
+    floor = planar.contact.HalfPlane(system.ground.point(0.0, -height))
+    shapes = [planar.contact.Vertex(rod.start), planar.contact.Vertex(other.end), floor]
+    shapes.append(planar.contact.Circle(system.add(ball), size))
+    coefficients = {"restitution": bounce, "friction": friction, "impact_law": law}
+    system.add(planar.Collisions("hits", shapes, **coefficients))
+    return system.build()
+
+
+def thrown_box(law: str) -> da.Model:
+    """A box in space hits a floor with two of its edges, one after the other, and slips."""
+    system = da.System("box", gravity=(0.0, 0.0, -9.81))
+    bounce, friction = system.parameter("bounce", 0.5), system.parameter("friction", 0.25)
+    edge, mass = system.parameter("edge", 0.2, "m"), system.parameter("mass", 1.0, "kg")
+    start = {"velocity": (1.2, 0.8, -1.0), "angular_velocity": (1.0, -2.0, 0.5)}
+    start["inertia"] = (0.006 * mass, 0.008 * mass, 0.007 * mass)
+    start["rotation"] = [[0.96, 0.0, 0.28], [0.0, 1.0, 0.0], [-0.28, 0.0, 0.96]]
+    box = spatial.Body("box", mass=mass, position=(0, 0, 0.14), **start)
+    shapes = [spatial.contact.Box(system.add(box).center, (edge, edge, edge))]
+    shapes.append(spatial.contact.HalfSpace(system.ground.frame()))
+    coefficients = {"restitution": bounce, "friction": friction, "impact_law": law}
+    system.add(spatial.Collisions("floor_contact", shapes, **coefficients))
+    return system.build()
+
+
+def compliant_box_and_disc() -> da.Model:
+    """Force laws, one of which begins and ends; corners that turn, and friction that stops."""
+    system = da.System("soft", gravity=(0.0, -10.0))
+    stiffness, damping = system.parameter("stiffness", 1e5, "N/m"), system.parameter("d", 5.0)
+    width, friction = system.parameter("width", 0.2, "m"), system.parameter("friction", 0.2)
+    hertz, exponent = system.parameter("hertz", 3e5), system.parameter("exponent", 1.5)
+    size, mass = system.parameter("size", 0.1, "m"), system.parameter("mass", 1.0, "kg")
+    start = {"position": (0.0, 0.1), "angle": 0.5, "velocity": (1.0, -0.5)}
+    box = system.add(planar.Body("box", mass=mass, inertia=0.004, **start))
+    start = {"position": (0.5, 0.11), "velocity": (0.5, -1.0)}
+    disc = system.add(planar.Body("disc", mass=2.0, inertia=0.004 * mass, **start))
+    shapes = {
+        "box": [planar.contact.Rectangle(box.center, (width, 0.1))],
+        "disc": [planar.contact.Circle(disc, size)],
+        "floor": [planar.contact.HalfPlane(system.ground)],
+    }
+    law = planar.contact.KelvinVoigt(stiffness=stiffness, damping=damping)
+    other = planar.contact.HuntCrossley(stiffness=hertz, damping=0.3, exponent=exponent)
+    pair = planar.contact.Pair(("disc", "floor"), law=other)
+    system.add(planar.Collisions("touch", shapes, law=law, friction=friction, pairs=[pair]))
+    return system.build()
+
+
+def disc_on_a_soft_disc() -> da.Model:
+    """A compliant contact of two discs on a rigid floor."""
+    system = da.System("mixed", gravity=(0.0, -10.0))
+    stiffness, height = system.parameter("stiffness", 1e4, "N/m"), system.parameter("height", 0.32)
+    mass, friction = system.parameter("mass", 2.0, "kg"), system.parameter("friction", 0.3)
+    low = planar.Body("low", mass=1.0, inertia=0.005, position=(0.0, 0.1 - 1e-7))
+    high = planar.Body("high", mass=mass, inertia=0.01, position=(0.01, height))
+    shapes = {
+        "discs": [planar.contact.Circle(system.add(disc), 0.1) for disc in (low, high)],
+        "floor": [planar.contact.HalfPlane(system.ground)],
+    }
+    law = planar.contact.KelvinVoigt(stiffness=stiffness, damping=200.0)
+    pair = planar.contact.Pair(("discs", "discs"), law=law)
+    system.add(planar.Collisions("all", shapes, friction=friction, pairs=[pair]))
+    return system.build()
+
+
 CONTACT_MODELS = {
     "bouncing ball": ContactModel(bouncing_ball, 0.3, 5e-3),
     "rocking block": ContactModel(rocking_block, 0.3, 5e-3),
@@ -130,4 +207,10 @@ CONTACT_MODELS = {
     "driven rod and disc": ContactModel(driven_rod_and_disc, 0.2, 5e-3),
     "discs in a box": ContactModel(discs_in_a_box, 0.05, 1e-3),
     "ball and box in space": ContactModel(ball_and_box_in_space, 0.2, 5e-3),
+    "rods, Poisson": ContactModel(lambda: thrown_rods("poisson"), 0.2, 2e-3),
+    "rods, energetic": ContactModel(lambda: thrown_rods("energetic"), 0.2, 2e-3),
+    "box in space, Poisson": ContactModel(lambda: thrown_box("poisson"), 0.15, 2e-3),
+    "box in space, energetic": ContactModel(lambda: thrown_box("energetic"), 0.15, 2e-3),
+    "compliant box and disc": ContactModel(compliant_box_and_disc, 0.06, 1e-3),
+    "disc on a soft disc": ContactModel(disc_on_a_soft_disc, 0.1, 1e-3),
 }

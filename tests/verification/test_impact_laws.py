@@ -17,7 +17,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar, spatial
-from dalembert.errors import ModelError, UnsupportedError
+from dalembert.errors import ModelError
 from dalembert.io import load
 
 LENGTH, MASS, STEP = 1.0, 2.0, 1e-4
@@ -261,10 +261,6 @@ def test_poisson_of_formulas(scheme):
 def test_what_is_not_available():
     with pytest.raises(ModelError, match=r"floor\.impact_law: unknown law 'poison' \(did you"):
         rod(1.0, (0, -1), 0.0, 0.1, 0.5, "poison")
-    model = rod(1.0, (0, -1), 0.0, 0.1, 0.5, "energetic")
-    motion = da.solve_nonsmooth(model, STEP, step=STEP, integrator=da.MoreauJean())
-    with pytest.raises(UnsupportedError, match="impacts by the energetic law are not available"):
-        da.sensitivity(motion, da.final("rod.vy"))
     body = planar.Body("b", mass=1.0, inertia=1.0)
     with pytest.raises(ModelError, match=r"floor\.tangential: the poisson law of impact has no"):
         planar.Collisions(

@@ -42,7 +42,9 @@ def advance(
             break
         straight = contacts.some(~np.isin(contacts.key, bent))
         contacts = Contacts.joined([straight, path_means(step, start, bent, result)])
-        result = _advanced(step, start, contacts, result.last)
+        last, result = result, _advanced(step, start, contacts, result.last)
+        if not result.curved.size:
+            result = replace(result, curved=bent, path=last)
     return result
 
 

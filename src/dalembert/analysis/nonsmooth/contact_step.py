@@ -191,7 +191,8 @@ class ContactStep:
             impulses = start.impact.added(contacts, impulses)
         loss = -0.5 * float(momentum @ (after + v)) - compliant.stored(ends)
         solution = contacts, impulses, offsets, stuck, loss, work, compliant.fractions(ends)
-        return StepResult(position, after, start.multiplier + reactions, *solution)
+        multiplier = start.multiplier + reactions
+        return StepResult(position, after, multiplier, *solution, impact=start.impact)
 
     def _impulses(
         self, approach: Approach, mobility: Mobility, before: LastImpulses | None

@@ -30,12 +30,14 @@ class ForceLaws:
     Attributes
     ----------
     elements : elements with force laws
+    laws : force laws by their numbers
     """
 
     def __init__(self, model: Model, sources: list[GapSource], p: np.ndarray):
         elements = [element for source in sources for element in source.elements]
         by_owner = [e.force_laws if isinstance(e, Collisions) else (None,) for e in elements]
         self.p, self._functions, self._kernels = p, [], {}  # type: ignore[var-annotated]
+        self.laws: list[NormalLaw] = []
         self.elements = [e for e, laws in zip(elements, by_owner, strict=True) if any(laws)]
         self._table = np.full((len(elements), max(map(len, by_owner))), RIGID)
         for owner, laws in enumerate(by_owner):
@@ -43,6 +45,7 @@ class ForceLaws:
                 if law is not None:
                     self._table[owner, number] = len(self._functions)
                     self._functions.append(_function(model, law))
+                    self.laws.append(law)
 
     def of(self, contacts: Contacts) -> np.ndarray:
         """(n,) numbers of the laws of contacts, ``RIGID`` of those without a force law."""

@@ -13,7 +13,7 @@ from dalembert.errors import UnsupportedError
 from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
-from dalembert.integrators.contact.impact_path import impact_impulses
+from dalembert.integrators.contact.impact_path import Increment, impact_impulses
 from dalembert.integrators.contact.impulses import Impulses
 
 MOVED = 1e-9
@@ -29,12 +29,14 @@ class ImpactStage:
     contacts : those that take part
     impulses : of these
     change, multiplier : changes of the speeds, and impulses of the joints
+    increments : of the impulses
     """
 
     contacts: Contacts
     impulses: Impulses
     change: np.ndarray
     multiplier: np.ndarray
+    increments: list[Increment]
 
     @property
     def momentum(self) -> np.ndarray:
@@ -87,9 +89,9 @@ def impact_stage(
     before, matrix = approach.before[taking_part], delassus(contacts.directions, mobility)
     friction = laws.friction, contacts.groups
     problem = FrictionProblem(matrix, before, *friction, approach.fastest or 1.0)
-    impulses, _ = impact_impulses(problem, laws, solver)
+    impulses, increments = impact_impulses(problem, laws, solver)
     momentum = contacts.directions.T @ impulses.impulses.ravel()
-    return ImpactStage(contacts, impulses, *mobility(momentum))
+    return ImpactStage(contacts, impulses, *mobility(momentum), increments)
 
 
 def _taking_part(approach: Approach, mobility: Mobility) -> np.ndarray:

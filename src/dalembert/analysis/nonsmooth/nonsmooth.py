@@ -31,8 +31,7 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
     """Dynamics with contacts as a strategy object.
 
     Impacts are not located: all contacts of a step are solved together as impulses. The motion is
-    of first order in the step, and so are gradients; of second order with force laws alone, which
-    have no gradients.
+    of first order in the step, and so are gradients; both of second order with force laws alone.
 
     Parameters
     ----------

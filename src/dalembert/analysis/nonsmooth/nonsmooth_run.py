@@ -19,9 +19,11 @@ from dalembert.analysis.nonsmooth.contact_durations import duration_warnings
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import consistent_speeds, correct_position
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.missing_rebounds import rebound_warnings
 from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
 from dalembert.analysis.nonsmooth.step_log import StepLog, interpolate
 from dalembert.analysis.nonsmooth.step_state import StepResult
+from dalembert.analysis.nonsmooth.touching_shapes import bodies_of, refuse_lonely_shapes
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.residual_check import EXACT, ResidualCheck
 from dalembert.analysis.timeline import (
@@ -69,6 +71,7 @@ class NonsmoothRun:
                 "nothing in the model may touch; add Collisions or another rigid contact, or use "
                 "solve_dynamics"
             )
+        refuse_lonely_shapes([element for source in sources for element in source.elements])
         self.step = ContactStep(
             model, smooth_motion(model), sources, analysis.integrator, analysis.solver, self.p
         )
@@ -220,8 +223,14 @@ class ContactCheck(ResidualCheck):
         t, none = float(self.record.t[k]), np.zeros((model.equations.speed_count, 1))
         at = self.step.at(t, self.record.ends.y[:, k])
         contacts = self.step.rigid(self.step.near(at, none))
-        name = self.record.names[contacts.owner[np.argmin(contacts.distance)]]
-        text = f"a gap of {name} is {-depth:.3g} m at t = {t:.9g} s"
+        deepest = int(np.argmin(contacts.distance))
+        name, bodies = (
+            self.record.names[contacts.owner[deepest]],
+            bodies_of(model, contacts, deepest),
+        )
+        text = f"a gap of {name} is {-depth:.3g} m at t = {t:.9g} s, between {bodies}"
+        if k == 0:
+            text = f"{bodies} of {name} overlap by {depth:.3g} m at the start"
         return Violation(depth / model.scales.length, text)
 
     @cached_property
@@ -238,7 +247,16 @@ class ContactCheck(ResidualCheck):
         return EXACT[Level.POSITION] if self.step.scheme.projection else DRIFT
 
     def cure(self, limit: float) -> str:
-        return "; use a shorter step"
+        if self.starts_open:
+            return "; use a shorter step"
+        return "; move them apart by this depth along the normal of the contact"
+
+    @property
+    def starts_open(self) -> bool:
+        """Whether the deepest penetration is not that of the start."""
+        depths = self.record.penetration
+        rounded = depths[0] <= ROUNDED * self.step.model.scales.length
+        return bool(rounded or depths.max() > depths[0])
 
     @property
     def objection(self) -> tuple[Outcome, str] | None:
@@ -257,8 +275,8 @@ class ContactCheck(ResidualCheck):
         warnings = self.energy.warnings(self.balance)
         if DRIFT_WARNING < self.deepest.share <= self.limit:
             warnings.append(
-                f"{self.deepest.text}: positions are not corrected; use a shorter step, "
-                "or projection=True"
+                f"{self.deepest.text}: positions are not corrected{self.cure(self.limit)}, "
+                "or use projection=True"
             )
         record = self.record
         missed = np.flatnonzero(~record.converged)
@@ -270,4 +288,5 @@ class ContactCheck(ResidualCheck):
                 f"t = {record.t[worst]:.9g} s; give ContactSolver a larger tolerance, or a smaller "
                 "value of acceptable to end such runs"
             )
-        return [*warnings, *duration_warnings(record, self.energy.moved)]
+        warnings += duration_warnings(record, self.energy.moved)
+        return [*warnings, *rebound_warnings(self.step, record, self.energy.moved)]

@@ -45,6 +45,7 @@ class StepResult:
     fractions : (n,) length of the step over the duration of compliant contacts, else zero [-]
     curved : keys of the contacts with means over the path; others have the values of the start
     path : the solution whose displacement is the path of the means
+    impact : impacts at the start of the step; their impulses are part of ``impulses``
     """
 
     y: np.ndarray
@@ -59,6 +60,7 @@ class StepResult:
     fractions: np.ndarray
     curved: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
     path: StepResult | None = None
+    impact: ImpactStage | None = None
 
     @property
     def pressing(self) -> tuple[np.ndarray, np.ndarray]:

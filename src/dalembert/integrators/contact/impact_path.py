@@ -4,12 +4,14 @@ Normal impulses grow until the gaps no longer close, then by the law of restitut
 follows Coulomb's law all along, ``dP_T = −μ dP_N u_T/|u_T|`` or ``u_T = 0`` (Routh 1860; Darboux
 1880; Stronge, Impact Mechanics, 2000, ch. 3-5). Speeds are linear in the impulses as long as the
 slip of each contact keeps its direction, so that one increment is exact; ends of slip are located.
+Where slips turn in space, increments are divided and follow the midpoint rule.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from enum import Enum
 
 import numpy as np
 
@@ -21,17 +23,48 @@ from dalembert.integrators.contact.impact_slip import Pace, Slip, slip_of
 from dalembert.integrators.contact.impulses import Impulses
 from dalembert.integrators.contact.static_friction import STILL
 
-Conditions = Callable[[float, float], tuple[np.ndarray, float | np.ndarray]]
-"""Completed share of a phase and the next share → smallest ``u_N``, smallest impulses."""
-Step = tuple[np.ndarray, np.ndarray]
-"""(n, k) impulses of an increment, and velocities after it."""
+Conditions = Callable[[float], tuple[np.ndarray, float | np.ndarray]]
+"""Share of an increment → smallest ``u_N`` after it, smallest impulses."""
 MAX_INCREMENTS, CORRECTIONS = 2000, 8
 """Upper limits of the increments of a phase, and of the corrections of one."""
 LARGEST = 4.0
 """Upper limit of the normal impulse that restores energy, relative to Poisson's law [-]."""
 RESTORED = 1e-10
-"""Accuracy of the restored energy of a contact, relative to its own in compression, and threshold
-relative to the largest one [-]."""
+"""Accuracy of the restored energy of a contact, relative to its own in compression, unless the
+tolerance of the solver is smaller, and threshold relative to the largest one [-]."""
+
+
+class Phase(Enum):
+    """Phase of an impact."""
+
+    COMPRESSION = "compression"
+    EXPANSION = "expansion"
+    RESTORATION = "restoration"
+
+
+@dataclass(frozen=True, eq=False)
+class Increment:
+    """Impulses with ``u_N ≥ lowest``, ``P_N ≥ minimum``, in which no slip ends.
+
+    Attributes
+    ----------
+    phase : of the impact
+    span : completed shares of the phase at its start and end; in the restoration of this increment
+    centred : whether conditions are those of its middle, with half of the impulses
+    lowest, minimum : (n,) conditions
+    impulses, before, after : (n, k) impulses, and velocities around them
+    ended : (n, groups) mask of the slips that end or turn back
+    """
+
+    phase: Phase
+    span: tuple[float, float]
+    centred: bool
+    lowest: np.ndarray
+    minimum: np.ndarray
+    impulses: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+    ended: np.ndarray
 
 
 class ImpactPath:
@@ -51,6 +84,7 @@ class ImpactPath:
     residual, rounds : largest residual, and iterations, of the increments
     rounding : slip that counts as zero [m/s]
     lowest : (n,) normal speeds that increments of the restored energy do not fall below
+    increments : of all phases
     """
 
     def __init__(self, problem: FrictionProblem, solver: ContactSolver):
@@ -60,16 +94,17 @@ class ImpactPath:
         self.converged = self.accepted = True
         self.lowest = np.zeros(problem.shape[0])
         self.rounding = STILL * solver.tolerance * problem.scale
+        self.increments: list[Increment] = []
 
     def compress(self) -> None:
         """Increments until no gap closes; closing speeds decrease in proportion."""
         closing = np.minimum(self.velocity[:, 0], 0.0)
-        self._march(lambda done, share: ((1 - done - share) * closing, 0.0))
+        self._march(Phase.COMPRESSION, lambda done, share: ((1 - done - share) * closing, 0.0))
 
     def expand(self, normal: np.ndarray, speed: np.ndarray) -> None:
         """Increments whose normal impulses are (n,) ``normal`` or, to reach the normal speeds (n,)
         ``speed``, larger."""
-        self._march(lambda done, share: ((done + share) * speed, share * normal))
+        self._march(Phase.EXPANSION, lambda done, share: ((done + share) * speed, share * normal))
         self.lowest = speed
 
     def restore(self, energy: np.ndarray, normal: np.ndarray) -> None:
@@ -78,7 +113,8 @@ class ImpactPath:
         ``normal`` (n,) are estimates of the impulses, of which they do not exceed a multiple.
         """
         target, pace, whole, corrections = self.work - energy, Pace(), normal, 0
-        limit = RESTORED * np.maximum(energy, RESTORED * energy.max(initial=0.0))
+        accuracy = min(RESTORED, self.solver.tolerance)
+        limit = np.maximum(accuracy * energy, RESTORED**2 * energy.max(initial=0.0))
         most = self.impulses[:, 0] + LARGEST * normal
         for _ in range(MAX_INCREMENTS):
             left, allowed = self.work - target, most - self.impulses[:, 0]
@@ -86,40 +122,76 @@ class ImpactPath:
             if not running.any() or not self.accepted:
                 break
             increments = np.where(running, pace.share * whole, 0.0)
-            step = self._increment(self.lowest, increments)
-            if pace.is_too_long(self._slip(step)):
+            increment = self._increment(
+                Phase.RESTORATION,
+                (0.0, pace.share),
+                lambda part, least=increments: (self.lowest, part * least),  # type: ignore[misc]
+            )
+            slip = self._slip(increment)
+            if pace.is_too_long(slip):
                 continue
-            part = np.minimum(self._part(step, left), allowed) / pace.share
-            wrong = running & (part < whole * (1 - RESTORED))
+            part = np.minimum(self._part(increment, left), allowed) / pace.share
+            wrong = running & (part < whole * (1 - accuracy))
             if pace.share == 1 and corrections < CORRECTIONS:
-                wrong |= running & (part > whole * (1 + RESTORED))
+                wrong |= running & (part > whole * (1 + accuracy))
             if wrong.any():
                 whole = np.where(wrong, part, whole)
                 corrections += 1
                 continue
-            pace.accept(self._slip(step))
-            self._accept(step)
+            pace.accept(slip)
+            self._accept(increment)
             corrections = 0
         else:
             self.accepted = self.converged = False
 
-    def _march(self, conditions: Conditions) -> None:
-        """Increments of a phase."""
+    def _march(
+        self,
+        phase: Phase,
+        conditions: Callable[[float, float], tuple[np.ndarray, float | np.ndarray]],
+    ) -> None:
+        """Increments of a phase, with conditions for its completed share and the next one."""
         done, pace = 0.0, Pace()
         for _ in range(MAX_INCREMENTS):
             if done >= 1 or not self.accepted:
                 break
             pace.share = min(pace.share, 1 - done)
-            step = self._increment(*conditions(done, pace.share))
-            if pace.is_too_long(slip := self._slip(step)):
+            begun, share = done, pace.share
+            increment = self._increment(
+                phase,
+                (begun, begun + share),
+                lambda part, begun=begun, share=share: conditions(begun, part * share),  # type: ignore[misc]
+            )
+            if pace.is_too_long(slip := self._slip(increment)):
                 continue
-            done += pace.share
+            done += share
             pace.accept(slip)
-            self._accept(step)
+            self._accept(increment)
         else:
             self.accepted = self.converged = False
 
-    def _increment(self, lowest: np.ndarray, minimum: float | np.ndarray) -> Step:
+    def _increment(
+        self, phase: Phase, span: tuple[float, float], conditions: Conditions
+    ) -> Increment:
+        """Next increment: with the directions of slip at its end or, where they change, in its
+        middle, which is of second order."""
+        state, (lowest, minimum) = (phase, span), conditions(1.0)
+        impulses, after = self._solved(lowest, minimum)
+        slip = self._slip_of(impulses, after)
+        least = np.broadcast_to(minimum, lowest.shape)
+        step = Increment(*state, False, lowest, least, impulses, self.velocity, after, slip.ended)
+        if slip.ends or not slip.turns:
+            return step
+        middle, half = conditions(0.5)
+        impulses, between = self._solved(middle, half)
+        impulses, after = 2 * impulses, 2 * between - self.velocity
+        slip = self._slip_of(impulses, after)
+        if slip.ends or (after[:, 0] < lowest - self.rounding).any():
+            return step
+        return Increment(*state, True, middle, least, impulses, self.velocity, after, slip.ended)
+
+    def _solved(
+        self, lowest: np.ndarray, minimum: float | np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Impulses of at least a minimum with ``u_N ≥ lowest``, and velocities after them."""
         velocity = self.velocity.copy()
         velocity[:, 0] -= lowest
@@ -133,25 +205,23 @@ class ImpactPath:
         after[:, 0] += lowest
         return solution.impulses, after
 
-    def _accept(self, step: Step) -> None:
-        impulses, after = step
-        self.work = self.work - self._work(step)
-        self.impulses, self.velocity = self.impulses + impulses, after
+    def _accept(self, step: Increment) -> None:
+        self.increments.append(step)
+        work = step.impulses[:, 0] * (step.before[:, 0] + step.after[:, 0]) / 2
+        self.work, self.velocity = self.work - work, step.after
+        self.impulses = self.impulses + step.impulses
 
-    def _slip(self, step: Step) -> Slip:
-        return slip_of(self.problem, self.velocity, *step, self.rounding)
+    def _slip(self, step: Increment) -> Slip:
+        return self._slip_of(step.impulses, step.after)
 
-    def _work(self, step: Step) -> np.ndarray:
-        """(n,) work of the normal impulses of an increment on the bodies."""
-        impulses, after = step
-        work: np.ndarray = impulses[:, 0] * (self.velocity[:, 0] + after[:, 0]) / 2
-        return work
+    def _slip_of(self, impulses: np.ndarray, after: np.ndarray) -> Slip:
+        return slip_of(self.problem, self.velocity, impulses, after, self.rounding)
 
-    def _part(self, step: Step, energy: np.ndarray) -> np.ndarray:
+    def _part(self, step: Increment, energy: np.ndarray) -> np.ndarray:
         """(n,) normal impulses that do the work ``energy``, for linear speeds."""
-        start, push = np.maximum(self.velocity[:, 0], 0.0), step[0][:, 0]
+        start, push = np.maximum(self.velocity[:, 0], 0.0), step.impulses[:, 0]
         with np.errstate(all="ignore"):
-            slope = (step[1][:, 0] - start) / push
+            slope = (step.after[:, 0] - start) / push
             root = np.sqrt(np.maximum(start**2 + 2 * slope * energy, 0.0))
             part = 2 * energy / (start + root)
         return np.where(np.isfinite(part), part, push)
@@ -159,8 +229,8 @@ class ImpactPath:
 
 def impact_impulses(
     problem: FrictionProblem, laws: ContactLaws, solver: ContactSolver
-) -> tuple[Impulses, np.ndarray]:
-    """Impulses of an impact with compression and expansion, and (n, k) velocities after it.
+) -> tuple[Impulses, list[Increment]]:
+    """Impulses of an impact with compression and expansion, and their increments.
 
     Contacts of all laws are compressed together. Then those of Poisson's law expand by their
     impulses while those of Newton's law reach their speeds, then the energetic law restores energy.
@@ -181,4 +251,4 @@ def impact_impulses(
     if energetic.any():
         path.restore(np.where(energetic, e**2 * work, 0.0), np.where(energetic, pressed, 0.0))
     outcome = path.residual, path.converged, path.rounds, path.accepted
-    return Impulses(path.impulses, *outcome), path.velocity
+    return Impulses(path.impulses, *outcome), path.increments

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import AnalysisError
-
-if TYPE_CHECKING:
-    from dalembert.integrators.contact.contacts import Contacts
+from dalembert.integrators.contact.approach import Approach
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,6 +19,7 @@ class OffsetSlopes:
     ----------
     gap, speed, restitution : of the normal offset, by ``g``, ``u_N⁻``, ``e``
     forced : of the normal offset, by the largest change of a normal speed by forces in the step
+    struck : of the normal offset, by the normal speed after impacts at the start of the step
     idle : mask of the contacts whose tangential offsets are ``u_T⁻``; others follow Newton's law
     bounces : mask of the contacts that follow Newton's law, or stop in time to remain open
     """
@@ -29,25 +28,36 @@ class OffsetSlopes:
     speed: np.ndarray
     restitution: np.ndarray
     forced: np.ndarray
+    struck: np.ndarray
     idle: np.ndarray
     bounces: np.ndarray
 
 
-def newton_slopes(contacts: Contacts, before: np.ndarray, offsets: np.ndarray) -> OffsetSlopes:
-    """Derivatives of Newton's law, ``e u_N⁻`` and ``e_T u_T⁻``, or ``u_N⁻`` if the offset is."""
-    zero, u, e = np.zeros(contacts.count), before[:, 0], contacts.laws.restitution
-    parts = np.abs(offsets[:, 0] - u) < np.abs(offsets[:, 0] - e * u)
-    speed, restitution = np.where(parts, 1.0, e), np.where(parts, 0.0, u)
-    return OffsetSlopes(zero, speed, restitution, zero, zero > 0, ~parts)
+def newton_slopes(approach: Approach, offsets: np.ndarray) -> OffsetSlopes:
+    """Derivatives of Newton's law, ``e u_N⁻`` and ``e_T u_T⁻``, or of the speeds after impacts at
+    the start; or of ``u_N⁻`` if that is the offset."""
+    zero, u = np.zeros(approach.contacts.count), approach.before[:, 0]
+    value, *slopes = _rebound(approach)
+    parts = np.abs(offsets[:, 0] - u) < np.abs(offsets[:, 0] - value)
+    speed, restitution, struck = (np.where(parts, 0.0, slope) for slope in slopes)
+    return OffsetSlopes(zero, speed + parts, restitution, zero, struck, zero > 0, ~parts)
+
+
+def _rebound(approach: Approach) -> tuple[np.ndarray, ...]:
+    """``−Approach.rebound``, and its derivatives by ``u_N⁻``, ``e`` and the speed after impacts at
+    the start."""
+    u, e = approach.before[:, 0], approach.contacts.laws.restitution
+    hit, speed, restitution, struck = np.broadcast_to(approach.hit, u.shape), e, u, 0 * u
+    if approach.struck is not None:
+        after = approach.struck[:, 0]
+        free = (after > 0) & (after < -u)
+        speed = np.where(hit, (after >= -u) & (u < 0), speed)
+        restitution, struck = np.where(hit, 0.0, restitution), np.where(hit & free, -1.0, 0.0)
+    return -approach.rebound, speed, restitution, struck
 
 
 def anticipated_slopes(
-    contacts: Contacts,
-    before: np.ndarray,
-    offsets: np.ndarray,
-    h: float,
-    closing: float,
-    rounding: float,
+    approach: Approach, offsets: np.ndarray, closing: float, rounding: float
 ) -> OffsetSlopes:
     """Derivatives of the branch of ``AnticipatedImpacts`` that an offset equals.
 
@@ -57,7 +67,7 @@ def anticipated_slopes(
 
     Parameters
     ----------
-    before, offsets : (n, k)
+    offsets : (n, k)
     closing : fraction of a gap that a resting contact closes per step
     rounding : difference of speeds that counts as rounding [m/s]
 
@@ -66,7 +76,11 @@ def anticipated_slopes(
     AnalysisError
         An offset follows no branch.
     """
-    gap, u, e = np.maximum(contacts.distance, 0), before[:, 0], contacts.laws.restitution
+    contacts, before, h = approach.contacts, approach.before, approach.h
+    gap, u = np.maximum(contacts.distance, 0), before[:, 0]
+    newton = contacts.laws.follows(ImpactLaw.NEWTON)
+    e = np.where(newton, contacts.laws.restitution, 0.0)
+    bounce, *bounced, struck = _rebound(approach)
     overlaps = contacts.distance < -rounding * h
     room, zero = h * (1 - e / 2), np.zeros(u.size)
     one = np.where(overlaps, 0.0, 1.0)
@@ -75,9 +89,9 @@ def anticipated_slopes(
         [
             [closing * gap / h, closing / h * one, zero, zero, zero],  # at rest
             [2 * contacts.distance / h + u, 2 / h + zero, 1 + zero, zero, zero],  # remains open
-            [e * u, zero, e, u, zero],  # impact
+            [bounce, zero, *bounced, zero],  # impact
             [gap / h + u / 2, one / h, 0.5 + zero, zero, zero],  # separates
-            [margin, one / room, h / 2 / room, margin / (2 - e), zero],  # room for an impact
+            [margin, one / room, h / 2 / room, newton * margin / (2 - e), zero],  # room for impacts
             [u, zero, 1 + zero, zero, zero],  # no work
             [offsets[:, 0], zero, zero, zero, 1 + zero],  # approaches as forces change its speed
         ]
@@ -99,7 +113,8 @@ def anticipated_slopes(
     law[:, contacts.linear - 1 :] = 0.0
     idle = _lengths(offsets[:, 1:] - before[:, 1:]) < _lengths(offsets[:, 1:] - law)
     bounces = ((number == 1) | (number == 2)) & (u < -rounding)
-    return OffsetSlopes(by_gap, speed, restitution, forced, idle, bounces)
+    struck = np.where(number == 2, struck, 0.0)
+    return OffsetSlopes(by_gap, speed, restitution, forced, struck, idle, bounces)
 
 
 def _lengths(vectors: np.ndarray) -> np.ndarray:

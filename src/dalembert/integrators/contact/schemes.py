@@ -116,7 +116,7 @@ class MoreauJean(ContactScheme):
         return offsets
 
     def slopes(self, approach: Approach, offsets: Offsets, rounding: float) -> OffsetSlopes:
-        return newton_slopes(approach.contacts, approach.before, offsets)
+        return newton_slopes(approach, offsets)
 
 
 ROUNDING = 1e-10
@@ -201,8 +201,7 @@ class AnticipatedImpacts(ContactScheme):
         return changed if (changed != offsets).any() else None
 
     def slopes(self, approach: Approach, offsets: Offsets, rounding: float) -> OffsetSlopes:
-        contacts, before = approach.contacts, approach.before
-        return anticipated_slopes(contacts, before, offsets, approach.h, CLOSING, rounding)
+        return anticipated_slopes(approach, offsets, CLOSING, rounding)
 
 
 def _open(approach: Approach) -> np.ndarray:

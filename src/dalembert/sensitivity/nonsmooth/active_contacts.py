@@ -20,10 +20,14 @@ from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.integrators.contact.offset_slopes import OffsetSlopes
 from dalembert.integrators.contact.semismooth_newton import pieces
+from dalembert.sensitivity.nonsmooth.force_slopes import ForceSlopes
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
+from dalembert.sensitivity.nonsmooth.impact_slopes import ImpactSlopes
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 
+ROUNDING = 1e-13
+"""Rounding error of the impulses after impacts, relative to the sums [-]."""
 STICK_MARGIN = 1e-6
 """Excess of a friction force over the sliding one that static friction explains [-]."""
 
@@ -46,12 +50,18 @@ class ActiveContacts:
 
     @classmethod
     def of(cls, result: StepResult) -> ActiveContacts:
-        """Pressing contacts of a result."""
+        """Pressing contacts of a result, with the impulses after impacts at the start."""
         impulses, keys = result.impulses.impulses, result.contacts.key
         rows = np.flatnonzero(impulses[:, 0] > 0)
         rows = rows[np.argsort(keys[rows])]
-        curved = np.isin(keys[rows], result.curved)
-        return cls(keys[rows], impulses[rows], result.offsets[rows], curved)
+        curved, impulses = np.isin(keys[rows], result.curved), impulses[rows]
+        if result.impact is not None:
+            stage, place = result.impact, {int(key): i for i, key in enumerate(keys[rows])}
+            for key, own in zip(stage.contacts.key, stage.impulses.impulses, strict=True):
+                if (i := place.get(int(key))) is not None:
+                    rest = impulses[i] - own
+                    impulses[i] = np.where(abs(rest) > ROUNDING * abs(impulses[i]), rest, 0.0)
+        return cls(keys[rows], impulses, result.offsets[rows], curved)
 
     def some(self, selected: np.ndarray) -> ActiveContacts:
         """The selected contacts."""
@@ -77,6 +87,8 @@ class ContactEquations:
     column : (n, k) numbers of these coefficients
     factors : (n, k) derivatives of the offsets by the velocities before
     residual : (n k,)
+    impact : impacts at the start of the step; None without any
+    forces : contacts with force laws; None without any
     """
 
     keys: np.ndarray
@@ -88,10 +100,19 @@ class ContactEquations:
     column: np.ndarray
     factors: np.ndarray
     residual: np.ndarray
+    impact: ImpactSlopes | None = None
+    forces: ForceSlopes | None = None
 
     @classmethod
     def of(
-        cls, gaps: Gaps, step: ContactStep, active: ActiveContacts, h: float, inertia: np.ndarray
+        cls,
+        gaps: Gaps,
+        step: ContactStep,
+        active: ActiveContacts,
+        h: float,
+        inertia: np.ndarray,
+        impact: ImpactSlopes | None = None,
+        forces: ForceSlopes | None = None,
     ) -> ContactEquations:
         """Equations of a step as it was taken, scaled by an approximate ``inertia`` (n_v,)."""
         values, w, groups = gaps.values, gaps.directions, step.groups
@@ -99,23 +120,38 @@ class ContactEquations:
         laws = ContactLaws.of(values.laws.T, groups)
         contacts = Contacts(values.distance, w, np.zeros((count, k)), laws, groups, keys, 0 * keys)
         approach = Approach(contacts, values.before, values.after, h)
-        slopes = step.scheme.slopes(approach, active.offsets, 2 * step.rounding / h)
+        if impact is not None:
+            hit = np.isin(np.arange(count), impact.rows)
+            approach = replace(approach, struck=impact.struck, hit=hit)
+        rounding, soft = 2 * step.rounding / h, np.zeros(0, dtype=int)
+        if forces is None:
+            slopes = step.scheme.slopes(approach, active.offsets, rounding)
+        else:
+            soft = forces.rows
+            slopes = forces.slopes(step.scheme, approach, active.offsets, rounding)
         row = np.repeat(np.arange(count * k), np.diff(w.indptr))
         diagonal = np.bincount(row, w.data**2 / inertia[w.indices], count * k).astype(float)
         speeds, impulses = values.after + active.offsets, active.impulses
+        speeds[soft, 0] = 0.0  # friction is that of the impulses
         friction, static = laws.friction.copy(), _static(laws, groups, impulses)
         friction[static, :1] = laws.static_friction[static, None]
         problem = FrictionProblem(scipy.sparse.diags_array(diagonal), speeds, friction, groups)
         z = impulses - speeds / problem.mobility
         own, coupled = pieces(problem, z, np.arange(count))
-        residual = (own @ impulses[..., None] + coupled @ speeds[..., None]).ravel()
+        coupled[soft, :, 0] = 0.0
+        residual = (own @ impulses[..., None] + coupled @ speeds[..., None])[..., 0]
+        if forces is not None:
+            own[soft, 0], coupled[soft, 0] = np.eye(k)[0], 0.0
+            coupled[soft, 0, 0] = -forces.after
+            residual[soft, 0] = impulses[soft, 0] - forces.impulse
         limit, column = _limit_slopes(problem, own, z)
         column[:, 1 : contacts.linear] -= static[:, None]
         factors = np.zeros((count, k))
         factors[:, 1 : contacts.linear] = laws.tangential[:, None]
         factors[slopes.idle] = 1.0
         factors[:, 0] = slopes.speed
-        return cls(keys, gaps, own, coupled, slopes, limit, column, factors, residual)
+        equations = own, coupled, slopes, limit, column, factors, residual.ravel()
+        return cls(keys, gaps, *equations, impact, forces)
 
     @classmethod
     def of_openings(
@@ -123,21 +159,32 @@ class ContactEquations:
     ) -> ContactEquations:
         """``N δ + g = 0``, with ``g`` constant unless the contact presses."""
         zero, one = np.zeros(distance.size), np.ones((distance.size, 1, 1))
-        slopes = OffsetSlopes(presses.astype(float), zero, zero, zero, ~presses, ~presses)
+        slopes = OffsetSlopes(presses.astype(float), zero, zero, zero, zero, ~presses, ~presses)
         residual, still = gaps.values.after[:, 0] + distance, zero[:, None]
         column = np.zeros((distance.size, 1), dtype=int)
         return cls(keys, gaps, 0 * one, one, slopes, still, column, still, residual)
 
     def impact_law(self, keys: np.ndarray) -> ContactEquations:
-        """The same equations if the contacts with some keys follow Newton's law, and the others
-        remain closed."""
+        """The same equations if the contacts with some keys follow their law of impact, and the
+        others remain closed."""
         impacting = np.isin(self.keys, keys)
         zero, laws = np.zeros(self.slopes.gap.size), self.gaps.values.laws
         speed, factors = zero.copy(), self.factors.copy()
-        speed[impacting] = laws[impacting, 0]
-        factors[:, 0] = speed
-        slopes = replace(self.slopes, gap=zero, speed=speed, restitution=zero)
+        speed[impacting], struck = laws[impacting, 0], self.slopes.struck
+        if self.impact is not None:
+            own, struck = self.impact.rows, struck.copy()
+            struck[own[impacting[own]]], speed[own] = -1.0, 0.0
+        if self.forces is not None:
+            soft = self.forces.rows
+            zero[soft], speed[soft] = self.slopes.gap[soft], self.slopes.speed[soft]
+        factors[:, 0], none = speed, np.zeros_like(speed)
+        slopes = replace(self.slopes, gap=zero, speed=speed, restitution=none, struck=struck)
         return replace(self, slopes=slopes, factors=factors)
+
+    @property
+    def struck(self) -> np.ndarray | float:
+        """(n_v,) momentum by impacts at the start of the step."""
+        return 0.0 if self.impact is None else self.impact.momentum
 
     @property
     def by_forced(self) -> np.ndarray:
@@ -162,17 +209,37 @@ class ContactEquations:
         offset[:, 1:] += self._restituted[..., None] * change.laws[:, 1, None]
         offset[:, 0] += s.gap[:, None] * change.distance
         offset[:, 0] += s.restitution[:, None] * change.laws[:, 0]
+        if self.impact is not None:
+            exchanged, struck = self.impact.push(dq, path)
+            momentum = momentum + exchanged
+            offset[:, 0] += s.struck[:, None] * struck
         rows = self.coupled @ (change.after + offset)
         friction = change.laws[np.arange(before.shape[0])[:, None], self.column]
-        return momentum, (rows + self.limit[..., None] * friction).reshape(-1, dq.shape[1])
+        rows += self.limit[..., None] * friction
+        if self.forces is not None:
+            by_p = self.forces.parameters
+            rows[self.forces.rows, 0] -= by_p @ dq[dq.shape[0] - by_p.shape[1] :]
+        return momentum, rows.reshape(-1, dq.shape[1])
 
     def pull(self, momentum: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Weights of ``q`` from those of ``Wᵀ P`` and of the equations."""
-        return self.gaps.pull(self._weights(weights), momentum)
+        own = self._weights(weights)
+        pulled = self.gaps.pull(own, momentum)
+        if self.forces is not None:
+            by_p, rows = self.forces.parameters, weights.reshape(*self.coupled.shape[:2], -1)
+            pulled[pulled.shape[0] - by_p.shape[1] :] -= by_p.T @ rows[self.forces.rows, 0]
+        if self.impact is None:
+            return pulled
+        struck = self.slopes.struck[:, None] * own.after[:, 0]
+        return np.asarray(pulled + self.impact.pull(momentum, struck))
 
     def pull_path(self, momentum: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Weights of the speeds at the end of a path of means."""
-        return self.gaps.pull_path(self._weights(weights), momentum)
+        own = self._weights(weights)
+        pulled = self.gaps.pull_path(own, momentum)
+        if self.impact is not None:
+            pulled = pulled + self.impact.pull_path(self.slopes.struck[:, None] * own.after[:, 0])
+        return pulled
 
     def _weights(self, weights: np.ndarray) -> GapChanges:
         """Weights of the gaps from those of the equations."""

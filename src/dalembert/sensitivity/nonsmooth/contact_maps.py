@@ -13,12 +13,17 @@ import scipy
 
 from dalembert.analysis.nonsmooth.advance import AHEAD
 from dalembert.analysis.nonsmooth.contact_step import APART, ContactStep
+from dalembert.analysis.nonsmooth.impact_stage import ImpactStage
 from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations
+from dalembert.sensitivity.nonsmooth.force_slopes import ForceSlopes
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps, Part
-from dalembert.sensitivity.nonsmooth.linear_map import Block, ForcedChange, MapAt, ProximalFactors
+from dalembert.sensitivity.nonsmooth.impact_slopes import ImpactSlopes, Motions
+from dalembert.sensitivity.nonsmooth.linear_map import ForcedChange, MapAt
 from dalembert.sensitivity.nonsmooth.path_slopes import Path, path_gaps, path_points
+from dalembert.sensitivity.nonsmooth.proximal_factors import Block, ProximalFactors
+from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.source_slopes import StepState, source_slopes
 from dalembert.sensitivity.nonsmooth.step_equations import step_equations
 
@@ -82,6 +87,7 @@ class ContactMaps:
         h: float,
         active: ActiveContacts,
         before: MapAt | None = None,
+        stage: ImpactStage | None = None,
     ) -> MapAt:
         """Map from the start of a step to its end before corrections.
 
@@ -90,12 +96,15 @@ class ContactMaps:
         after : initial guess of the speeds at the end
         active : the pressing contacts
         before : map of the solution on whose path means of gaps are taken
+        stage : impacts at the start of the step, whose impulses ``active`` does not include
         """
         (y, v), n = self._split(x), self.speeds
         path = None
         if before is not None:
-            path = Path(before.z[:n], h, path_points(self.contact_step.model))
+            step = self.contact_step
+            path = Path(before.z[:n], h, step.scheme.theta, path_points(step.model))
         z = np.concatenate([after, np.zeros(self.smooth - n), active.impulses.ravel()])
+        impact = None if stage is None else self._impact(stage, active, path, (y, v, t, self.p, h))
         for _ in range(MAX_ITERATIONS):
             smooth, impulses = np.split(z, [self.smooth])
             pressing = active.pressing(impulses)
@@ -106,7 +115,9 @@ class ContactMaps:
                 own = pressing.keys, pressing.impulses, pressing.curved
                 gaps = self.gaps(state, *own, path)
                 inertia = np.maximum(np.abs(by_z.diagonal()[:n]), np.finfo(float).tiny)
-                contacts = ContactEquations.of(gaps, self.contact_step, pressing, h, inertia)
+                given = self.contact_step, pressing, h, inertia
+                forces = self._forces(gaps, y, t, h, pressing.keys)
+                contacts = ContactEquations.of(gaps, *given, impact, forces)
                 right, below = self._joined(value, contacts, impulses)
                 matrix += below
             factors = ProximalFactors(matrix, self._weight(impulses.size))
@@ -119,6 +130,45 @@ class ContactMaps:
             forced = self._forced(y, v, t, h, offsets)
         next_by_z, next_by_q = slopes
         return MapAt(z, following, factors, by_q, next_by_z, next_by_q, contacts, forced, before)
+
+    def _forces(
+        self, gaps: Gaps, y: np.ndarray, t: float, h: float, keys: np.ndarray
+    ) -> ForceSlopes | None:
+        """Contacts with force laws; None without any."""
+        step = self.contact_step
+        if not step.force_laws.elements:
+            return None
+        numbers, values = step.force_laws.of(step.selected(step.at(t, y), keys)), gaps.values
+        state = values.distance, values.before[:, 0], values.after[:, 0]
+        span = h, step.scheme.theta
+        return ForceSlopes.of(step.force_laws, numbers, step.model, span, state)
+
+    def _impact(
+        self,
+        stage: ImpactStage,
+        active: ActiveContacts,
+        path: Path | None,
+        state: tuple[np.ndarray, np.ndarray, float, np.ndarray, float],
+    ) -> ImpactSlopes:
+        """Impacts at the start ``y``, ``v``, ``t``, ``p``, ``h`` of a step."""
+        (y, v, t, p, _), n = state, self.speeds
+        start = np.concatenate([v, np.zeros(self.smooth - n)])
+
+        def slopes(change: np.ndarray) -> list[Sparse]:
+            return self.equations.step(start + change, *state)[1]
+
+        def gaps(own: np.ndarray, impulses: np.ndarray, change: np.ndarray) -> Gaps:
+            return self.gaps(StepState(t, y, p, v, v + change), own, impulses)
+
+        def means(change: np.ndarray) -> Gaps:
+            own = active.keys, np.zeros_like(active.impulses), active.curved, path
+            return self.gaps(StepState(t, y, p, v, v + change), *own)
+
+        by_z, by_q = slopes(0 * start)
+        factors = ProximalFactors([(0, 0, by_z)], self._weight(0))
+        changes = lambda change: slopes(change)[1] - by_q  # noqa: E731
+        motions = Motions(factors, changes, gaps, means, n, self.size)
+        return ImpactSlopes(stage, active.keys, motions)
 
     def _forced(
         self, y: np.ndarray, v: np.ndarray, t: float, h: float, offsets: np.ndarray
@@ -199,7 +249,7 @@ class ContactMaps:
         """Residual with contacts, and their blocks of the matrix."""
         across, first = contacts.gaps.directions, self.smooth
         right = np.concatenate([value, contacts.residual])
-        right[: self.speeds] -= across.T @ impulses
+        right[: self.speeds] -= across.T @ impulses + contacts.struck
         away = scipy.sparse.csr_array(-across.T)
         own = [(first, 0, contacts.by_speed), (first, first, contacts.by_impulse)]
         return right, [(0, first, away), *own]

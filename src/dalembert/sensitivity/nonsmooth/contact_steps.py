@@ -40,10 +40,6 @@ class ContactSteps:
     changes : step → ContactChanges of the linearised steps
     growth : largest entry of a change of the state, or of its weights, in the marches so far
 
-    Raises
-    ------
-    UnsupportedError
-        The law of impact is not Newton's, or contacts have force laws.
     """
 
     def __init__(self, motion: NonsmoothMotion):
@@ -51,19 +47,11 @@ class ContactSteps:
         self.record, self.p = motion.record, motion.parameters
         run = NonsmoothRun(analysis, motion.model, motion.parameters)
         self.step: ContactStep = run.step
-        if elements := self.step.force_laws.elements:
-            names = ", ".join(element.name for element in elements)
-            raise UnsupportedError(
-                f"{names}: gradients of contacts with a force law are not available in "
-                "solve_nonsmooth; use rigid contacts, or a Contact for each pair of shapes in "
-                "solve_dynamics"
-            )
         self.maps = ContactMaps(self.step)
         self.x = np.vstack([self.record.ends.y, self.record.ends.v])
         self.size = self.record.ends.y.shape[0]
         self.changes: dict[int, ContactChanges] = {}
         self.growth = 0.0
-        self._refuse_laws()
         self._starts = np.searchsorted(self.record.step, np.arange(self.count + 1))
 
     @property
@@ -115,16 +103,12 @@ class ContactSteps:
         slip = np.linalg.norm(impulse[:, 1:linear], axis=1)
         return np.asarray(np.abs(slip - limit) <= STICK_MARGIN * limit)
 
-    def _refuse_laws(self) -> None:
-        if not self.record.key.size:
-            return
-        numbers = self._laws(self.record.key)[:, IMPACT]
-        for law in ImpactLaw:
-            if law is not ImpactLaw.NEWTON and (numbers == law.number).any():
-                raise UnsupportedError(
-                    f"gradients of impacts by the {law.value} law are not available in "
-                    "solve_nonsmooth; use Newton's law, or solve_dynamics"
-                )
+    def _is_repeated(self, active: ActiveContacts) -> bool:
+        """Whether a step has solutions that are not recorded: those on whose paths means of gaps
+        are taken, and impacts by other laws than Newton's."""
+        if active.curved.any() or not active.keys.size:
+            return bool(active.curved.any())
+        return bool((self._laws(active.keys)[:, IMPACT] != ImpactLaw.NEWTON.number).any())
 
     def split(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """``y`` and ``v`` at the start of step ``k``."""
@@ -156,8 +140,8 @@ class ContactSteps:
     def _maps(self, k: int) -> list[MapAt]:
         (t, h), active, x = self.span(k), self.active(k), self.x[:, k]
         after = self.x[self.size :, k + 1]
-        if active.curved.any():
-            maps = [self._on_path(k)]
+        if self._is_repeated(active):
+            maps = [self._repeated(k)]
         else:
             maps = [self.maps.step(x, after, t, h, active)]
         recorder = RecordedOpening(self.step, t + h, self.step.scheme.projection)
@@ -169,8 +153,9 @@ class ContactSteps:
             maps.append(self.maps.consistent(maps[-1].following, t + h))
         return maps
 
-    def _on_path(self, k: int) -> MapAt:
-        """Map of a step with means of gaps over the path of a solution, which is repeated."""
+    def _repeated(self, k: int) -> MapAt:
+        """Map of a step that is repeated: with means of gaps over the path of a solution, or with
+        impacts at its start."""
         (t, h), (y, v), x = self.span(k), self.split(k), self.x[:, k]
         result: StepResult | None = advance(self.step, t, h, y, v, self._last(k - 1))
         results = []
@@ -178,10 +163,22 @@ class ContactSteps:
             results.append(result)
             result = result.path
         before: MapAt | None = None
+        if any(self._is_mixed(result) for result in results):
+            raise UnsupportedError(
+                f"rigid contacts along curved paths act with contacts with a force law in the step "
+                f"at t = {t:.9g} s: no gradient; give them all force laws, or none"
+            )
         for result in reversed(results):
-            before = self.maps.step(x, result.v, t, h, ActiveContacts.of(result), before)
+            own = ActiveContacts.of(result), before, result.impact
+            before = self.maps.step(x, result.v, t, h, *own)
         assert before is not None
         return before
+
+    def _is_mixed(self, result: StepResult) -> bool:
+        """Whether rigid contacts have means over a path, and compliant ones others."""
+        own = result.contacts.some(np.isin(result.contacts.key, result.curved))
+        laws = self.step.force_laws
+        return bool(laws.elements) and not laws.compliant(own).all()
 
     def _last(self, k: int) -> LastImpulses | None:
         """Part of step ``k`` on which the next one depends; None before the first."""

@@ -3,87 +3,21 @@
     dz = −G_z⁻¹ G_q dq,      dx⁺ = F_z dz + F_q dq
 
 ``G_z`` is sparse and may be singular if unknowns are not unique, as for impulses of redundant
-contacts. The factors of ``G_z + ε D`` then solve the equations by proximal iterations,
-``z ← z + (G_z + ε D)⁻¹ (r − G_z z)``; unique quantities do not depend on ``ε``. Where redundant
+contacts; unique quantities do not depend on the proximal term of its factors. Where redundant
 contacts contradict each other, so that some open or slip, whichever depends on the direction of the
 change, speeds satisfy them on average.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy
 
-from dalembert.errors import SingularityError
 from dalembert.sensitivity.nonsmooth.active_contacts import ContactEquations
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
+from dalembert.sensitivity.nonsmooth.proximal_factors import ProximalFactors
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
-from dalembert.sparse.factorise import SuperLUFactors
-
-WEIGHT, ITERATIONS = 1e-9, 3
-"""``ε``, relative to the entries of a row; number of proximal iterations."""
-REMAINDER = 1e-6
-"""Remainder of equations that count as consistent, relative to the right-hand side [-]."""
-Block = tuple[int, int, Sparse]
-"""First row, first column and entries of a block of a matrix."""
-
-
-class ProximalFactors:
-    """Factors of a matrix that may be singular, for both directions.
-
-    Parameters
-    ----------
-    blocks : of the matrix
-    weight : (n,) diagonal of ``D``: 1 for impulses, −1 for joint multipliers, 0 for speeds
-
-    Attributes
-    ----------
-    consistent : whether all equations solved so far were consistent
-
-    Raises
-    ------
-    SingularityError
-        The equations cannot be factorised.
-    """
-
-    def __init__(self, blocks: Sequence[Block], weight: np.ndarray):
-        parts = [_entries(*block) for block in blocks]
-        row, column, value = (np.concatenate(part) for part in zip(*parts, strict=True))
-        n, smallest = weight.size, np.finfo(float).tiny
-        largest = np.full(n, smallest)
-        np.maximum.at(largest, row, np.abs(value))
-        self.rows = 1 / largest
-        value = value * self.rows[row]
-        largest = np.full(n, smallest)
-        np.maximum.at(largest, column, np.abs(value))
-        self.columns = 1 / largest
-        value = value * self.columns[column]
-        self.matrix = _compressed(value, row, column, n)
-        diagonal = np.arange(n)
-        row, column = (np.concatenate([part, diagonal]) for part in (row, column))
-        shifted = _compressed(np.concatenate([value, WEIGHT * weight]), row, column, n)
-        try:
-            self._factors = SuperLUFactors(shifted)
-        except np.linalg.LinAlgError:
-            text = "a step with contacts has no derivative: its equations are singular"
-            raise SingularityError(text) from None
-        self.consistent = True
-
-    def solve(self, right: np.ndarray, transposed: bool = False) -> np.ndarray:
-        """Solution, the same linear map and its transpose."""
-        before, after = (self.columns, self.rows) if transposed else (self.rows, self.columns)
-        matrix, trans = (self.matrix.T, "T") if transposed else (self.matrix, "N")
-        rhs = before[:, None] * right.reshape(right.shape[0], -1)
-        solution, remainder = np.zeros(rhs.shape), rhs
-        for _ in range(ITERATIONS):
-            solution = solution + self._factors.solve(remainder, trans)
-            remainder = rhs - matrix @ solution
-        size = np.abs(rhs).max(initial=0.0)
-        self.consistent &= bool(np.abs(remainder).max(initial=0.0) <= REMAINDER * size)
-        return (after[:, None] * solution).reshape(right.shape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,14 +132,3 @@ class ForcedChange:
         z_bar[: normal.shape[1]] = normal.T @ (self.sign * weights[None])
         q_bar = self.gaps.pull(own, np.zeros((normal.shape[1], weights.size)))
         return np.asarray(q_bar + self.free.weights(z_bar))
-
-
-def _entries(first: int, left: int, matrix: Sparse) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
-    return first + row, left + matrix.indices, matrix.data
-
-
-def _compressed(
-    value: np.ndarray, row: np.ndarray, column: np.ndarray, n: int
-) -> scipy.sparse.csc_array:
-    return scipy.sparse.csc_array((value, (row, column)), shape=(n, n))

@@ -1,9 +1,10 @@
 """Means of gaps over the path of a step, and their derivatives.
 
-    u = W̄ v + w̄,      W̄ = Σ β W(y ⊕ s δ) R,      ḡ = g(y ⊕ δ) − h (W̄ (v + v_δ)/2 + w̄)_N
+    u = W̄ v + w̄,      W̄ = Σ β W(y ⊕ s δ) R,      ḡ = g(y ⊕ δ) − W̄ δ − h w̄
 
-as functions of ``q = (y, v, t, p)`` and of the speeds ``v_δ`` at the end of the path ``δ = h (v +
-v_δ)/2``; ``R`` are the shares of the displacement per ``s`` in ``δ``, ``β`` the weights of means.
+as functions of ``q = (y, v, t, p)`` and of the speeds ``v_δ`` at the end of the path ``δ = h (θ
+v_δ + (1−θ) v)``; ``R`` are the shares of the displacement per ``s`` in ``δ``, ``β`` the weights of
+means.
 """
 
 from __future__ import annotations
@@ -33,12 +34,19 @@ class Path:
     ----------
     speeds : (n_v,) ``v_δ``
     h : step [s]
+    theta : ``θ``
     points : PathPoints of the model
     """
 
     speeds: np.ndarray
     h: float
+    theta: float
     points: PathPoints
+
+    @property
+    def shares(self) -> tuple[float, float]:
+        """Durations by which ``δ`` contains the speeds ``v`` and ``v_δ`` [s]."""
+        return (1 - self.theta) * self.h, self.theta * self.h
 
 
 class PathPoints:
@@ -120,7 +128,7 @@ def path_gaps(
 ) -> PathGaps:
     """Means of the gaps with some keys; arguments as in ``SourceSlopes.at``."""
     points = [_point(source, state, path, s, (rows, keys, impulses, laws)) for s in LOBATTO]
-    weights, half = list(LOBATTO.values()), path.h / 2
+    weights, (first_share, share) = list(LOBATTO.values()), path.shares
 
     def mean(values: list[Any]) -> Any:
         return sum(weight * value for weight, value in zip(weights, values, strict=True))
@@ -130,9 +138,9 @@ def path_gaps(
         mean([getattr(p, name) for p in points]) for name in ("before", "after", "ending")
     )
     first, last = points[0], points[-1]
-    distance = last.distance - half * (before + ending)[:, 0]
-    normal = (slopes["before"] + slopes["ending"])[:: impulses.shape[1]]
-    slopes["distance"] = last.slopes["distance"] - half * normal
+    distance = last.distance - (first_share * before + share * ending)[:, 0]
+    changes = first_share * slopes["before"] + share * slopes["ending"]
+    slopes["distance"] = last.slopes["distance"] - changes[:: impulses.shape[1]]
     slopes["laws"] = first.slopes["laws"]
     matrices = {name: scipy.sparse.csr_array(slopes[name]) for name in NAMES}
     momentum, across = (scipy.sparse.csr_array(slopes[name]) for name in ("momentum", "across"))
@@ -163,17 +171,18 @@ class _Point:
 def _point(source: SourceSlopes, state: StepState, path: Path, s: float, own: Any) -> _Point:
     """Gaps at ``y ⊕ s δ``; ``own`` are the last arguments of ``SourceSlopes.at``."""
     h, v = path.h, state.before
-    delta = h * (v + path.speeds) / 2
+    part, share = path.shares
+    delta = part * v + share * path.speeds
     y, (y_by_y, y_by_delta) = path.points.position(state.y, delta, s)
     shares, (by_y, by_delta) = path.points.shares(state.y, delta, s)
     (n_y, n), rest = (y.size, v.size), 1 + state.p.size
-    turns = _columns(by_y, h / 2 * by_delta, rest)
+    turns = _columns(by_y, by_delta, path.shares, rest)
     width = turns.shape[1]
     scaling = scipy.sparse.diags_array(shares)
     start, ending = (_placed(scaling, place, width) for place in (n_y, width - n))
     moved = [scipy.sparse.diags_array(u) @ turns for u in (v, state.after, path.speeds)]
     others = _placed(scipy.sparse.eye_array(rest), n_y + n, width)
-    inner = [_columns(y_by_y, h / 2 * y_by_delta, rest), moved[0] + start, others]
+    inner = [_columns(y_by_y, y_by_delta, path.shares, rest), moved[0] + start, others]
     chain = scipy.sparse.csr_array(scipy.sparse.vstack(inner))
     gaps, at_end = (
         source.at(StepState(state.t + s * h, y, state.p, shares * v, shares * u), *own)
@@ -195,10 +204,11 @@ def _point(source: SourceSlopes, state: StepState, path: Path, s: float, own: An
     return _Point(values.distance, values.laws, *speeds, chained)
 
 
-def _columns(by_y: Sparse, by_delta: Sparse, rest: int) -> Sparse:
-    """Derivatives by ``q`` and the speeds of the path from those by ``y`` and by both speeds."""
+def _columns(by_y: Sparse, by_delta: Sparse, shares: tuple[float, float], rest: int) -> Sparse:
+    """Derivatives by ``q`` and the speeds of the path from those by ``y`` and by ``δ``."""
     none = scipy.sparse.csr_array((by_y.shape[0], rest))
-    return scipy.sparse.csr_array(scipy.sparse.hstack([by_y, by_delta, none, by_delta]))
+    first, last = (share * by_delta for share in shares)
+    return scipy.sparse.csr_array(scipy.sparse.hstack([by_y, first, none, last]))
 
 
 def _placed(block: Sparse, first: int, width: int) -> Sparse:

@@ -1,0 +1,65 @@
+"""Shapes of ``Collisions`` that can touch, and bodies of a gap."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dalembert.elements.base import Element
+from dalembert.elements.contact.collisions import Collisions
+from dalembert.elements.contact.pairs import APART
+from dalembert.errors import AnalysisError
+from dalembert.integrators.contact.contacts import Contacts
+from dalembert.model.graph.model import Model
+
+
+def refuse_lonely_shapes(elements: list[Element]) -> None:
+    """Refuse ``Collisions`` whose shapes are all on one body, or in groups that do not touch.
+
+    Raises
+    ------
+    AnalysisError
+        Names the element and its body.
+    """
+    for element in elements:
+        if not isinstance(element, Collisions) or _can_touch(element):
+            continue
+        bodies = list(dict.fromkeys(shape.carrier.name for shape in element.members))
+        count = len(element.members)
+        if len(bodies) == 1:
+            only = f"its only shape is on {bodies[0]}"
+            text = only if count == 1 else f"all of its {count} shapes are on {bodies[0]}"
+            remedy = "add a shape of another body, such as contact.HalfPlane(ground)"
+        else:
+            text = "its pairs have touching=False between all groups of different bodies"
+            remedy = "leave out touching=False of one of them"
+        raise AnalysisError(f"{element.name}: nothing can touch: {text}; {remedy}")
+
+
+def _can_touch(element: Collisions) -> bool:
+    """Whether two shapes of different bodies may touch, or one of several bodies touches itself."""
+    groups = element.group_of(list(element.members))
+    kinds = {
+        (int(group), id(shape.carrier))
+        for group, shape in zip(groups, element.members, strict=True)
+    }
+    if any(len(shape.bodies) > 1 for shape in element.members):
+        return True
+    return any(
+        carrier != other and element.laws[group, second] != APART
+        for group, carrier in kinds
+        for second, other in kinds
+    )
+
+
+def bodies_of(model: Model, contacts: Contacts, row: int) -> str:
+    """Names of the bodies that a gap moves with."""
+    width = contacts.drift.shape[1]
+    directions = contacts.directions[row * width : (row + 1) * width]
+    used = np.asarray(abs(directions).sum(axis=0)).ravel() > 0
+    names, first = [], 0
+    for group in model.coordinates:
+        count = group.twist.numel()
+        if used[first : first + count].any():
+            names.append(group.name)
+        first += count
+    return " and ".join(names) if len(names) > 1 else f"{''.join(names)} and a fixed shape"

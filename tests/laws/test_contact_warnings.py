@@ -1,0 +1,80 @@
+"""Warnings and errors of runs with contacts: steps as long as a fall, overlaps, lonely shapes."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+import dalembert as da
+from dalembert import planar
+
+contact = planar.contact
+SCHEMES = [da.AnticipatedImpacts(), da.MoreauJean()]
+
+
+def ball(height: float, restitution: float = 0.8) -> da.Model:
+    system = da.System("ball", gravity=(0, -10))
+    body = system.add(planar.Body("ball", mass=1.0, inertia=0.004, position=(0, height)))
+    shapes = [contact.Circle(body, 0.1), contact.HalfPlane(system.ground)]
+    system.add(planar.Collisions("floor", shapes, restitution=restitution))
+    return system.build()
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_a_step_as_long_as_the_fall_is_warned_about(scheme):
+    """The ball hits at √(2 g 0.9 m), and e² of its energy are missing."""
+    motion = da.solve_nonsmooth(ball(1.0), 2.0, step=1.0, integrator=scheme)
+    (warning,) = motion.warnings
+    speed, energy = (18.0) ** 0.5, 0.8**2 * 9.0
+    assert warning.startswith(f"floor closes a gap at {speed:.3g} m/s within the step at t = 0 s")
+    assert f"{energy:.3g} J" in warning
+    step = float(re.search("use step=([^ ]*) or shorter", warning).group(1))
+    shorter = da.solve_nonsmooth(ball(1.0), 0.8, step=step, integrator=scheme)
+    assert not shorter.warnings and shorter["ball.y"][-1].item() > 0.5
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+def test_bounces_that_die_out_and_bodies_without_rebound_are_not(scheme, restitution):
+    motion = da.solve_nonsmooth(ball(1.0, restitution), 5.0, step=5e-3, integrator=scheme)
+    assert motion.status.success and not motion.warnings
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_overlaps_of_the_start_name_the_bodies_the_depth_and_the_remedy(scheme):
+    motion = da.solve_nonsmooth(ball(0.05), 0.1, step=0.01, integrator=scheme)
+    assert not motion.status.success
+    text = motion.status.message
+    assert text.startswith("ball and a fixed shape of floor overlap by 0.05 m at the start")
+    assert text.endswith("; move them apart by this depth along the normal of the contact")
+    system = da.System("balls")
+    shapes = [
+        contact.Circle(planar.Body(name, mass=1.0, inertia=1.0, position=(x, 0)).center, 0.1)
+        for name, x in (("a", 0.0), ("b", 0.15))
+    ]
+    for shape in shapes:
+        system.add(shape.point.body)
+    system.add(planar.Collisions("hits", shapes))
+    text = da.solve_nonsmooth(system.build(), 0.1, step=0.01, integrator=scheme).status.message
+    assert text.startswith("a and b of hits overlap by 0.05 m at the start")
+
+
+def test_shapes_that_cannot_touch_are_refused():
+    system = da.System("lonely")
+    body = system.add(planar.Body("ball", mass=1.0, inertia=1.0))
+    hits = system.add(planar.Collisions("hits", [contact.Circle(body, 0.1)]))
+    text = r"hits: nothing can touch: its only shape is on ball; add a shape of another body"
+    with pytest.raises(da.AnalysisError, match=text):
+        da.solve_nonsmooth(system.build(), 0.1, step=0.01)
+    del system.elements[hits.name]
+    groups = {"all": [contact.Circle(body.point(x, 0), 0.1) for x in (0.0, 1.0)]}
+    hits = system.add(planar.Collisions("hits", groups))
+    with pytest.raises(da.AnalysisError, match="hits: nothing can touch: all of its 2 shapes are"):
+        da.solve_nonsmooth(system.build(), 0.1, step=0.01)
+    del system.elements[hits.name]
+    groups |= {"floor": [contact.HalfPlane(system.ground)]}
+    apart = [contact.Pair(("all", "floor"), touching=False)]
+    system.add(planar.Collisions("hits", groups, pairs=apart))
+    with pytest.raises(da.AnalysisError, match="its pairs have touching=False between all groups"):
+        da.solve_nonsmooth(system.build(), 0.1, step=0.01)

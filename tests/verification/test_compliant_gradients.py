@@ -1,0 +1,99 @@
+"""Gradients of motions with force laws in many contacts, against closed forms and differences."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar
+
+contact = planar.contact
+
+
+def dropped(law: str, step: float, scheme=None, **values: float) -> da.Motion:
+    """A ball that hits a wall without gravity, through the whole contact."""
+    start = {"stiffness": 1e6, "damping": 0.2, "speed": 2.0, "mass": 1.5} | values
+    system = da.System("ball")
+    p = {name: system.parameter(name, value) for name, value in start.items()}
+    like = {"mass": p["mass"], "position": (0.0, 2e-4), "velocity": (0.0, -p["speed"])}
+    ball = system.add(planar.Particle("ball", **like))
+    kind = getattr(contact, law)(stiffness=p["stiffness"], damping=p["damping"])
+    shapes = [contact.Vertex(ball.center), contact.HalfPlane(system.ground.center)]
+    system.add(planar.Collisions("wall", shapes, law=kind))
+    options = {"integrator": scheme or da.AnticipatedImpacts()}
+    motion = da.solve_nonsmooth(system.build(), 0.02, step=step, **options)
+    assert motion.status.success and motion["ball.vy"][-1].item() > 0
+    return motion
+
+
+def both(motion: da.Motion, *responses) -> np.ndarray:
+    direct = da.sensitivity(motion, list(responses), method="direct").values
+    adjoint = da.sensitivity(motion, list(responses), method="adjoint").values
+    np.testing.assert_allclose(adjoint, direct, rtol=1e-9, atol=1e-12 * abs(direct).max())
+    return direct
+
+
+@pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
+def test_restitution_of_hunt_and_crossley(scheme):
+    """``v⁺ = e v``, ``(1 + e) d = ln (1 + d) − ln (1 − d e)``, ``d = c v``: neither the stiffness
+    nor the mass matters, and the error is of second order."""
+    c, v, errors = 0.2, 2.0, []
+    d = c * v
+    e = contact.achieved_restitution(d)
+    by_e, by_d = d - d / (1 - d * e), 1 + e - 1 / (1 + d) - e / (1 - d * e)
+    slope = -by_d / by_e  # de/dd
+    exact = np.array([0.0, slope * v**2, e + slope * d, 0.0])
+    size = np.array([1e6, 0.2, 2.0, 1.5])
+    for step in (2e-4, 1e-4, 5e-5):
+        gradient = both(dropped("HuntCrossley", step, scheme), da.final("ball.vy"))[0]
+        errors.append(np.abs((gradient - exact) * size).max())
+    assert errors[-1] < 2e-3 and errors[-1] < errors[0] / 6
+
+
+def test_duration_of_a_linear_contact():
+    """Kelvin and Voigt without damping: half a period, ``y = v (t − t₁ − π √(m/K))``."""
+    motion = dropped("KelvinVoigt", 2.5e-5, damping=0.0)
+    gradient = both(motion, da.final("ball.y"), da.final("ball.vy"))[:, [0, 2, 3]]
+    k, v, m = 1e6, 2.0, 1.5
+    half = np.pi * np.sqrt(m / k)
+    exact = [[v * half / (2 * k), 0.02 - half, -v * half / (2 * m)], [0.0, 1.0, 0.0]]
+    np.testing.assert_allclose(gradient[0], exact[0], rtol=2e-3)
+    np.testing.assert_allclose(gradient[1] * [k, v, m], np.multiply(exact[1], [k, v, m]), atol=2e-3)
+
+
+def two_discs_and_a_floor() -> da.Model:
+    system = da.System("discs", gravity=(0, -1))
+    stiffness, damping = system.parameter("stiffness", 1e5), system.parameter("damping", 0.3)
+    height, size = system.parameter("height", 0.05, "m"), system.parameter("size", 0.1, "m")
+    mass, friction = system.parameter("mass", 1.0, "kg"), system.parameter("friction", 0.2)
+    a = planar.Body("a", mass=mass, inertia=0.004, position=(0, 0), velocity=(1, 0))
+    b = planar.Body("b", mass=2.0, inertia=0.004, position=(0.201, height))
+    shapes = [contact.Circle(system.add(body), size) for body in (a, b)]
+    shapes.append(contact.HalfPlane(system.ground.point(0, -0.1001)))
+    law = contact.HuntCrossley(stiffness=stiffness, damping=damping)
+    system.add(planar.Collisions("touch", shapes, law=law, friction=friction))
+    return system.build()
+
+
+@pytest.mark.parametrize("theta", [0.5, 0.7])
+def test_differences_of_the_run_confirm_the_gradient(theta):
+    """Means over curved paths, friction, and all parameters; differences converge to it."""
+    scheme, solver = da.MoreauJean(theta=theta), da.ContactSolver(tolerance=1e-13)
+    options = {"step": 1e-3, "integrator": scheme, "solver": solver}
+    model, names = two_discs_and_a_floor(), ["a.x", "b.vy", "b.vx", "a.angular_velocity"]
+    motion = da.solve_nonsmooth(model, 0.02, **options)
+    gradient, p, differences = both(motion, *map(da.final, names)), motion.parameters, []
+    for k in range(p.size):
+        d, slopes = 5e-6 * max(abs(p[k]), 0.1), []
+        for part in (1.0, 0.5):
+            ends = []
+            for sign in (part, -part):
+                q = p.copy()
+                q[k] += sign * d
+                moved = da.solve_nonsmooth(model, 0.02, parameters=q, **options)
+                ends.append(np.array([moved[name][-1].item() for name in names]))
+            slopes.append((ends[0] - ends[1]) / (2 * part * d))
+        differences.append((4 * slopes[1] - slopes[0]) / 3)
+    error = np.abs((gradient - np.array(differences).T) * (np.abs(p) + 0.1))
+    assert error.max() < 2e-6 * np.abs(gradient * (np.abs(p) + 0.1)).max()
