@@ -33,6 +33,7 @@ class Manifold:
     flat : whether the operations are + and −
     bounds : SX of y, zero on the manifold only
     between : returns the expression ``other ⊖ y`` when needed
+    attitudes : for each rotation in space, its first Euler parameter in y and its first speed
     """
 
     y: ca.SX
@@ -42,6 +43,7 @@ class Manifold:
     flat: bool
     bounds: ca.SX
     between: Callable[[], ca.SX]
+    attitudes: tuple[tuple[int, int], ...] = ()
 
     @classmethod
     def of(cls, groups: Sequence[Coordinates]) -> Manifold:
@@ -57,6 +59,7 @@ class Manifold:
             flat=all(group.flat for group in groups),
             bounds=stack(group.bounds(group.pose) for group in groups),
             between=lambda: apart,
+            attitudes=_attitudes(groups),
         )
 
     @classmethod
@@ -147,6 +150,16 @@ class Manifold:
     @cached_property
     def _apart(self) -> ca.Function:
         return ca.Function("displacement", [self.y, self.other], [self.apart])
+
+
+def _attitudes(groups: Sequence[Coordinates]) -> tuple[tuple[int, int], ...]:
+    """Positions of the rotations in space in the stacked coordinates and speeds."""
+    places, coordinate, speed = [], 0, 0
+    for group in groups:
+        if group.attitude is not None:
+            places.append((coordinate + group.attitude[0], speed + group.attitude[1]))
+        coordinate, speed = coordinate + group.pose.numel(), speed + group.twist.numel()
+    return tuple(places)
 
 
 def _shaped(values: ca.DM, like: np.ndarray) -> np.ndarray:
