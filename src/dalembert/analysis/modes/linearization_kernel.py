@@ -34,6 +34,14 @@ class LinearizationKernel(CacheOwner):
         self.e = self.view.equations
 
     @cached_property
+    def sizes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Natural sizes of the state (N,) and of the equations (m,)."""
+        e, s = self.e, self.e.scales
+        bounds = np.ones(e.manifold.bounds.numel())
+        by_level = np.concatenate([s.rows[list(e.holds)], bounds, s.rows / s.time])
+        return np.concatenate([s.coordinates, s.speeds]), by_level
+
+    @cached_property
     def system(self) -> ImplicitFunction:
         """``(t, x, p) → F, (Φ, Ψ)`` with ``x = [y; v]``."""
         e = self.e

@@ -106,13 +106,10 @@ class Linearized:
         jacobian, tangency = self.kernel.matrices(self._turning, self.time, self.x, self.p)
         return jacobian, tangency
 
-    @cached_property
+    @property
     def sizes(self) -> tuple[np.ndarray, np.ndarray]:
         """Natural sizes of the state (N,) and of the equations (m,)."""
-        e, s = self.kernel.e, self.kernel.e.scales
-        bounds = np.ones(e.manifold.bounds.numel())
-        by_level = np.concatenate([s.rows[list(e.holds)], bounds, s.rows / s.time])
-        return np.concatenate([s.coordinates, s.speeds]), by_level
+        return self.kernel.sizes
 
     @cached_property
     def scaled(self) -> tuple[np.ndarray, np.ndarray]:

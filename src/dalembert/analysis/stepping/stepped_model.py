@@ -226,8 +226,7 @@ class SteppedModel:
         """
         model, kernel = self.model, self.kernel
         designs = Designs.of(model, parameters) if are_designs(parameters) else None
-        alone = model.closure.recipe.states.steady or model.closure.lost
-        if designs is None or len(designs) < FEW or alone:
+        if designs is None or len(designs) < FEW or model.closure.lost:
             values = [
                 {n: np.ravel(v)[k % np.size(v)] for n, v in parameters.items()}
                 for k in range(1 if designs is None else count)
