@@ -9,6 +9,7 @@ import numpy as np
 
 from dalembert.elements.base import Constraint, ForceElement
 from dalembert.elements.blocks.block import Block
+from dalembert.elements.blocks.sampled import Sampled
 from dalembert.elements.coordinates import rate_of
 from dalembert.elements.stateful import SIGNAL, Stateful
 from dalembert.elements.states import foreign_states
@@ -118,6 +119,8 @@ def _check_laws_of_states(d: Description) -> None:
     Otherwise ``Φ̈ = 0`` would contain ``Φ_z ∂ż/∂v v̇``: drivers would act on speeds, not positions.
     """
     known = _names([stack(c.pose for c in (*d.coordinates, d.ground))]) | set(d.parameters) | {"t"}
+    blocks = (element for element in d.elements.values() if isinstance(element, Sampled))
+    sampled = _names(block.states.pose for block in blocks)
     positions: Formulas = [(c.name, c.equations) for c in d.constraints]
     positions += [
         (gap.name, gap.distance) for gap in rigid_gaps([*d.elements.values()], d.coordinates)
@@ -125,6 +128,12 @@ def _check_laws_of_states(d: Description) -> None:
     for entity, formula in positions:
         for group in foreign_states(formula, (), d.coordinates):
             rate = ca.jtimes(ca.densify(formula), group.pose, group.pose_rate)
+            if held := sorted((_names([formula]) | _names([rate])) & sampled):
+                raise ModelError(
+                    f"its position or speed follows {', '.join(held[:3])}, which jumps at samples; "
+                    "let it follow a filter of second order, such as two da.blocks.LowPass",
+                    entity,
+                )
             if foreign := sorted(_names([rate]) - known):
                 raise ModelError(
                     f"its position follows the state {group.name}, whose rate depends on "
