@@ -48,3 +48,16 @@ def suspended_body() -> da.Model:
     pivot = system.ground.frame((0, 0, 0), axis=(1, 0, 0))
     system.add(spatial.Universal("O", pivot, body.frame((0, 0, length), axis=(0, 1, 0))))
     return system.build()
+
+
+def spinning_rotor() -> da.Model:
+    """Disc about a fixed point that spins on bearings of different stiffness."""
+    system = da.System("spinning rotor", gravity=(0.0, 0.0, 0.0))
+    spin = system.parameter("spin", 50.0, "rad/s", bounds=(0.0, 100.0))
+    stiffness = system.parameter("stiffness", 500.0, "N/m", bounds=(200.0, 1000.0))
+    start = {"mass": 2.0, "inertia": (0.02, 0.02, 0.035), "angular_velocity": (0, 0, spin)}
+    disc = system.add(spatial.Body("disc", **start))
+    system.add(spatial.Spherical("pivot", system.ground.frame((0, 0, 0)), disc.frame((0, 0, 0))))
+    tip = disc.point(0, 0, 0.3)
+    system.add(spatial.Force("bearing", tip, (-stiffness * tip.x, -900 * tip.y, 0)))
+    return system.build()

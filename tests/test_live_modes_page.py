@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from browser import Visit, visit
 from live_visits import SLOPE, SLOPES, VALUES, change, close, settle
-from mode_models import carts, double_pendulum, suspended_body
+from mode_models import carts, double_pendulum, spinning_rotor, suspended_body
 
 import dalembert as da
 
@@ -31,7 +31,10 @@ def compare(page: Visit, modes: Any) -> None:
     for drawn, columns in zip(page.js(DRAWN), poses, strict=True):
         close(drawn, columns, VALUES)
     names = page.page.locator("#case option").all_inner_texts()
-    assert [name.partition(", ")[0] for name in names] == modes.state_names
+    states = [name.partition(", ")[0] for name in names]
+    for number, expected_name in enumerate(modes.state_names, 1):
+        free = f"mode {number}: free motion"
+        assert states[number - 1] == (free if modes.frequencies[number - 1] == 0 else expected_name)
 
 
 @pytest.mark.parametrize(
@@ -67,6 +70,21 @@ def test_modes_follow_their_sliders(
         page.page.click("#undo")
         settle(page)
         compare(page, analysis.run(model))
+        assert (page.requests, page.console) == ([], [])
+
+
+def test_whirl_of_a_spinning_rotor(browser: Any, tmp_path: Path) -> None:
+    model, analysis = spinning_rotor(), da.Modal(equilibrium=False)
+    path = analysis.run(model).report(tmp_path / "modes.html", live=True)
+    with visit(browser, path) as page:
+        settle(page)
+        compare(page, analysis.run(model))
+        change(page, {0: 80.0, 1: 700.0})
+        other = analysis.run(model, {"spin": 80.0, "stiffness": 700.0})
+        compare(page, other)
+        for number in (3, 4):
+            response = da.at(number, "frequency")
+            close(page.js(SLOPE.format(number - 1)), da.sensitivity(other, response).values, SLOPES)
         assert (page.requests, page.console) == ([], [])
 
 

@@ -73,14 +73,6 @@ def test_campbell_diagram(spin) -> None:
     )
 
 
-def test_poles_of_the_state_space_are_those_of_whirl() -> None:
-    """Eigenvalues in coordinates that turn with the disc are others, and a warning says so."""
-    modes = da.linearize(rotor(50.0, 0.0), equilibrium=False)
-    poles = np.linalg.eigvals(modes.state_space(["push_x"], ["x"]).A).imag
-    np.testing.assert_allclose(np.sort(poles[poles > 1.0]), whirl(50.0), rtol=1e-9)
-    assert any("frequencies of whirl" in warning for warning in modes.warnings)
-
-
 def test_gradient_of_a_spinning_rotor() -> None:
     """By the stiffness of both springs, ``∂H/∂k = −H H``."""
     response = da.frequency_response(rotor(50.0, 0.7), FREQUENCIES, equilibrium=False)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import casadi as ca
+
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.graph.model import Model
@@ -47,6 +49,27 @@ def constant_states(model: Model) -> list[str]:
         f"{listed_states(model, model.equations.states)} keep their values at the start; "
         "solve_dynamics and solve_inverse_dynamics integrate them"
     ]
+
+
+def refuse_moving_states(model: Model) -> None:
+    """Raise if positions follow states of first order, which kinematics does not integrate.
+
+    Raises
+    ------
+    AnalysisError
+        Names a constraint and its states.
+    """
+    e = model.all_equations
+    if not e.states:
+        return
+    rows = ca.jacobian_sparsity(ca.densify(e.constraints), e.y)
+    for row, column in zip(rows.row(), rows.get_col(), strict=True):
+        if column in e.states:
+            name = model.closure.owners[row][0].name
+            raise AnalysisError(
+                f"the position of {name} follows {listed_states(model, [column])}, a state that "
+                "kinematics does not integrate; use solve_inverse_dynamics or solve_dynamics"
+            )
 
 
 def listed_states(model: Model, states: Sequence[int]) -> str:

@@ -38,6 +38,7 @@ class Coordinates:
     rest : the pose at the origin
     coordinate_names, coordinate_units : names and units of the entries of the pose
     speed_names, speed_units : names of the entries of the twist and units of displacements
+    attitude : first entries of Euler parameters in the pose and of ``ω'`` in the twist, if any
     """
 
     name: str
@@ -52,6 +53,10 @@ class Coordinates:
     coordinate_units: tuple[str, ...]
     speed_names: tuple[str, ...]
     speed_units: tuple[str, ...]
+
+    @property
+    def attitude(self) -> tuple[int, int] | None:
+        return None
 
     @property
     def owner(self) -> Coordinates:
@@ -172,6 +177,10 @@ class JointSpace(Coordinates):
         """The coordinates of a group in new symbols."""
         names = [f"{group.name}.{n}" for n in group.coordinate_names]
         return cls(names, group.coordinate_units, group.pose if reading is None else reading, group)
+
+    @property
+    def attitude(self) -> tuple[int, int] | None:
+        return self._like.attitude
 
     @property
     def flat(self) -> bool:

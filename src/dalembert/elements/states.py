@@ -58,3 +58,17 @@ class States(Coordinates):
 
     def specified(self) -> list[bool]:
         return []
+
+
+def foreign_states(
+    expression: ca.SX, owners: Sequence[Coordinates], everything: Sequence[Coordinates]
+) -> list[Coordinates]:
+    """Groups of states, other than the owners, that an expression of positions contains.
+
+    Lengths and places may contain states of other elements, whose rates belong to their rates.
+    """
+    own = {id(group.owner) for group in owners}
+    groups = [g for g in everything if not g.twist.numel() and id(g.owner) not in own]
+    if not groups or not ca.depends_on(expression, stack(g.pose for g in groups)):
+        return []
+    return [group for group in groups if ca.depends_on(expression, group.pose)]

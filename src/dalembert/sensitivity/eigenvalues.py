@@ -169,9 +169,8 @@ class EigenvalueGradient:
         gradient = self.own.copy()
         if not count:
             return gradient
-        system, zeros = self.state.kernel.system, np.zeros((self.state.p.size, count))
-        mapped = system.forward.adjoint.map(count)
-        weights = mapped(*self._point(), 0, q, zeros, self.probes.a, self.probes.b)
+        mapped = self.state.small_motions.adjoint.map(count)
+        weights = mapped(*self._point(), q, self.probes.a, self.probes.b)
         x_bar, p_bar = (part.full().sum(axis=1) for part in weights[1:3])
         back = self.origin.adjoint(self.state.time, self.near, self.state.p, x_bar)
         return self._finite(gradient + p_bar + back[2].full().ravel())
@@ -183,12 +182,11 @@ class EigenvalueGradient:
         gradient = self.own @ changes
         if not count:
             return gradient
-        zero_x, zero_p = np.zeros_like(q), np.zeros((p.size, count))
-        zero_near = np.zeros(self.near.size)
-        mapped = self.state.kernel.system.forward.tangent.map(count)
+        still, zero_near = np.zeros_like(q), np.zeros(self.near.size)
+        mapped = self.state.small_motions.tangent.map(count)
         for i, dp in enumerate(changes.T):
             dx = self.origin.tangent(self.state.time, self.near, p, 0, zero_near, dp).full()
-            rates = mapped(*self._point(), 0, q, zero_p, 0, dx, dp, 0, zero_x, zero_p)
+            rates = mapped(*self._point(), q, 0, dx, dp, still)
             by_state, by_level = (part.full() for part in rates)
             gradient[i] += (self.probes.a * by_state).sum() + (self.probes.b * by_level).sum()
         return self._finite(gradient)

@@ -11,12 +11,17 @@ import numpy as np
 
 from dalembert.analysis.batch.batch_residuals import at_some
 from dalembert.analysis.batch.individual_runs import completed_batch
-from dalembert.analysis.batch.many_equilibria import ManyEquilibria, ManyStatics
+from dalembert.analysis.batch.many_equilibria import ManyEquilibria, ManyForces, ManyStatics
 from dalembert.analysis.batch.starts import Starts, backend_of
 from dalembert.analysis.batch.states import States
-from dalembert.analysis.equilibrium.mechanism_equilibrium import equilibrium_settings
+from dalembert.analysis.equilibrium.growth import growth_rates
+from dalembert.analysis.equilibrium.mechanism_equilibrium import (
+    equilibrium_settings,
+    indifferent_states,
+)
 from dalembert.analysis.equilibrium.stability import equilibrium_text
 from dalembert.analysis.equilibrium.statics_kernel import statics_kernel
+from dalembert.analysis.equilibrium.unsettled import endless
 from dalembert.analysis.residual_check import EXACT, MOTION
 from dalembert.formulations.base import Level
 from dalembert.model.graph.model import Model
@@ -46,9 +51,8 @@ class EquilibriumBatch:
 
     @classmethod
     def serves(cls, analysis: Any, model: Model) -> bool:
-        """Whether all equations are independent, as assembly requires, and there are no states."""
-        e = model.equations
-        return not (model.closure.lost or e.contacts or e.states)
+        """Whether all equations are independent, as assembly requires."""
+        return not (model.closure.lost or model.equations.contacts)
 
     def execute(self, report: Callable[[float], None]) -> Batch:
         """Batch of all designs; after an interruption with the finished ones."""
@@ -62,16 +66,21 @@ class EquilibriumBatch:
         x = np.full((count, 1, e.coordinate_count + e.constraint_count), np.nan)
         texts: dict[int, str] = {}
         residuals = np.full(count, np.nan)
-        block, interrupted = max(1, BLOCK_ENTRIES // (e.speed_count**2 + 1)), False
+        size = self.kernel.equations.speed_count
+        block, interrupted = max(1, BLOCK_ENTRIES // (size**2 + 1)), False
         try:
             for first in range(0, started.size, block):
                 part = started[first : first + block]
                 equilibria = ManyEquilibria(static, starts.p[part], settings)
-                forces, steps, converged = equilibria.solve(starts.x0[first : first + block])
+                y = starts.x0[first : first + block]
+                forces, steps, converged = equilibria.solve(y)
+                idle = np.zeros((len(y), e.constraint_count))
+                rates = static(y, idle, starts.p[part])[0][:, e.speed_count :]
+                converged &= ~endless(self.kernel, rates).any(axis=1)
                 x[part, 0] = np.hstack([forces.x, forces.multiplier])
                 residuals[part] = np.where(converged, forces.size * analysis.tolerance, np.nan)
                 worst = np.abs(forces.value).max(axis=1, initial=0.0) / model.scales.length
-                stable = np.all(forces.resistance > 0, axis=1)
+                stable = self._stable(starts, part, forces, converged)
                 rows = zip(part, worst, steps, stable, strict=True)
                 texts |= {
                     int(k): equilibrium_text(float(w), int(n), bool(s)) for k, w, n, s in rows
@@ -93,7 +102,23 @@ class EquilibriumBatch:
             statuses[int(k)] = Status(Outcome.COMPLETED, text, self.time, float(residuals[k]))
         task = analysis, model, self.designs, self.workers
         statistics = {"backend": "NumPy, all designs at once"}
-        return completed_batch(task, states, statuses, interrupted, statistics, begin)
+        batch = completed_batch(task, states, statuses, interrupted, statistics, begin)
+        if any(status.success for status in statuses.values()):
+            batch.warnings = indifferent_states(model, self.kernel)
+        return batch
+
+    def _stable(
+        self, starts: Starts, designs: np.ndarray, forces: ManyForces, converged: np.ndarray
+    ) -> np.ndarray:
+        """Whether no motion grows; without states, whether all directions have stiffness."""
+        if not self.kernel.states:
+            return np.all(forces.resistance > 0, axis=1)
+        stable, numbers = np.zeros(designs.size, dtype=bool), np.flatnonzero(converged)
+        if numbers.size:
+            equilibria = forces.x[numbers], starts.p[designs[numbers]]
+            rates = growth_rates(self.model, self.time, *equilibria, starts.evaluate)
+            stable[numbers] = ~rates.any(axis=1)
+        return stable
 
     def _verified(self, states: States, designs: np.ndarray) -> np.ndarray:
         """Designs that satisfy the model equations at rest."""

@@ -1,7 +1,8 @@
 """Equilibria of many designs at an instant by one Newton iteration.
 
-The vectorised form of ``StaticBalance`` and ``newton.solve``. A design with directions of very
-different stiffness, with forces without potential, or without convergence runs individually.
+The vectorised form of ``StaticBalance`` and ``newton.solve``. A design without convergence runs
+individually; without states of first order also one with directions of very different stiffness, or
+with forces without potential.
 """
 
 from __future__ import annotations
@@ -64,29 +65,62 @@ class ManyEquilibria(ManyEquations[ManyForces]):
     static : ManyStatics
     p : (designs, np) parameters
     settings : NewtonSettings
+    damped : with states, whether steps are damped, as of ``StaticBalance``
     """
 
-    def __init__(self, static: ManyStatics, p: np.ndarray, settings: NewtonSettings):
+    def __init__(
+        self, static: ManyStatics, p: np.ndarray, settings: NewtonSettings, damped: bool = True
+    ):
         self.static, self.p, self.settings = static, p, settings
         self.e, self.sizes = static.e, static.e.scales
+        self.states, self.damped = len(static.kernel.states), damped
+        self.longest = LONGEST * self.sizes.displacements
+        self.longest[self.longest.size - self.states :] = np.inf
+        self._first = np.full((len(p), 2), np.nan)
 
     def solve(self, y: np.ndarray) -> tuple[ManyForces, np.ndarray, np.ndarray]:
         """Equilibria near assembled positions, numbers of steps, and flags of convergence."""
         solutions = solve_many(self, y, self.settings)
-        forces = solutions.points
-        return forces, solutions.iterations, solutions.accepted & forces.conservative
+        forces, steps, accepted = solutions.points, solutions.iterations, solutions.accepted
+        if not self.states:
+            return forces, steps, accepted & forces.conservative
+        missed = np.flatnonzero(~accepted)
+        if self.damped and missed.size:
+            again = ManyEquilibria(self.static, self.p[missed], self.settings, damped=False)
+            others, steps[missed], accepted[missed] = again.solve(y[missed])
+            forces.put(missed, others)
+        return forces, steps, accepted
 
     def steps(self, here: ManyForces, designs: np.ndarray) -> np.ndarray:
         """Newton steps; descent steps where a direction has no positive stiffness."""
-        stable, along_free = here.stable, here.value / here.stiff
-        if stable.any():
-            stable_forces = here.some(stable)
-            along_free[stable] = stable_forces.deflection(stable_forces.value)
-        step = np.einsum("knf,kf->kn", here.free, along_free)
-        longest = LONGEST * self.sizes.displacements
-        step *= np.min(longest / np.maximum(np.abs(step), TINY), axis=1, initial=1.0)[:, None]
-        step[here.uneven] = np.nan  # such designs run individually
+        step = np.einsum("knf,kf->kn", here.free, self._along_free(here, designs))
+        step *= np.min(self.longest / np.maximum(np.abs(step), TINY), axis=1, initial=1.0)[:, None]
+        if not self.states:
+            step[here.uneven] = np.nan  # such designs run individually
         return step
+
+    def _along_free(self, here: ManyForces, designs: np.ndarray) -> np.ndarray:
+        if not self.states:
+            stable, along_free = here.stable, here.value / here.stiff
+            if stable.any():
+                stable_forces = here.some(stable)
+                along_free[stable] = stable_forces.deflection(stable_forces.value)
+            return along_free
+        damping = self._damping(here, designs) if self.damped else np.zeros(designs.size)
+        matrix = here.stiffness + damping[:, None, None] * np.eye(here.value.shape[1])
+        regular = np.isfinite(matrix).all(axis=(1, 2)) & (np.linalg.slogdet(matrix)[0] != 0)
+        along_free = np.full_like(here.value, np.nan)
+        along_free[regular] = np.linalg.solve(matrix[regular], here.value[regular, :, None])[..., 0]
+        return along_free
+
+    def _damping(self, here: ManyForces, designs: np.ndarray) -> np.ndarray:
+        """Damping of each design, which falls with the residual."""
+        size = np.linalg.norm(here.value, axis=1)
+        stiffest = np.abs(here.stiffness).max(axis=(1, 2), initial=0.0)
+        new = np.isnan(self._first[designs, 0])
+        self._first[designs[new]] = np.column_stack([size, stiffest])[new]
+        first, stiffest = self._first[designs].T
+        return stiffest * np.divide(size, first, out=np.zeros(size.shape), where=first > 0)
 
     def after(self, here: ManyForces, steps: np.ndarray, designs: np.ndarray) -> ManyForces:
         closures, y = ManyClosures(self.static, self.p[designs]), self.static.moved(here.x, steps)
@@ -96,9 +130,16 @@ class ManyEquilibria(ManyEquations[ManyForces]):
         return forces
 
     def nearer(self, here: ManyForces, there: ManyForces) -> np.ndarray:
-        displacement = self.e.manifold.lead(here.x.T, there.x.T).T
-        nearer = np.einsum("kn,kn->k", here.force + there.force, displacement) > 0
-        if (remaining := np.flatnonzero(~nearer & here.stable)).size:
+        if self.states and self.damped:
+            return np.isfinite(there.value).all(axis=1)
+        if self.states:
+            nearer = np.zeros(len(here.x), dtype=bool)
+            compared = np.isfinite(there.value).all(axis=1)
+        else:
+            displacement = self.e.manifold.lead(here.x.T, there.x.T).T
+            nearer = np.einsum("kn,kn->k", here.force + there.force, displacement) > 0
+            compared = here.stable
+        if (remaining := np.flatnonzero(~nearer & compared)).size:
             current, after = here.some(remaining), there.some(remaining)
             turned = current.free / self.sizes.displacements[:, None] ** 2
             residual = np.einsum("knf,kng,kg->kf", turned, after.free, after.value)
@@ -195,7 +236,7 @@ class ManyStatics:
         self, kernel: StaticsKernel, time: float, evaluate: Callable[..., list[np.ndarray]]
     ):
         self.kernel, self.time, self.evaluate = kernel, time, evaluate
-        self.e = kernel.model.equations
+        self.e = kernel.equations
 
     def __call__(self, y: np.ndarray, multiplier: np.ndarray, p: np.ndarray) -> list[np.ndarray]:
         """Applied forces, ``C``, stiffness and ``Φ``."""

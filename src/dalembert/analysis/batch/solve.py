@@ -44,11 +44,10 @@ def run_analysis(
 
 
 def _together(analysis: Any, model: Any) -> bool:
-    """Whether designs are computed at once; steady states of first order have no common start."""
+    """Whether designs are computed at once."""
     if model.kind != "mechanism" or analysis.batched is None:
         return False
-    steady = model.closure.recipe.states.steady
-    return not steady and bool(analysis.batched.serves(analysis, model))
+    return bool(analysis.batched.serves(analysis, model))
 
 
 def solve_batch(

@@ -100,12 +100,13 @@ class Starts:
                 candidates[failed], *many.gaps(self.start, y[failed], failed_p), strict=True
             ):
                 self.statuses[int(k)] = self._not_assembled(int(row), float(gap))
-        p, candidates = p[assembled], candidates[assembled]
+        y, p, candidates = y[assembled], p[assembled], candidates[assembled]
+        y, steady = many.with_steady_states(y, self.start, p)
         t = np.full((candidates.size, 1), self.start)
-        (x0,) = self.evaluate(self.first, t, y[assembled], p)
-        defined = np.all(np.isfinite(x0), axis=1)
+        (x0,) = self.evaluate(self.first, t, y, p)
+        defined = np.all(np.isfinite(x0), axis=1) & steady
         self.y0 = np.full((self.count, y.shape[1]), np.nan)
-        self.y0[candidates] = y[assembled]
+        self.y0[candidates] = y
         return x0[defined], candidates[defined]
 
     def _not_assembled(self, row: int, gap: float) -> Status:

@@ -34,6 +34,26 @@ def refuse_overlap(model: Model, start: float) -> None:
     touching_model(model, model.nominal, start)
 
 
+def contact_start(model: Model, p: np.ndarray, start: float, contacts: bool) -> tuple[Model, str]:
+    """``touching_model`` for pairs of shapes.
+
+    Parameters
+    ----------
+    contacts : whether rigid contacts take part; otherwise the model itself is returned
+
+    Raises
+    ------
+    AnalysisError
+        As of ``touching_model``.
+    UnsupportedError
+        The model has gaps among many shapes.
+    """
+    if not contacts:
+        return model, ""
+    refuse_collisions(model)
+    return touching_model(model, p, start)
+
+
 def touching_model(model: Model, p: np.ndarray, start: float) -> tuple[Model, str]:
     """The model whose start closes gaps that overlap within the tolerance, and their names.
 

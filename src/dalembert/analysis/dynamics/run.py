@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.contact.gap_checks import refuse_collisions, touching_model
+from dalembert.analysis.contact.gap_checks import contact_start, ignored_contacts
 from dalembert.analysis.contact.search import ContactSearch
 from dalembert.analysis.dynamics.dense_outputs import DenseOutputs, contact_changes
 from dalembert.analysis.dynamics.event_search import EventSearch
@@ -76,10 +76,10 @@ class DynamicsRun:
         self.begin = self.start
         self._check_budget()
         self.p = model.values(parameters)
-        model, self.closed_gaps = touching_model(model, self.p, self.start)
+        contacts = analysis.coordinates.rigid_contacts
+        model, self.closed_gaps = contact_start(model, self.p, self.start, contacts)
         self.model = model
         model.diagnosis.refuse_massless()
-        refuse_collisions(model)
         if not analysis.formulation.every_equation:
             model.closure.refuse_singular_start(PASSING)
         check_driver_laws(model, np.linspace(self.start, self.end, 1001), self.p)
@@ -146,6 +146,8 @@ class DynamicsRun:
         warnings = strategy_warnings(*choice, self.step, freedom, exchanged)
         warnings += self.stability_warnings
         warnings += self.contacts.warnings if self.contacts else []
+        if not a.coordinates.rigid_contacts:
+            warnings += ignored_contacts(self.model, motion.trajectory, self.p)
         warnings += halving_warnings(self.halved_steps(motion.record.steps))
         if motion.status.success:
             warnings += check.warnings + BranchJumps(self.kernel, motion.record.steps).warnings

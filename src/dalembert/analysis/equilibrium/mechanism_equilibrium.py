@@ -14,8 +14,8 @@ import numpy as np
 
 from dalembert.analysis.contact.gap_checks import ignored_contacts
 from dalembert.analysis.elastic_range import elastic_warnings
+from dalembert.analysis.equilibrium.growth import growth_rates
 from dalembert.analysis.equilibrium.neutral_motion import neutral_warnings, unbalanced_text
-from dalembert.analysis.equilibrium.sampled_stability import sampled_growth
 from dalembert.analysis.equilibrium.stability import equilibrium_text, instability_warnings
 from dalembert.analysis.equilibrium.static_balance import (
     Forces,
@@ -23,12 +23,9 @@ from dalembert.analysis.equilibrium.static_balance import (
 )
 from dalembert.analysis.equilibrium.statics_kernel import StaticsKernel, statics_kernel
 from dalembert.analysis.equilibrium.unsettled import refuse_endless, unsettled_text
-from dalembert.analysis.modes.linearization_kernel import linearization_kernel
-from dalembert.analysis.modes.linearized import Linearized
 from dalembert.analysis.requirements import listed_states
 from dalembert.analysis.residual_check import MOTION, ResidualCheck
 from dalembert.formulations.base import Level
-from dalembert.model.graph.coordinates import AbsoluteCoordinates
 from dalembert.model.graph.model import Model
 from dalembert.model.graph.sampled_rates import sampled_blocks
 from dalembert.results.motion import Motion
@@ -39,8 +36,6 @@ from dalembert.text.wording import counted
 
 MAX_ITERATIONS = 200
 """Default upper limit of Newton iterations."""
-GROWING = 1e-9
-"""Threshold of growth: real part relative to the largest eigenvalue [-]."""
 LEAVES = "the mechanism leaves it; other guesses of the positions lead to a stable one"
 
 
@@ -71,7 +66,7 @@ def mechanism_equilibrium(
     if start is not None:
         moved = balance.onto_constraints(start)
         y = y if moved is None else moved
-    refuse_endless(kernel, time, y, p)
+    refuse_endless(kernel, balance.evaluate(y, balance.idle)[0][model.equations.speed_count :])
     iterations = analysis.max_iterations or MAX_ITERATIONS
     settings = NewtonSettings(tolerance=analysis.tolerance, max_iterations=iterations, slack=1.0)
     solution = solve(balance, y, settings)
@@ -81,7 +76,10 @@ def mechanism_equilibrium(
     forces, n = balance.residual(solution.x), model.equations.speed_count
     residual = float(np.abs(forces.value).max(initial=0.0)) / model.scales.length
     if kernel.states:
-        growing = growth_rates(model, time, solution.x, p) if solution.accepted else np.zeros(0)
+        growing = np.zeros(0)
+        if solution.accepted:
+            growing = growth_rates(model, time, solution.x[None], p[None])
+            growing = growing[growing > 0]
         stable = solution.accepted and not growing.size
         text = equilibrium_text(residual, solution.iterations, stable)
     else:
@@ -117,19 +115,6 @@ def mechanism_equilibrium(
         ],
         record=EquilibriumRecord(kernel),
     )
-
-
-def growth_rates(model: Model, time: float, y: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Real parts of the eigenvalues of growing motions about an equilibrium with states [1/s]."""
-    kernel = linearization_kernel(model, AbsoluteCoordinates())
-    x = kernel.state(time, y, np.zeros(model.equations.speed_count), p)
-    linear = Linearized(kernel, time, x, p)
-    if sampled_blocks(model):
-        sampled = sampled_growth(linear)
-        return sampled[sampled > GROWING / model.scales.time]
-    values = linear.eigenvalues
-    rates: np.ndarray = values.real[values.real > GROWING * np.abs(values).max(initial=0.0)]
-    return rates
 
 
 def indifferent_states(model: Model, kernel: StaticsKernel) -> list[str]:

@@ -7,18 +7,20 @@ equilibrium is stable if no eigenvalue of ``M`` exceeds one.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
 from math import lcm
 
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.modes.linearized import Linearized
 from dalembert.elements.blocks.sampled import Sampled
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.kkt import KKT
+from dalembert.model.graph.model import Model
 from dalembert.model.graph.sampled_rates import sampled_blocks, sampled_maps
 from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.once import once
 
 FINEST = 10**9
 """Upper limit of the denominators of sample times in seconds."""
@@ -28,12 +30,24 @@ Instants = list[tuple[float, tuple[Sampled, ...]]]
 """Time to the next sample [s], and blocks."""
 
 
-def sampled_growth(linear: Linearized) -> np.ndarray:
-    """Rates ``ln|μ|/P`` of the eigenvalues ``μ`` of a common period ``P`` [1/s].
+def sampled_rates(
+    model: Model,
+    time: float,
+    x: np.ndarray,
+    p: np.ndarray,
+    basis: np.ndarray,
+    matrix: np.ndarray,
+    evaluate: Callable[..., list[np.ndarray]],
+) -> np.ndarray:
+    """(designs, f) rates ``ln|μ|/P`` of the eigenvalues ``μ`` of a common period ``P`` [1/s].
 
     Parameters
     ----------
-    linear : plant with held outputs, in coordinates of the bodies
+    model, time : plant, and instant [s]
+    x, p : (designs, N) states in coordinates of the bodies, and parameters
+    basis : (designs, N, f) small motions, orthonormal in natural sizes
+    matrix : (designs, f, f) ``A`` with held outputs
+    evaluate : function and rows of arguments → rows of results
 
     Raises
     ------
@@ -42,15 +56,15 @@ def sampled_growth(linear: Linearized) -> np.ndarray:
     """
     from scipy.linalg import expm
 
-    instants = _instants(sampled_blocks(linear.model))
-    basis, scale = linear.basis, linear.sizes[0]
-    samples = dict.fromkeys(blocks for _, blocks in instants)
-    for blocks, slopes in zip(samples, _slopes(linear, list(samples)), strict=True):
-        samples[blocks] = basis.T @ (slopes * scale / scale[:, None]) @ basis
-    whole, flows = np.eye(len(linear.matrix)), dict[float, np.ndarray]()
+    instants = _instants(sampled_blocks(model))
+    sets = list(dict.fromkeys(blocks for _, blocks in instants))
+    slopes = _slopes(model, time, x, p, sets, evaluate)
+    back = basis.transpose(0, 2, 1)
+    samples = {blocks: back @ part @ basis for blocks, part in zip(sets, slopes, strict=True)}
+    whole, flows = np.eye(matrix.shape[1]), dict[float, np.ndarray]()
     for wait, blocks in instants:
         if wait not in flows:
-            flows[wait] = expm(linear.matrix * wait)
+            flows[wait] = expm(matrix * wait)
         whole = flows[wait] @ samples[blocks] @ whole
     period = sum(wait for wait, _ in instants)
     with np.errstate(divide="ignore"):
@@ -81,19 +95,33 @@ def _instants(blocks: tuple[Sampled, ...]) -> Instants:
     return [(float(b - a), tuple(times[a])) for a, b in zip(order, following, strict=True)]
 
 
-def _slopes(linear: Linearized, sets: list[tuple[Sampled, ...]]) -> list[np.ndarray]:
-    """``∂x⁺/∂x`` of samples, accelerations and multipliers included."""
-    model, x = linear.model, linear.x
-    e, size = model.equations, linear.x.size
+def _slopes(
+    model: Model,
+    time: float,
+    x: np.ndarray,
+    p: np.ndarray,
+    sets: list[tuple[Sampled, ...]],
+    evaluate: Callable[..., list[np.ndarray]],
+) -> list[np.ndarray]:
+    """(designs, N, N) ``∂x⁺/∂x`` of samples in natural sizes, with accelerations and forces."""
+    (designs, size), e = x.shape, model.equations
+    scale = np.concatenate([e.scales.coordinates, e.scales.speeds])
+    arguments = np.full((designs * size, 1), time), *(np.repeat(a, size, axis=0) for a in (x, p))
+    unit = np.tile(np.eye(size), (designs, 1))
+    still = np.zeros((designs * size, 1)), np.zeros((designs * size, p.shape[1]))
+    columns = evaluate(_samples(model, tuple(sets)), *arguments, still[0], unit, still[1])
+    slopes = []
+    for part in columns:
+        whole = np.tile(np.eye(size), (designs, 1, 1))
+        whole[:, : e.coordinate_count] = part.reshape(designs, size, -1).transpose(0, 2, 1)
+        slopes.append(whole * scale / scale[:, None])
+    return slopes
+
+
+@once
+def _samples(model: Model, sets: tuple[tuple[Sampled, ...], ...]) -> ca.Function:
+    """``(t, x, p)`` and their rates → rates of the coordinates after each sample."""
+    e = model.equations
     positions = KKT().acceleration(e, e.constraint_acceleration, sampled_maps(model, sets))
     inputs = [e.t, ca.vertcat(e.y, e.v), e.p]
-    function = ImplicitFunction("samples", inputs, positions.stages, positions.outputs)
-    unit, still = np.eye(size), np.zeros((linear.p.size, size))
-    arguments = [ca.DM(k) for k in (linear.time, x, linear.p, 0, unit, still)]
-    columns = function.tangent.map(size).call(arguments)
-    slopes = []
-    for rows in columns:
-        whole = np.eye(size)
-        whole[: e.coordinate_count] = rows.full()
-        slopes.append(whole)
-    return slopes
+    return ImplicitFunction("samples", inputs, positions.stages, positions.outputs).tangent

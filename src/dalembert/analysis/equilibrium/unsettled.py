@@ -10,31 +10,36 @@ from dalembert.errors import AnalysisError
 from dalembert.model.graph.sampled_rates import sampled_blocks
 
 
-def refuse_endless(kernel: StaticsKernel, time: float, y: np.ndarray, p: np.ndarray) -> None:
+def refuse_endless(kernel: StaticsKernel, rates: np.ndarray) -> None:
     """Raise if sampled states change whatever the position and the other states are.
+
+    Parameters
+    ----------
+    rates : (states,) rates of the states of the kernel at the start
 
     Raises
     ------
     AnalysisError
         Names these states.
     """
-    if not sampled_blocks(kernel.model):
-        return
-    begin = kernel.model.equations.speed_count
-    idle = np.zeros(kernel.equations.constraint_count)
-    rates = kernel.static(time, y, idle, p)[0].full().ravel()[begin:]
-    dependent = {row - begin for row in kernel.static.sparsity_out(2).row()}
     all_names = kernel.model.guesses.names
-    names = [
-        all_names[entry]
-        for k, entry in enumerate(kernel.states)
-        if k not in dependent and rates[k] != 0
-    ]
+    names = [all_names[kernel.states[k]] for k in np.flatnonzero(endless(kernel, rates))]
     if names:
         raise AnalysisError(
             f"{', '.join(names)} changes at every sample, whatever the state, so that there is no "
             "equilibrium; run solve_dynamics, or remove the block"
         )
+
+
+def endless(kernel: StaticsKernel, rates: np.ndarray) -> np.ndarray:
+    """(…, states) whether sampled states change, and their rates depend on no coordinate."""
+    if not sampled_blocks(kernel.model):
+        return np.zeros(rates.shape, dtype=bool)
+    begin = kernel.model.equations.speed_count
+    dependent = [row - begin for row in set(kernel.static.sparsity_out(2).row()) if row >= begin]
+    changing = rates != 0
+    changing[..., dependent] = False
+    return changing
 
 
 def unsettled_text(kernel: StaticsKernel) -> str:

@@ -13,7 +13,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.frequency.inertial_axes import inertial_axes
+from dalembert.analysis.modes.rotation_axes import RotationAxes, rate_along_motion
 from dalembert.formulations.base import dynamic_equations
 from dalembert.formulations.kkt import KKT
 from dalembert.model.graph.model import Model
@@ -27,18 +27,18 @@ class DescriptorKernel(CacheOwner):
     """Compiled first and second derivatives of the equations of a model.
 
     A change of the motion consists of those of displacements δ, states z of first order, speeds and
-    multipliers, of the rates of all but the multipliers, and of the parameters. Small rotations of
-    spatial bodies are in inertial axes.
+    multipliers, of the rates of all but the multipliers, and of the parameters.
 
     Attributes
     ----------
     model : Model
+    axes : of the small rotations of spatial bodies
     parts : name → slice of a change
     sizes : (unknowns,) natural sizes of δ, z, v, λ
     """
 
-    def __init__(self, model: Model):
-        self.model, self.e = model, model.equations
+    def __init__(self, model: Model, axes: RotationAxes = RotationAxes.REFERENCE):
+        self.model, self.e, self.axes = model, model.equations, axes
         e = self.e
         self.states = list(e.states)
         counts = {
@@ -58,7 +58,7 @@ class DescriptorKernel(CacheOwner):
         }
         self.change = ca.SX.sym("change", int(ends[-1]))
         self.point = [e.t, e.y, e.v, e.a, e.multiplier, e.p]
-        self.axes = inertial_axes(model)
+        self.rotates = bool(e.manifold.attitudes)
 
     @property
     def unknowns(self) -> slice:
@@ -85,12 +85,17 @@ class DescriptorKernel(CacheOwner):
         return np.concatenate([rates, s.efforts, s.rows])
 
     @cached_property
+    def turned(self) -> ca.SX:
+        """(n, n) ``Q`` of ``δv = Q δ̇``."""
+        return self.axes.speeds(self.e)
+
+    @cached_property
     def tangent_basis(self) -> ca.SX:
         """(n_y, n + states) changes of the coordinates by displacements and states."""
         m, e = self.e.manifold, self.e
         still = ca.SX.zeros(e.speed_count)
         moved = ca.substitute(ca.jacobian(m.moved, m.delta), m.delta, still)
-        moved = moved if self.axes is None else ca.mtimes(moved, self.axes.turned)
+        moved = ca.mtimes(moved, self.turned) if self.rotates else moved
         unit = ca.SX(e.coordinate_count, len(self.states))
         for column, state in enumerate(self.states):
             unit[state, column] = 1
@@ -101,9 +106,10 @@ class DescriptorKernel(CacheOwner):
         d, p, e = self.change, self.parts, self.e
         placed = slice(0, p["state"].stop)
         speeds, accelerations = d[p["speed"]], d[p["acceleration"]]
-        if self.axes is not None:
-            accelerations = self.axes.accelerations(accelerations, speeds)
-            speeds = ca.mtimes(self.axes.turned, speeds)
+        if self.rotates:
+            turning = ca.mtimes(rate_along_motion(self.e, self.turned), speeds)
+            accelerations = ca.mtimes(self.turned, accelerations) + turning
+            speeds = ca.mtimes(self.turned, speeds)
         along = ca.vertcat(
             ca.mtimes(self.tangent_basis, d[placed]),
             speeds,
@@ -120,11 +126,10 @@ class DescriptorKernel(CacheOwner):
         e, p = self.e, self.parts
         rated = slice(p["displacement_rate"].start, p["state_rate"].stop)
         moving, reading = self._changed(e.pose_rate), e.manifold.reading
-        if self.axes is not None:  # the basis turns with the motion
-            basis, placed = self.tangent_basis, self.change[slice(0, p["state"].stop)]
-            turning = ca.jtimes(ca.vec(ca.densify(basis)), e.y, e.pose_rate)
-            moving -= ca.mtimes(ca.reshape(turning, basis.shape), placed)
-            reading = ca.mtimes(self.axes.turned.T, reading)
+        if self.rotates:  # the basis turns with the motion
+            placed = self.change[slice(0, p["state"].stop)]
+            moving -= ca.mtimes(rate_along_motion(e, self.tangent_basis), placed)
+            reading = ca.mtimes(self.turned.T, reading)
         rate = ca.vertcat(ca.mtimes(reading, moving), moving[self.states])
         rate -= self.change[rated]
         levels = ca.densify(e.constraints) + ca.densify(e.nonholonomic)
@@ -180,4 +185,4 @@ class DescriptorKernel(CacheOwner):
 
 
 descriptor_kernel = once(DescriptorKernel)
-"""Kernel of a model, compiled once."""
+"""Kernel of a model and a choice of axes, compiled once."""

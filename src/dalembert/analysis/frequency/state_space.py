@@ -70,7 +70,7 @@ def _of_mechanism(modes: Modes, inputs: Any, outputs: Any) -> StateSpace:
 
 
 def _point(modes: Modes) -> OperatingPoint:
-    """The state of modes in coordinates of the bodies.
+    """The state of modes in coordinates of the bodies, with small rotations in the same axes.
 
     Raises
     ------
@@ -80,7 +80,7 @@ def _point(modes: Modes) -> OperatingPoint:
     record = modes.record
     view, model, e = record.kernel.view, modes.model, record.kernel.e
     whole = model.all_equations
-    kernel = descriptor_kernel(model)
+    kernel = descriptor_kernel(model, record.axes)
     lifted = [view.lift(part) for part in (whole.y, whole.v)]
     bodies = ca.Function("bodies", [e.t, e.y, e.v, e.p], lifted)
     state = record.x[: e.coordinate_count], record.x[e.coordinate_count :]

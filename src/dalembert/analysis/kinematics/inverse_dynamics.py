@@ -19,6 +19,7 @@ from dalembert.analysis.kinematics.kinematics import Kinematics
 from dalembert.analysis.timeline import run_times, uniform_grid
 from dalembert.analysis.times import Time, analysis_of
 from dalembert.formulations.kkt import KKT
+from dalembert.model.graph.coordinates import DrivenCoordinates
 from dalembert.model.graph.model import Model
 from dalembert.options import options
 from dalembert.results.batch.batch import Batch
@@ -34,7 +35,8 @@ class InverseDynamics(Kinematics):
     """Kinematic simulation with driver efforts and reactions as a strategy object.
 
     A model with states of first order is run by ``Dynamics`` with the default integrator, which
-    controls their error; the outputs are the same, and gradients include the states.
+    controls their error; the outputs are the same, and gradients include the states. Rigid contacts
+    are ignored, with a warning where bodies would overlap.
 
     Examples
     --------
@@ -73,6 +75,7 @@ class InverseDynamics(Kinematics):
             duration=self.duration,
             t_span=self.t_span,
             outputs=self._outputs(),
+            coordinates=DrivenCoordinates(),
             formulation=KKT(),
         )
 

@@ -13,7 +13,7 @@ from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.kinematics.kernel import KinematicsRecord, kinematics_kernel
 from dalembert.analysis.kinematics.singularities import BranchPoints, Fold, find_fold
 from dalembert.analysis.progress import progress_reporter
-from dalembert.analysis.requirements import constant_states
+from dalembert.analysis.requirements import constant_states, refuse_moving_states
 from dalembert.analysis.residual_check import MOTION, ResidualCheck
 from dalembert.analysis.singular_positions import SingularPosition
 from dalembert.analysis.timeline import (
@@ -63,6 +63,7 @@ class KinematicsRun:
 
     def __init__(self, analysis: Any, model: Model, parameters):
         self.analysis, self.model = analysis, model
+        refuse_moving_states(model)
         self.p = model.values(parameters)
         self.start, self.end, step, requested = run_times(analysis)
         self.chosen = requested is not None and analysis.step is None and not analysis.efforts

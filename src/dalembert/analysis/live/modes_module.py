@@ -65,13 +65,13 @@ def modes_functions(modes: MechanismModes, rows: Sequence[Row], times: np.ndarra
     )
     t, p = ca.MX.sym("t"), ca.MX.sym("p", e.p.numel())
     near, weights = ca.MX.sym("near", state.near.size), ca.MX.sym("w", state.x.size)
-    system, x, q = kernel.system, ca.MX.sym("x", state.x.size), ca.MX.sym("q", state.x.size)
-    still, outputs = ca.MX.zeros(p.numel()), system.output_sizes
+    small, x, q = state.small_motions, ca.MX.sym("x", state.x.size), ca.MX.sym("q", state.x.size)
+    outputs = small.output_sizes
     a, b = ca.MX.sym("a", outputs[0]), ca.MX.sym("b", outputs[1])
     first = origin.function(t, near, p)
     pulled = origin.adjoint(t, near, p, weights)[2]
-    slopes = system.forward.adjoint(t, x, p, 0, q, still, a, b)[1:3]
-    pushed = system.tangent(t, x, p, 0, q, still)
+    slopes = small.adjoint(t, x, p, q, a, b)[1:3]
+    pushed = small.function(t, x, p, q)
     shown = [row for row in rows if not row.drawn]
     number, value, bars = ca.SX.sym("number"), ca.vertcat(REAL, IMAG), ca.SX.sym("w", len(shown))
     column = ca.densify(stack(row.sx for row in shown))

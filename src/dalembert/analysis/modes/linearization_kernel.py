@@ -8,16 +8,17 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.equilibrium.statics_kernel import statics_kernel
+from dalembert.analysis.modes.rotation_axes import RotationAxes
 from dalembert.formulations.base import state_rate
 from dalembert.formulations.kkt import KKT
 from dalembert.model.graph.coordinates import Coordinates
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.formulas.oscillation import oscillation, parts
-from dalembert.symbolic.once import once
+from dalembert.symbolic.once import CacheOwner, once
 
 
-class LinearizationKernel:
+class LinearizationKernel(CacheOwner):
     """Compiled functions of one model, in a choice of coordinates.
 
     Raises
@@ -33,6 +34,14 @@ class LinearizationKernel:
         self.e = self.view.equations
 
     @cached_property
+    def sizes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Natural sizes of the state (N,) and of the equations (m,)."""
+        e, s = self.e, self.e.scales
+        bounds = np.ones(e.manifold.bounds.numel())
+        by_level = np.concatenate([s.rows[list(e.holds)], bounds, s.rows / s.time])
+        return np.concatenate([s.coordinates, s.speeds]), by_level
+
+    @cached_property
     def system(self) -> ImplicitFunction:
         """``(t, x, p) → F, (Φ, Ψ)`` with ``x = [y; v]``."""
         e = self.e
@@ -41,6 +50,24 @@ class LinearizationKernel:
         accelerations = KKT().acceleration(e, e.constraint_acceleration, [rate, level])
         inputs, stages = [e.t, ca.vertcat(e.y, e.v), e.p], accelerations.stages
         return ImplicitFunction("linearized", inputs, stages, accelerations.outputs)
+
+    @once
+    def small_motions(self, axes: RotationAxes | None) -> ImplicitFunction:
+        """``(t, x, p, q) → (J − Ω) q, G q``, with the turning ``Ω`` of axes unless they rest."""
+        e, inputs = self.e, self.system.inputs
+        q = ca.SX.sym("q", inputs[1].numel())
+        along = [ca.SX.zeros(inputs[0].numel()), q, ca.SX.zeros(inputs[2].numel())]
+        changes = self.system.along(along, [q])
+        rate, level = changes.outputs
+        if axes is not None:
+            rate = rate - ca.mtimes(axes.turning(e), q)
+        return ImplicitFunction("small_motions", changes.inputs, changes.stages, [rate, level])
+
+    @once
+    def turned(self, axes: RotationAxes) -> ca.Function:
+        """``x → S``; see ``RotationAxes``."""
+        e = self.e
+        return ca.Function("turned", [ca.vertcat(e.y, e.v)], [ca.densify(axes.state(e))])
 
     @cached_property
     def resting(self) -> ImplicitFunction:
@@ -92,11 +119,12 @@ class LinearizationKernel:
         """``y`` of all bodies from a state."""
         return self.view.body_coordinates(t, x[: self.e.coordinate_count], p)
 
-    def matrices(self, t: float, x: np.ndarray, p: np.ndarray) -> list[np.ndarray]:
-        """``J`` and ``G``."""
-        unit, still = np.eye(x.size), np.zeros((p.size, x.size))
-        matrices = self.system.tangent.map(x.size)(t, x, p, 0, unit, still)
-        return [matrix.full() for matrix in matrices]
+    def matrices(
+        self, axes: RotationAxes | None, t: float, x: np.ndarray, p: np.ndarray
+    ) -> list[np.ndarray]:
+        """``J − Ω`` and ``G``."""
+        columns = self.small_motions(axes).function.map(x.size)(t, x, p, np.eye(x.size))
+        return [matrix.full() for matrix in columns]
 
 
 linearization_kernel = once(LinearizationKernel)

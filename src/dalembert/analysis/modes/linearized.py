@@ -1,7 +1,14 @@
 """Linearised system about a state and its complete spectrum.
 
-For ``J = ∂F/∂x`` of ``ẋ = F(x)``, ``G = ∂(Φ, Ψ)/∂x`` and an orthonormal basis ``B`` of the null
-space of ``G`` the reduced matrix is ``A = Bᵀ J B``.
+Small motions ``δx`` of ``ẋ = F(x)`` follow ``δẋ = J δx``, ``G δx = 0`` with ``J = ∂F/∂x`` and
+``G = ∂(Φ, Ψ)/∂x``. In a basis ``T(t)`` of the null space of ``G`` that moves along the motion,
+``δx = T ξ``,
+
+    ξ̇ = A ξ,      A = T⁺ (J T − Ṫ).
+
+``T = B`` is orthonormal, turns with the axes of small rotations (``RotationAxes``), ``Ω = Ṡ Sᵀ``,
+and otherwise moves across the null space only, so that ``A = Bᵀ (J − Ω) B``. Its eigenvalues
+determine small motions if it does not change along the motion.
 """
 
 from __future__ import annotations
@@ -15,6 +22,7 @@ import numpy as np
 from dalembert.analysis.contact.gap_checks import ignored_contacts
 from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.modes.linearization_kernel import LinearizationKernel
+from dalembert.analysis.modes.rotation_axes import RotationAxes
 from dalembert.elements.fem.base import ElasticElement
 from dalembert.elements.flexible.nodes import Noded
 from dalembert.model.graph.model import Model
@@ -35,8 +43,7 @@ UNSTEADY = (
 )
 USE_JOINTS = (
     "coordinates=JointCoordinates() helps if only cyclic angles change and "
-    "non-spinning bodies carry the spinning ones; of symmetric rotors in space the A matrix of "
-    "state_space(), with rotations in inertial axes, has the frequencies of whirl"
+    "non-spinning bodies carry the spinning ones"
 )
 USE_SHAPES = (
     "the nodes of {} go round, which is not steady in any coordinates; use a FlexibleBody with "
@@ -56,6 +63,7 @@ class Linearized:
     near : second argument of ``origin``
     residual : residual of the state
     stable : whether an equilibrium is stable, and so isolated
+    axes : of small rotations in space
     """
 
     kernel: LinearizationKernel
@@ -66,43 +74,73 @@ class Linearized:
     near: np.ndarray | None = None
     residual: float = 0.0
     stable: bool = True
+    axes: RotationAxes = RotationAxes.REFERENCE
 
     @property
     def model(self) -> Model:
         return self.kernel.model
 
-    @cached_property
-    def derivatives(self) -> tuple[np.ndarray, np.ndarray]:
-        """``J`` (N, N) and ``G`` (m, N)."""
-        jacobian, tangency = self.kernel.matrices(self.time, self.x, self.p)
-        return jacobian, tangency
+    @property
+    def steadiest(self) -> Linearized:
+        """The same in the axes in which the matrix changes least; those of the reference frame
+        unless it is steady in body axes only."""
+        if self.unsteadiness <= STEADY or not self.kernel.e.manifold.attitudes:
+            return self
+        in_body = replace(self, axes=RotationAxes.BODY)
+        return in_body if in_body.unsteadiness <= STEADY else self
+
+    @property
+    def _turning(self) -> RotationAxes | None:
+        """The axes, unless they rest for all parameters."""
+        rests = not self.kernel.e.manifold.attitudes or self.origin is self.kernel.resting
+        return None if rests else self.axes
+
+    @property
+    def small_motions(self) -> ImplicitFunction:
+        """``(t, x, p, q) → (J − Ω) q, G q``."""
+        return self.kernel.small_motions(self._turning)
 
     @cached_property
+    def derivatives(self) -> tuple[np.ndarray, np.ndarray]:
+        """``J − Ω`` (N, N) and ``G`` (m, N)."""
+        jacobian, tangency = self.kernel.matrices(self._turning, self.time, self.x, self.p)
+        return jacobian, tangency
+
+    @property
     def sizes(self) -> tuple[np.ndarray, np.ndarray]:
         """Natural sizes of the state (N,) and of the equations (m,)."""
-        e, s = self.kernel.e, self.kernel.e.scales
-        bounds = np.ones(e.manifold.bounds.numel())
-        by_level = np.concatenate([s.rows[list(e.holds)], bounds, s.rows / s.time])
-        return np.concatenate([s.coordinates, s.speeds]), by_level
+        return self.kernel.sizes
 
     @cached_property
     def scaled(self) -> tuple[np.ndarray, np.ndarray]:
-        """``J`` and ``G`` with state and equations relative to their natural sizes."""
+        """``J − Ω`` and ``G`` with state and equations relative to their natural sizes."""
         (jacobian, tangency), (states, rows) = self.derivatives, self.sizes
         return jacobian * states / states[:, None], tangency * states / rows[:, None]
 
     @cached_property
     def unsteadiness(self) -> float:
-        """Relative change of the matrix within a natural time along the motion."""
+        """Relative change of ``A`` within a natural time along the motion."""
         inputs, time = (self.time, self.x, self.p), self.model.scales.time
         rate = self.kernel.system.function(*inputs)[0].full().ravel()
         if np.max(np.abs(rate) * time / self.sizes[0], initial=0.0) < RESTING:
             return 0.0
         step = SHORT * time
         later = replace(self, time=self.time + step, x=self.x + step * rate)
-        matrix, later_matrix = self.scaled[0], later.scaled[0]
-        largest = np.abs(matrix).max(initial=0.0)
-        return float(np.abs(later_matrix - matrix).max() / (SHORT * largest)) if largest else 0.0
+        carried = later.carried(self)
+        change = carried.T @ later.scaled[0] @ carried - self.matrix
+        largest = np.abs(self.matrix).max(initial=0.0)
+        return float(np.abs(change).max() / (SHORT * largest)) if largest else 0.0
+
+    def carried(self, earlier: Linearized) -> np.ndarray:
+        """``B`` (N, f) of a slightly earlier state at this one, orthonormal by natural sizes.
+
+        It turns with the axes; its nearest orthonormal basis in the null space of ``G`` differs
+        from the one that moves across that space in the square of the time between them.
+        """
+        turned, sizes = self.kernel.turned(self.axes), self.sizes[0]
+        turn = turned(self.x).full() @ turned(earlier.x).full().T * sizes / sizes[:, None]
+        left, _, right = np.linalg.svd(self.basis.T @ turn @ earlier.basis)
+        return np.asarray(self.basis @ left @ right)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -140,7 +178,7 @@ class Linearized:
 
     @cached_property
     def matrix(self) -> np.ndarray:
-        """``A = Bᵀ J B`` (f, f)."""
+        """``A = Bᵀ (J − Ω) B`` (f, f)."""
         return self.basis.T @ self.scaled[0] @ self.basis
 
     @cached_property

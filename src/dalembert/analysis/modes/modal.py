@@ -1,8 +1,9 @@
 """Modes of small motions about a state: frequencies, damping ratios, shapes.
 
 A mechanism is a first-order system ``ẋ = F(x)`` with accelerations from (5.7), linearised on the
-tangent space of ``Φ = 0, Ψ = 0``: with a basis ``T`` of it, ``A = T⁺ (∂F/∂x) T``. At rest this
-gives the usual modes of ``(ZᵀMZ, ZᵀDZ, ZᵀKZ)``; it holds in motion, too. A structure without
+tangent space of ``Φ = 0, Ψ = 0``: with a basis ``T`` of it that moves along the motion,
+``A = T⁺ ((∂F/∂x) T − Ṫ)``. At rest this gives the usual modes of ``(ZᵀMZ, ZᵀDZ, ZᵀKZ)``; in a
+steady motion the eigenvalues are those of whirl and nutation. A structure without
 damping has ``K φ = ω² M φ``.
 """
 
@@ -57,9 +58,10 @@ class Modal(SpectralAnalysis[Any, Modes]):
         ones
     time : instant at which laws and forces of a mechanism are evaluated [s]
     equilibrium : about the static equilibrium of a mechanism; otherwise about its assembled state
-    coordinates : coordinates of small motions of a mechanism. In a steady motion, such as that of a
-        rolling wheel or a spinning governor, eigenvalues are meaningful if only cyclic coordinates
-        change, as with ``JointCoordinates()``
+    coordinates : coordinates of small motions of a mechanism. Eigenvalues are those of a steady
+        motion if its linear system does not change along the motion: that of symmetric rotors and
+        rolling wheels in any coordinates; that of a spinning governor, of which only cyclic
+        coordinates change, in ``JointCoordinates()``
     lumped : lumped instead of consistent mass matrix of a structure
     shift : ``σ``: modes of a structure nearest to ``ω² = σ`` [rad²/s²]; negative for unsupported
         structures
@@ -232,7 +234,8 @@ def linearized(
     kernel = linearization_kernel(model, analysis.coordinates)
     state = model.assemble(p, analysis.time)
     x = kernel.state(analysis.time, state.y, state.v, p)
-    return Linearized(kernel, analysis.time, x, p, kernel.assembled, state.y, state.residual)
+    start = kernel.assembled, state.y, state.residual
+    return Linearized(kernel, analysis.time, x, p, *start).steadiest
 
 
 def _at_rest(motion: Motion, coordinates: Coordinates) -> Linearized:
@@ -251,4 +254,4 @@ def _last_instant(motion: Motion, coordinates: Coordinates) -> Linearized:
     """Linearised system about the end of a motion, without dependence on the parameters."""
     s, kernel = motion.trajectory, linearization_kernel(motion.model, coordinates)
     x = kernel.state(float(s.t[-1]), s.y[:, -1], s.v[:, -1], motion.parameters)
-    return Linearized(kernel, float(s.t[-1]), x, motion.parameters)
+    return Linearized(kernel, float(s.t[-1]), x, motion.parameters).steadiest

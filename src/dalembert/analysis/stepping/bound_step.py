@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.stepping.step_map import LARGEST, StepMap
+from dalembert.analysis.stepping.stepped_model import SteppedModel
 from dalembert.symbolic.evaluation.fixed_call import FixedCall, FixedCalls
 
 
@@ -86,3 +87,34 @@ class BoundStep:
     def renew(self, p: np.ndarray) -> None:
         """Use other values of the parameters."""
         self.q[:] = self.values(p[self.map.others]).full().ravel()
+
+
+class BoundSteps:
+    """Steps of a plant on common arrays, by mode and samples before substeps.
+
+    Parameters
+    ----------
+    plant : SteppedModel
+
+    Attributes
+    ----------
+    arrays : StepArrays
+    """
+
+    def __init__(self, plant: SteppedModel):
+        self.plant = plant
+        inputs, outputs = len(plant.input_names), plant.output_count
+        self.arrays = StepArrays.of(plant.start[0].size, inputs, outputs)
+        self._steps: dict[tuple[int, tuple[int, ...]], BoundStep] = {}
+
+    def at(self, mode: int, due: tuple[int, ...], p: np.ndarray) -> BoundStep:
+        """The step of a mode with samples before its substeps, for values of the parameters."""
+        if (mode, due) not in self._steps:
+            arguments = self.plant.map(mode, due), self.arrays, p, self.plant.compiled
+            self._steps[mode, due] = BoundStep.of(*arguments)
+        return self._steps[mode, due]
+
+    def renew(self, p: np.ndarray) -> None:
+        """Use other values of the parameters."""
+        for step in self._steps.values():
+            step.renew(p)

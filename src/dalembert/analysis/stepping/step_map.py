@@ -104,6 +104,14 @@ class StepMap(CacheOwner):
         return ca.Function("jacobian", [z, u, r], [ca.densify(ca.jacobian(*k)) for k in pairs])
 
     @cached_property
+    def by_parameters(self) -> ca.Function:
+        """``(z, u, r) → ∂z⁺/∂z, ∂z⁺/∂r, ∂y/∂z, ∂y/∂r``."""
+        (z, u, r), (following, y) = self._traced
+        pairs = [(following, z), (following, r), (y, z), (y, r)]
+        slopes = [ca.densify(ca.jacobian(*k)) for k in pairs]
+        return ca.Function("by_parameters", [z, u, r], slopes)
+
+    @cached_property
     def reading(self) -> ca.Function:
         """``(z, u, r) → ∂y/∂z, ∂y/∂u`` of the outputs at the beginning of the step."""
         (z, u, r), _ = self._traced
@@ -121,14 +129,23 @@ class StepMap(CacheOwner):
     @cached_property
     def adjoint(self) -> ca.Function:
         """``(z, u, r, z̄⁺, ȳ) → (z̄, ū)``."""
+        return self._pulled("adjoint", 2)
+
+    @cached_property
+    def parameter_adjoint(self) -> ca.Function:
+        """``(z, u, r, z̄⁺, ȳ) → (z̄, ū, r̄)``."""
+        return self._pulled("parameter_adjoint", 3)
+
+    def _pulled(self, name: str, count: int) -> ca.Function:
+        """Weights of the first inputs from those of the results."""
         (z, u, r), (following, y) = self._traced
         kind: Any = type(z)
         weights = kind.sym("w", following.numel()), kind.sym("v", y.numel())
         back = [
             ca.densify(ca.jtimes(ca.vertcat(following, y), s, ca.vertcat(*weights), True))
-            for s in (z, u)
+            for s in (z, u, r)[:count]
         ]
-        return ca.Function("adjoint", [z, u, r, *weights], back)
+        return ca.Function(name, [z, u, r, *weights], back)
 
     @property
     def _traced(self) -> tuple[list, list]:

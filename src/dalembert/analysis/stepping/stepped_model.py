@@ -130,6 +130,23 @@ class SteppedModel:
             x, mode = self._prescribed(x, mode, p, time, initial)
         return x, mode
 
+    def start_slopes(self, p: np.ndarray, time: float) -> np.ndarray:
+        """(f, np) derivatives of the independent entries of a start by all but the inputs."""
+        model, kernel, unit = self.model, self.kernel, np.eye(p.size)
+        state = model.assemble(p, time)
+        x, mode = kernel.initial(state, time, p)
+        still = np.zeros((state.y.size, p.size))
+        begun = model.initial_state.tangent.map(p.size)(time, state.y, p, 0, still, unit)
+        start = kernel.start.tangent.map(p.size)
+        slopes = start(time, state.y, state.v, p, 0, *begun, unit).full()
+        step = kernel.variants[mode].step
+        if step.begin is not None:
+            memory = step.begin.tangent.map(p.size)
+            moved = memory(time, x[: step.state_size], p, 0, slopes, unit).full()
+            slopes = np.vstack([slopes, moved])
+        others = [k for k in range(p.size) if k not in set(self.inputs)]
+        return slopes[np.ix_(self.entries.free, others)]
+
     def begin_at(
         self,
         motion: Motion | None,
@@ -209,8 +226,7 @@ class SteppedModel:
         """
         model, kernel = self.model, self.kernel
         designs = Designs.of(model, parameters) if are_designs(parameters) else None
-        alone = model.closure.recipe.states.steady or model.closure.lost
-        if designs is None or len(designs) < FEW or alone:
+        if designs is None or len(designs) < FEW or model.closure.lost:
             values = [
                 {n: np.ravel(v)[k % np.size(v)] for n, v in parameters.items()}
                 for k in range(1 if designs is None else count)

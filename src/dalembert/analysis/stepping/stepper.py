@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.stepping.bound_step import BoundStep, StepArrays
+from dalembert.analysis.stepping.bound_step import BoundStep, BoundSteps
 from dalembert.analysis.stepping.input_values import input_values, refuse_infinite, wrong_inputs
 from dalembert.analysis.stepping.jacobians import StepJacobians
 from dalembert.analysis.stepping.lanes import Arrays, StepperLanes
@@ -81,7 +81,8 @@ class Stepper:
         self.model, self.length = model, self.plant.step
         self.input_names, self.output_names = self.plant.input_names, self.plant.output_names
         self._several = len(self.input_names) != 1
-        self._arrays, self._steps = self._fresh()
+        self._steps = BoundSteps(self.plant)
+        self._arrays = self._steps.arrays
         self.reset()
 
     # starts ----------------------------------------------------------------------------
@@ -138,9 +139,8 @@ class Stepper:
         self._arrays.z[0][:] = [*state.x, self.time]
         for u in self._arrays.u:
             u[:] = self._p[plant.inputs]
-        for step in self._steps.values():
-            step.renew(self._p)
-        self._step = self._bound_step(self._mode, plant.due(self._count, self._start))
+        self._steps.renew(self._p)
+        self._step = self._bound_step(self._mode)
 
     # steps -----------------------------------------------------------------------------
     def step(self, inputs: Any = None) -> np.ndarray:
@@ -170,7 +170,7 @@ class Stepper:
             except (TypeError, ValueError):
                 raise wrong_inputs(self.input_names, inputs) from None
         if self.plant.phases is not None:
-            self._step = self._bound_step(self._mode, self.plant.due(self._count, self._start))
+            self._step = self._bound_step(self._mode)
         if not (self._step.calls[side]() and arrays.share[0] <= 1.0):
             self._repeat_by_other_variant()
         self._side = side = 1 - side
@@ -204,7 +204,8 @@ class Stepper:
         other = object.__new__(type(self))
         other.__dict__ |= {k: v for k, v in vars(self).items() if not k.startswith("_")}
         other._several = self._several
-        other._arrays, other._steps = self._fresh()
+        other._steps = BoundSteps(self.plant)
+        other._arrays = other._steps.arrays
         other.restore(self.save())
         return other
 
@@ -251,6 +252,14 @@ class Stepper:
         p = self._parameters(inputs)
         return StepJacobians.at(step_map, self.plant, self.time, self.state, p)
 
+    def start_jacobian(self) -> np.ndarray:
+        """(n, np) exact derivatives of the start of the model by the parameters.
+
+        Rows and columns are those of ``jacobians().parameter``; at the parameters and the time of
+        the last reset. A start by ``initial`` or ``motion`` has other ones.
+        """
+        return self.plant.start_slopes(self._p, self._start)
+
     def state_space(self, inputs: Any = None) -> StateSpace:
         """Linear system ``x[k+1] = A x[k] + B u[k]``, ``y[k] = C x[k] + D u[k]`` of a step.
 
@@ -285,18 +294,10 @@ class Stepper:
             self.plant.phases.check_repeated(self._count, self._start)
         return self.jacobians(inputs).state_space
 
-    def _fresh(self) -> tuple[StepArrays, dict[tuple[int, tuple[int, ...]], BoundStep]]:
-        """Arrays, and steps by mode and samples before substeps."""
-        size = self.plant.start[0].size
-        return StepArrays.of(size, len(self.input_names), self.plant.output_count), {}
-
-    def _bound_step(self, mode: int, due: tuple[int, ...]) -> BoundStep:
-        """The step of a mode with samples before its substeps."""
-        if (mode, due) not in self._steps:
-            step_map = self.plant.map(mode, due)
-            arguments = step_map, self._arrays, self._p, self.plant.compiled
-            self._steps[mode, due] = BoundStep.of(*arguments)
-        return self._steps[mode, due]
+    def _bound_step(self, mode: int) -> BoundStep:
+        """The next step in a mode."""
+        due = self.plant.due(self._count, self._start)
+        return self._steps.at(mode, due, self._p)
 
     def _repeat_by_other_variant(self) -> None:
         """Repeat a refused step with the equations that suit the state, if there are others."""
@@ -307,7 +308,7 @@ class Stepper:
             mode = self.plant.kernel.choose(self.time, self.state, p)
         except SingularityError as error:
             raise StepFailure(self.time, str(error), SHORTER) from None
-        step = self._bound_step(mode, self.plant.due(self._count, self._start))
+        step = self._bound_step(mode)
         for results in (arrays.z[1 - side], arrays.y, arrays.share):
             results[:] = 0.0  # a call that fails may leave them as they are
         solved = step.calls[side]()

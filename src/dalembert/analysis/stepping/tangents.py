@@ -31,13 +31,24 @@ class IndependentEntries:
         self.rest = [k for k in range(self.count, size) if k not in fixed]
         self.size, self.view = size, view
 
+    @property
+    def _levels(self) -> ca.SX:
+        e = self.e
+        levels = e.constraints[list(e.holds), :], e.manifold.bounds, e.velocity_constraints
+        return ca.densify(ca.vertcat(*levels))
+
     @cached_property
     def _tangency(self) -> ca.Function:
-        e = self.e
-        levels = [e.constraints[list(e.holds), :], e.manifold.bounds, e.velocity_constraints]
-        x = ca.vertcat(e.y, e.v)
-        slopes = ca.densify(ca.jacobian(ca.vertcat(*levels), x))
-        return ca.Function("tangency", [e.t, x, e.p], [slopes])
+        x = ca.vertcat(self.e.y, self.e.v)
+        slopes = ca.densify(ca.jacobian(self._levels, x))
+        return ca.Function("tangency", [self.e.t, x, self.e.p], [slopes])
+
+    @cached_property
+    def _by_parameters(self) -> ca.Function:
+        """``∂G/∂p`` of the equations that hold."""
+        x = ca.vertcat(self.e.y, self.e.v)
+        slopes = ca.densify(ca.jacobian(self._levels, self.e.p))
+        return ca.Function("by_parameters", [self.e.t, x, self.e.p], [slopes])
 
     def choose(self, t: float, x: np.ndarray, p: np.ndarray) -> None:
         """Choose the independent entries at a state."""
@@ -68,12 +79,30 @@ class IndependentEntries:
         basis = np.zeros((self.size, len(self.free)))
         basis[self.free, range(len(self.free))] = 1.0
         if self.dependent:
-            slopes = self._tangency(t, x[: self.count], p).full()
-            try:
-                follow = -np.linalg.solve(slopes[:, self.dependent], slopes[:, self.own])
-            except np.linalg.LinAlgError:
-                names = ", ".join(self.name(k) for k in self.own)
-                text = f"{names} do not determine the state at t = {t:.6g} s; reset the stepper"
-                raise SingularityError(text) from None
-            basis[self.dependent, : len(self.own)] = follow
+            own = self._tangency(t, x[: self.count], p).full()[:, self.own]
+            basis[self.dependent, : len(self.own)] = self._following(t, x, p, own)
         return basis
+
+    def shift(self, t: float, x: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """(n, np) changes of the state by unit changes of parameters, if independent entries rest.
+
+        Raises
+        ------
+        SingularityError
+            As of ``basis``.
+        """
+        shift = np.zeros((self.size, p.size))
+        if self.dependent:
+            slopes = self._by_parameters(t, x[: self.count], p).full()
+            shift[self.dependent] = self._following(t, x, p, slopes)
+        return shift
+
+    def _following(self, t: float, x: np.ndarray, p: np.ndarray, changes: np.ndarray) -> np.ndarray:
+        """Changes of the dependent entries that close changes of the equations."""
+        slopes = self._tangency(t, x[: self.count], p).full()
+        try:
+            return -np.linalg.solve(slopes[:, self.dependent], changes)
+        except np.linalg.LinAlgError:
+            names = ", ".join(self.name(k) for k in self.own)
+            text = f"{names} do not determine the state at t = {t:.6g} s; reset the stepper"
+            raise SingularityError(text) from None

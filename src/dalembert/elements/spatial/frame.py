@@ -30,6 +30,7 @@ class Attitude(Coordinates):
     """
 
     flat = False
+    attitude = (0, 0)
     rest = rotation.IDENTITY
     coordinate_names, coordinate_units = rotation.EULER_PARAMETERS, ("1",) * 4
     speed_names, speed_units = rotation.SPIN, ("rad",) * 3
@@ -135,6 +136,10 @@ class SpatialFrame(BodyElement):
         return Expression(rotation.angles(self.axes, sequence), f"{self.name}.{sequence}", "rad")
 
     # manifold ---------------------------------------------------------------------------------
+    @property
+    def attitude(self) -> tuple[int, int] | None:
+        return (3, 3) if self.rotates else None
+
     @property
     def flat(self) -> bool:
         return not self.rotates

@@ -39,7 +39,7 @@ class MethodChoice:
     cost: Callable[[int], float]
     other: Callable[[int], int]
     advances: dict[bool, float] = field(default_factory=dict)
-    """Mean advance per attempt [s] of either method when last used."""
+    """Length of the first step [s] of either method, its mean advance when last used."""
     paces: dict[bool, float] = field(default_factory=dict)
     """Mean advance per operation [s]."""
     waits: dict[bool, int] = field(default_factory=lambda: {True: SHORTEST, False: SHORTEST})
@@ -71,7 +71,11 @@ class MethodChoice:
         implicit, accepted = self.implicit(mode), record[3] > 0.5
         late = np.arange(accepted.size) >= 3 * accepted.size // 4  # earlier attempts adapt the step
         advance = float(np.sum(record[1, late & accepted]) / max(1, np.sum(late)))
-        self.advances[implicit], self.paces[implicit] = advance, advance / self.cost(mode)
+        self.paces[implicit] = advance / self.cost(mode)
+        if advance > 0:
+            self.advances[implicit] = advance
+        elif record.shape[1]:  # all late attempts were rejected: continue with the last length
+            self.advances[implicit] = float(record[1, -1])
         if implicit or (accepted.any() and np.mean(record[4, accepted] > STIFF) >= STIFF_SHARE):
             self.periods += 1
         else:

@@ -13,6 +13,7 @@ from dalembert.elements.base import Element, Powers
 from dalembert.elements.coordinates import Coordinates, motion_rate_of, rate_of
 from dalembert.elements.joint_forces import AlongJoint
 from dalembert.elements.planar.body import Ground
+from dalembert.elements.states import foreign_states
 from dalembert.errors import ModelError
 from dalembert.model.graph.description import Description
 from dalembert.model.graph.equations import ConstraintKinematics, Equations
@@ -67,7 +68,11 @@ def absolute_equations(d: Description) -> Equations:
     nonholonomic = plain(ca.vertcat(ca.SX.zeros(held.numel()), slip))
     imposed = ca.substitute(nonholonomic, v, ca.SX.zeros(v.numel()))
     imposed += ca.jacobian(constraints, t.sx)
-    delivered = ca.dot(multiplier, imposed)  # power of drivers: C v = −Φ_t
+    followed = [c for c in groups if not c.twist.numel()]  # laws of drivers may contain states
+    states, rates = (stack(getattr(c, k) for c in followed) for k in ("pose", "pose_rate"))
+    if constraints.numel() and states.numel():
+        imposed += ca.jtimes(ca.densify(constraints), states, plain(rates))
+    delivered = ca.dot(multiplier, imposed)  # power of drivers: C v = −Φ_t − Φ_z ż
     return Equations(
         t=t.sx,
         y=y,
@@ -163,11 +168,16 @@ def _forces(d: Description, v: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX
     conservative: Powers = []
     nonconservative: Powers = []
     losses, potential, released = ca.SX(0), ca.SX(0), ca.SX(0)
+    followed = [c for c in d.coordinates if not c.twist.numel()]
+    turning = {id(c): ca.SX.sym("state_rate", c.pose.numel()) for c in followed}
     for element in d.forces:
         owners = element.parts() or d.coordinates
 
         def rate(s: ca.SX, owners=owners) -> ca.SX:
-            return rate_of(s, owners, t.sx)
+            total = rate_of(s, owners, t.sx)
+            for group in foreign_states(s, owners, d.coordinates):  # no virtual displacements
+                total += ca.jtimes(s, group.pose, turning[id(group)])
+            return total
 
         (conservative if element.conservative else nonconservative).extend(element.powers(rate))
         for velocity, effort in element.dissipation(rate):
@@ -185,4 +195,7 @@ def _forces(d: Description, v: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX
         )
         return ca.jtimes(velocities, v, efforts, True)
 
-    return generalised(nonconservative), generalised(conservative), potential, losses, released
+    forces = generalised(nonconservative), generalised(conservative)
+    symbols, rates = stack(turning.values()), stack(c.pose_rate for c in followed)
+    parts = [*forces, potential, losses, released]
+    return tuple(ca.substitute(part, symbols, rates) for part in parts)  # type: ignore[return-value]

@@ -9,8 +9,10 @@ import numpy as np
 
 from dalembert.elements.base import Constraint, ForceElement
 from dalembert.elements.blocks.block import Block
+from dalembert.elements.blocks.sampled import Sampled
 from dalembert.elements.coordinates import rate_of
 from dalembert.elements.stateful import SIGNAL, Stateful
+from dalembert.elements.states import foreign_states
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.model.graph.description import Description
 from dalembert.model.graph.rigid_gaps import rigid_gaps
@@ -91,6 +93,7 @@ def check_symbols(d: Description) -> None:
         lengths += [(gap.name, share) for share in (law.restitution, law.tangential)]
     _allow(positions, poses, ", positions and t")
     _check_linear_in_speeds(d)
+    _check_laws_of_states(d)
     _allow(efforts, states, ", positions, speeds and t")
     _allow(lengths, parameters, "")
 
@@ -108,6 +111,36 @@ def _check_linear_in_speeds(d: Description) -> None:
                 "its root",
                 entity,
             )
+
+
+def _check_laws_of_states(d: Description) -> None:
+    """Check that positions follow states whose rates do not depend on speeds or forces.
+
+    Otherwise ``Φ̈ = 0`` would contain ``Φ_z ∂ż/∂v v̇``: drivers would act on speeds, not positions.
+    """
+    known = _names([stack(c.pose for c in (*d.coordinates, d.ground))]) | set(d.parameters) | {"t"}
+    blocks = (element for element in d.elements.values() if isinstance(element, Sampled))
+    sampled = _names(block.states.pose for block in blocks)
+    positions: Formulas = [(c.name, c.equations) for c in d.constraints]
+    positions += [
+        (gap.name, gap.distance) for gap in rigid_gaps([*d.elements.values()], d.coordinates)
+    ]
+    for entity, formula in positions:
+        for group in foreign_states(formula, (), d.coordinates):
+            rate = ca.jtimes(ca.densify(formula), group.pose, group.pose_rate)
+            if held := sorted((_names([formula]) | _names([rate])) & sampled):
+                raise ModelError(
+                    f"its position or speed follows {', '.join(held[:3])}, which jumps at samples; "
+                    "let it follow a filter of second order, such as two da.blocks.LowPass",
+                    entity,
+                )
+            if foreign := sorted(_names([rate]) - known):
+                raise ModelError(
+                    f"its position follows the state {group.name}, whose rate depends on "
+                    f"{', '.join(foreign[:3])}; let it follow a filter of the state, such as "
+                    "da.blocks.LowPass, or of the quantities in the rate",
+                    entity,
+                )
 
 
 def _allow(formulas: Formulas, allowed: set[str], also: str) -> None:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import casadi as ca
 import numpy as np
 
 from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.model import Model
+from dalembert.model.graph.rigid_gaps import contact_forces, headings
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.once import CacheOwner, once
 
@@ -73,7 +75,14 @@ class CoordinateView(CacheOwner):
 
 @dataclass(frozen=True)
 class Coordinates:
-    """Strategy object: choice of coordinates."""
+    """Strategy object: choice of coordinates.
+
+    Attributes
+    ----------
+    rigid_contacts : whether gaps of rigid contacts take part
+    """
+
+    rigid_contacts: ClassVar[bool] = True
 
     def chosen(self, cost: Callable[[Coordinates], int]) -> Coordinates:
         """The coordinates to use: itself, or the cheapest ones by ``cost``."""
@@ -112,6 +121,20 @@ class AbsoluteCoordinates(Coordinates):
 
     def view(self, model: Model, every_equation: bool = False) -> AbsoluteView:
         return AbsoluteView(model, every_equation)
+
+
+@dataclass(frozen=True)
+class DrivenCoordinates(AbsoluteCoordinates):
+    """Absolute coordinates of a driven mechanism, whose motion no rigid contact changes."""
+
+    rigid_contacts: ClassVar[bool] = False
+
+    def view(self, model: Model, every_equation: bool = False) -> AbsoluteView:
+        view = AbsoluteView(model, every_equation)
+        gaps = view.whole.contacts
+        dropped = ca.vertcat(view.whole.dropped, contact_forces(gaps), headings(gaps))
+        view.whole = replace(view.whole, contacts=(), dropped=dropped)
+        return view
 
 
 class AbsoluteView(CoordinateView):

@@ -34,6 +34,7 @@ class Manifold:
     flat : whether the operations are + and −
     bounds : SX of y, zero on the manifold only
     between : returns the expression ``other ⊖ y`` when needed
+    attitudes : for each rotation in space, its first Euler parameter in y and its first speed
     """
 
     y: ca.SX
@@ -43,6 +44,7 @@ class Manifold:
     flat: bool
     bounds: ca.SX
     between: Callable[[], ca.SX]
+    attitudes: tuple[tuple[int, int], ...] = ()
 
     @classmethod
     def of(cls, groups: Sequence[Coordinates]) -> Manifold:
@@ -58,6 +60,7 @@ class Manifold:
             flat=all(group.flat for group in groups),
             bounds=stack(group.bounds(group.pose) for group in groups),
             between=lambda: apart,
+            attitudes=_attitudes(groups),
         )
 
     @classmethod
@@ -158,6 +161,16 @@ class Manifold:
     @cached_property
     def _lead(self) -> Kernel:
         return Kernel(self._leading)
+
+
+def _attitudes(groups: Sequence[Coordinates]) -> tuple[tuple[int, int], ...]:
+    """Positions of the rotations in space in the stacked coordinates and speeds."""
+    places, coordinate, speed = [], 0, 0
+    for group in groups:
+        if group.attitude is not None:
+            places.append((coordinate + group.attitude[0], speed + group.attitude[1]))
+        coordinate, speed = coordinate + group.pose.numel(), speed + group.twist.numel()
+    return tuple(places)
 
 
 def _evaluated(

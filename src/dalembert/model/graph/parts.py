@@ -21,6 +21,7 @@ from dalembert.elements.fem.node_set import Nodes
 from dalembert.elements.pair import Pair
 from dalembert.elements.planar.body import Ground
 from dalembert.elements.point import AXES
+from dalembert.elements.states import foreign_states
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.declared import declared
 from dalembert.symbolic.formulas.expression import Expression, t
@@ -140,7 +141,8 @@ def element_measures(element: Element, everything: Everything) -> Measures:
     owners = element.parts() or everything.coordinates
 
     def rate(expression: ca.SX) -> ca.SX:
-        return rate_of(expression, owners, t.sx)
+        others = foreign_states(expression, owners, everything.coordinates)
+        return rate_of(expression, [*owners, *others], t.sx)
 
     if isinstance(element, BodyElement):
         own = element.measures()

@@ -11,6 +11,7 @@ import casadi as ca
 from dalembert.elements.base import Element
 from dalembert.elements.contact.unilateral import Gap, Impact, Unilateral
 from dalembert.elements.coordinates import Coordinates, rate_of
+from dalembert.elements.states import foreign_states
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import stack, t
 
@@ -54,7 +55,7 @@ def rigid_gaps(elements: Sequence[Element], everything: list[Coordinates]) -> tu
         law = element.impact() if isinstance(element, Unilateral) else None
         if not isinstance(element, Unilateral) or law is None:
             continue
-        gaps = element.gaps(partial(_rate, element.parts() or everything))
+        gaps = element.gaps(partial(_rate, element.parts() or everything, everything))
         rigid += [
             RigidGap(element.name, gap.distance, gap.slip, law, *forces, _heading(gap, law))
             for gap, forces in zip(gaps, element.force_symbols, strict=True)
@@ -69,8 +70,9 @@ def rigid_gaps(elements: Sequence[Element], everything: list[Coordinates]) -> tu
     return tuple(rigid)
 
 
-def _rate(owners: list[Coordinates], expression: ca.SX) -> ca.SX:
-    return rate_of(expression, owners, t.sx)
+def _rate(owners: list[Coordinates], everything: list[Coordinates], expression: ca.SX) -> ca.SX:
+    others = foreign_states(expression, owners, everything)
+    return rate_of(expression, [*owners, *others], t.sx)
 
 
 def _heading(gap: Gap, law: Impact) -> ca.SX:

@@ -186,7 +186,7 @@ class ImplicitFunction(CacheOwner):
         """The tangent for a zero rate of the first input, time."""
         first, *rest = self.inputs
         rates = [ca.SX.sym(f"d{i}", *x.shape) for i, x in enumerate(rest)]
-        return self._along([ca.SX.zeros(*first.shape), *rates], rates).function
+        return self.along([ca.SX.zeros(*first.shape), *rates], rates).function
 
     def at(self, *inputs: ca.MX) -> TriangularMap:
         """The tangent at a point and fixed time: rates of the other inputs → rates of outputs."""
@@ -205,10 +205,10 @@ class ImplicitFunction(CacheOwner):
     def forward(self) -> ImplicitFunction:
         """The tangent as an implicit function: rates of unknowns solve ``r_z ż + r_x ẋ = 0``."""
         rates = [ca.SX.sym(f"d{i}", *x.shape) for i, x in enumerate(self.inputs)]
-        return self._along(rates, rates)
+        return self.along(rates, rates)
 
-    def _along(self, rates: list[ca.SX], symbols: list[ca.SX]) -> ImplicitFunction:
-        """The tangent for rates of the inputs, expressions of symbols."""
+    def along(self, rates: list[ca.SX], symbols: list[ca.SX]) -> ImplicitFunction:
+        """The tangent for rates of the inputs, expressions of symbols: inputs, symbols → rates."""
         symbols_so_far, changes = ca.vertcat(*self.inputs), ca.vertcat(*rates)
         stages = list(self.stages)
         for stage in self.stages:

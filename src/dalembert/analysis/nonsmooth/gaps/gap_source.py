@@ -15,6 +15,7 @@ from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.elements.coordinates import rate_of
+from dalembert.elements.states import foreign_states
 from dalembert.errors import ModelError
 from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
@@ -216,4 +217,9 @@ def _stated_gap(width: int) -> ca.Function:
 
 def _rate(model: Model, element: Unilateral) -> Rate:
     owners = element.parts() or model.coordinates
-    return lambda s: rate_of(s, owners, t.sx)
+
+    def rate(s: ca.SX) -> ca.SX:
+        others = foreign_states(s, owners, model.coordinates)
+        return rate_of(s, [*owners, *others], t.sx)
+
+    return rate

@@ -66,7 +66,7 @@ class InitialStates:
         return ca.substitute(ca.densify(e.pose_rate[self.steady]), e.y[self.steady], self.root)
 
     @property
-    def _sizes(self) -> tuple[np.ndarray, np.ndarray]:
+    def sizes(self) -> tuple[np.ndarray, np.ndarray]:
         """Natural sizes of the rates and of the states."""
         size = self.e.scales.coordinates[self.steady]
         return size / self.e.scales.time, size
@@ -80,7 +80,7 @@ class InitialStates:
         """
         if not self.steady:
             return []
-        factor = QrFactor(ca.jacobian(self._rates, self.root), *self._sizes)
+        factor = QrFactor(ca.jacobian(self._rates, self.root), *self.sizes)
         value = start[self.steady]
         return [Stage(self.root, self._rates, value, factor.solve, factor.solve_transposed)]
 
@@ -118,6 +118,13 @@ class InitialStates:
         outputs = [rates, ca.densify(ca.jacobian(rates, self.root))]
         return ca.Function("steady", [e.t, e.y, e.v, e.p, self.root], outputs)
 
+    @cached_property
+    def columns(self) -> ca.Function:
+        """The same with the Jacobian as a column."""
+        arguments = self.function.sx_in()
+        value, jacobian = self.function.call(arguments)
+        return ca.Function("steady_columns", arguments, [value, ca.vec(jacobian)], {"cse": True})
+
 
 class _Steady(newton.Equations[np.ndarray]):
     """``f = 0`` at a position and speeds."""
@@ -129,7 +136,7 @@ class _Steady(newton.Equations[np.ndarray]):
 
     def residual(self, x: np.ndarray) -> newton.Residual:
         value, jacobian = (out.full() for out in self.states.function(*self.at, x))
-        size = self.states._sizes[0]
+        size = self.states.sizes[0]
         scale = np.maximum(size, np.abs(jacobian) @ np.abs(x))
         return newton.Residual(value.ravel(), scale)
 

@@ -16,9 +16,10 @@ import numpy as np
 from dalembert.model.graph.assembly.assembly import ROUNDING
 from dalembert.model.graph.assembly.closure import Closure
 from dalembert.model.graph.assembly.continuation import FOLLOWED, SHORTEST
+from dalembert.model.graph.assembly.initial_states import SETTINGS, InitialStates
 from dalembert.symbolic.equations.factor import QrFactor
 from dalembert.symbolic.equations.many_newton import ManyEquations, Points, solve_many
-from dalembert.symbolic.equations.newton import TINY
+from dalembert.symbolic.equations.newton import ROUNDING as ROUNDED, TINY
 from dalembert.symbolic.once import once
 
 Evaluate = Callable[..., list[np.ndarray]]
@@ -80,6 +81,21 @@ class ManyStarts:
             return y
         return np.array([states.prescribed_at(*row) for row in zip(y, p, strict=True)])
 
+    def with_steady_states(
+        self, y: np.ndarray, time: float, p: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Positions with steady states of first order, and flags of those that have them."""
+        states = self.closure.recipe.states
+        if not (states.steady and len(y)):
+            return y, np.ones(len(y), dtype=bool)
+        t = np.full((len(y), 1), time)
+        v = self.evaluate(initial_speeds(self.closure), t, y, p)[0]
+        equations = ManySteadyStates(states, self.evaluate, (t, y, v, p))
+        solutions = solve_many(equations, y[:, states.steady], SETTINGS)
+        y = y.copy()
+        y[:, states.steady] = solutions.points.x
+        return y, solutions.accepted
+
     def gaps(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Index of the most violated equation, by natural sizes, and its violation.
 
@@ -126,6 +142,51 @@ class PinnedPositions(ManyEquations[Positions]):
 
     def after(self, here: Positions, steps: np.ndarray, designs: np.ndarray) -> Positions:
         return self.points(steps, designs)
+
+
+@dataclass(eq=False)
+class Rates(Points):
+    """Rates of steady states, and their Jacobian."""
+
+    jacobian: np.ndarray
+
+
+class ManySteadyStates(ManyEquations[Rates]):
+    """States of first order whose rates are zero, as ``InitialStates.steady_at``.
+
+    Parameters
+    ----------
+    states : InitialStates
+    evaluate : as in ``ManyStarts``
+    at : t, y, v, p, one row per set
+    """
+
+    def __init__(self, states: InitialStates, evaluate: Evaluate, at: tuple[np.ndarray, ...]):
+        self.states, self.evaluate, self.at = states, evaluate, at
+
+    def points(self, x: np.ndarray, designs: np.ndarray) -> Rates:
+        at = (part[designs] for part in self.at)
+        value, column = self.evaluate(self.states.columns, *at, x)
+        count = x.shape[1]
+        jacobian = column.reshape(-1, count, count).transpose(0, 2, 1)
+        terms = np.einsum("kij,kj->ki", np.abs(jacobian), np.abs(x))
+        scale = np.maximum(self.states.sizes[0], terms)
+        return Rates(x, value, (SETTINGS.tolerance + ROUNDED) * scale, jacobian)
+
+    def steps(self, here: Rates, designs: np.ndarray) -> np.ndarray:
+        steps, matrix = np.full_like(here.x, np.nan), here.jacobian
+        regular = np.isfinite(matrix).all(axis=(1, 2)) & (np.linalg.slogdet(matrix)[0] != 0)
+        steps[regular] = -np.linalg.solve(matrix[regular], here.value[regular, :, None])[..., 0]
+        return steps
+
+
+@once
+def initial_speeds(closure: Closure) -> ca.Function:
+    """``(t, y, p) → v`` at assembled positions."""
+    initial = closure.recipe.initial_state
+    arguments = initial.function.sx_in()
+    speeds = initial.function.call(arguments)[1]
+    return ca.Function("initial_speeds", arguments, [ca.densify(speeds)], {"cse": True})
 
 
 @once
