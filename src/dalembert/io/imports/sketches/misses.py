@@ -50,8 +50,8 @@ def _report_unused(drawing: Drawing, pin: Pin, links: Sequence[Link]) -> None:
 
 def _is_alone(pin: Pin, link: Link, links: Sequence[Link], guides: Sequence[Guide]) -> bool:
     """Whether a pin joins a link to nothing."""
-    elsewhere = [*(x for x in links if x is not link), *guides]
-    return pin in link.corners and not pin.is_ground and not any(pin in x.pins for x in elsewhere)
+    elsewhere = [*(other.pins for other in links if other is not link), *(g.pins for g in guides)]
+    return pin in link.corners and not pin.is_ground and not any(pin in pins for pins in elsewhere)
 
 
 def _report_rigid_pins(drawing: Drawing, link: Link, pins: Sequence[Pin]) -> None:

@@ -139,9 +139,10 @@ def _without_frames(
         others = [other.corners for other in remaining if other is not line]
         points = np.concatenate([*others, *(pin.center[None] for pin in pins)] or [_NO_POINTS])
         low, high = line.corners.min(axis=0) + tolerance, line.corners.max(axis=0) - tolerance
-        is_upright = len(np.unique(np.round(line.corners / max(tolerance, 1e-300)), axis=0)) == 4
-        is_upright = is_upright and np.all((line.corners <= low) | (line.corners >= high))
-        if others and is_upright and np.all((points > low) & (points < high)):
+        at_sides = (line.corners <= low) | (line.corners >= high)
+        corners = {tuple(row) for row in (line.corners >= high).tolist()}
+        is_upright = bool(at_sides.all()) and len(corners) == 4
+        if others and is_upright and bool(((points > low) & (points < high)).all()):
             drawing.omit(
                 line.place, "rectangle", "is a frame around the drawing, with no pin on it"
             )
