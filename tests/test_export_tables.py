@@ -81,6 +81,22 @@ def test_parquet_has_the_numbers_of_mat(solved, kind, tmp_path):
             np.testing.assert_array_equal(table[name].to_numpy(), np.ravel(data[short]))
 
 
+@pytest.mark.parametrize("name", ["design", "case"])
+def test_a_parameter_named_like_an_index_leaves_the_table_readable(name, tmp_path):
+    """Columns of a table have different names: other readers refuse files where two are alike."""
+    pandas = pytest.importorskip("pandas")
+    system = da.System("pendulum", gravity=(0, -9.81))
+    length = system.parameter(name, 0.5, "m")
+    bar = system.add(planar.Bar("bar", length=length, mass=2.0, angle=-1.0))
+    system.add(planar.Revolute("O", system.ground.center, bar.start))
+    model, values = system.build(), [0.4, 0.5]
+    batch = da.solve_dynamics(model, 0.2, step=0.1, parameters={name: values})
+    table = pandas.read_parquet(da.export(batch, tmp_path / "x.parquet").files[0])
+    assert list(dict.fromkeys(table[name])) == values
+    index = "design_index" if name == "design" else "design"
+    assert table[index].to_list() == [0, 0, 0, 1, 1, 1]
+
+
 def test_variable_names_are_valid_and_different(tmp_path):
     system = da.System("names")
     for name in ("a" * 70, "a" * 70 + "b"):

@@ -8,6 +8,7 @@ import subprocess
 import tempfile
 import threading
 import zipfile
+from ctypes import byref
 from pathlib import Path
 
 import numpy as np
@@ -294,6 +295,22 @@ def test_saved_states(version, kind, unit, unit2):
     one.free()
 
 
+def test_states_of_the_other_interface_type(unit):
+    """Memory of a saved state of the other interface type, of another size, is not overwritten."""
+    step, exchange = (Instance(unit.path, k).begin() for k in ("CoSimulation", "ModelExchange"))
+    for own, other in ((step, exchange), (exchange, step)):
+        state = other.unit.getFMUState()
+        before = other.unit.serializeFMUState(state)
+        refused(own, own.unit.fmi3GetFMUState, "another unit", own.unit.component, byref(state))
+        refused(own, own.unit.setFMUState, "another unit", state)
+        assert other.unit.serializeFMUState(state) == before
+        other.unit.freeFMUState(state)
+    content = step.unit.serializeFMUState(step.unit.getFMUState())
+    refused(exchange, exchange.unit.deserializeFMUState, "another unit", content)
+    step.free()
+    exchange.free()
+
+
 def test_reset_and_parameters(unit):
     one = Instance(unit.path, "CoSimulation").begin(torque=1.0, length=0.25)
     one.step(0.0, 0.1)
@@ -345,10 +362,10 @@ def test_instances_are_independent(unit):
         several[k].free()
 
 
-def refused(one, call, text, *arguments):
+def refused(one, call, text, *arguments, **values):
     """The call returns an error whose message contains the text."""
     with pytest.raises(FMICallException, match=r"status 3 \(error\)"):
-        call(*arguments)
+        call(*arguments, **values)
     assert text in one.messages[-1]
 
 
@@ -558,6 +575,38 @@ def test_switches_are_events(tmp_path):
         one.step(time, length)
         assert (one.get("switch 1")[0] > 0) == (one.get("ball.y")[0] < 0) == below
     one.free()
+
+
+def test_invalid_parameters_set_with_states(tmp_path):
+    """A call that sets a state and an invalid parameter changes neither of them."""
+    system = da.System("stone", gravity=(0, -10))
+    mass = system.parameter("mass", 2.0, "kg")
+    system.add(planar.Particle("stone", mass=mass, position=(0, 1)))
+    unit = da.export_fmu(system.build(), tmp_path / "stone.fmu", kind="both")
+    one = Instance(unit.path, "ModelExchange").begin()
+    one.unit.enterEventMode()
+    before = one.get("mass", "state.stone.x", "stone.x")
+    refused(one, one.set, "stone", **{"state.stone.x": 7.0, "mass": -1.0})
+    assert np.array_equal(one.get("mass", "state.stone.x", "stone.x"), before)
+    one.set(**{"state.stone.x": 7.0, "mass": 3.0})
+    assert one.get("mass", "state.stone.x", "stone.x").tolist() == [3.0, 7.0, 7.0]
+    one.free()
+
+
+def test_unstable_steps_are_reported(tmp_path, capsys):
+    """RK4 of an undamped spring is stable up to h = 2√2/ω: a warning about longer steps only."""
+    system = da.System("mass on a spring")
+    mass = system.add(planar.Particle("mass", mass=1.0, position=(1, 0)))
+    anchor = system.ground.point(-1, 0)
+    system.add(planar.Spring("spring", anchor, mass.center, stiffness=1e4, free_length=2.0))
+    model, path = system.build(), tmp_path / "spring.fmu"
+    options = {"platforms": (), "outputs": ["mass.x"]}
+    assert not da.export_fmu(model, path, step=0.99 * 2.83e-2, **options).warnings
+    (warning,) = da.export_fmu(model, path, step=1.1 * 2.83e-2, **options).warnings
+    assert "spring alone oscillates at 100 rad/s: RK4 with steps of 0.0311" in warning
+    assert not da.export_fmu(model, path, step=0.1, kind="model_exchange", **options).warnings
+    (omission,) = da.export(model, path, step=0.1, **options).omissions
+    assert "spring alone oscillates" in omission.reason
 
 
 def test_controller_alone(tmp_path):

@@ -105,11 +105,6 @@ MJCF = {
         "</worldbody></mujoco>",
         "keep one orientation",
     ),
-    "fitted geom": (
-        '<mujoco><compiler fitaabb="true"/><asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/>'
-        '</asset><worldbody><body><joint/><geom type="box" mesh="m"/></body></worldbody></mujoco>',
-        "fitted to the bounding box",
-    ),
     "second inertia": (
         '<mujoco><worldbody><body><joint/><inertial pos="0 0 0" mass="1"/><frame>'
         '<inertial pos="0 0 0" mass="1"/></frame></body></worldbody></mujoco>',

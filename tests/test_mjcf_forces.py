@@ -94,10 +94,11 @@ def test_a_welded_hand_leaves_the_coordinates_of_its_motors(tmp_path):
     assert {"h.angle", "k.angle"} <= set(names)
 
 
+@pytest.mark.parametrize("box", ["false", "true"])
 @pytest.mark.parametrize("kind", ["sphere", "capsule", "cylinder", "box", "ellipsoid"])
-def test_shapes_fitted_to_a_mesh(tmp_path, kind):
+def test_shapes_fitted_to_a_mesh(tmp_path, kind, box):
     corners = np.random.default_rng(0).normal(size=(30, 3)) * [0.3, 0.1, 0.05] + [1, 2, 3]
-    text = f"""<mujoco><asset><mesh name="m" inertia="convex"
+    text = f"""<mujoco><compiler fitaabb="{box}"/><asset><mesh name="m" inertia="convex"
       vertex="{" ".join(map(str, corners.ravel()))}"/></asset><worldbody><body name="b">
       <freejoint/><geom type="{kind}" mesh="m" pos="1 0 0" euler="10 20 30" fitscale="1.1"/>
       </body></worldbody></mujoco>"""

@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from dalembert.cli.console import DONE, print_files, print_heading, print_json, wrong_input
+from dalembert.cli.console import (
+    DONE,
+    print_files,
+    print_heading,
+    print_json,
+    print_line,
+    wrong_input,
+)
 from dalembert.cli.loading import refuse_replacing
 from dalembert.errors import UnsupportedError
 
@@ -79,8 +86,10 @@ def export_unit(
         summary = {"ok": True, "name": file.name, "to": FMU, "bytes": path.stat().st_size}
         names = {"parameters": unit.parameters, "inputs": unit.inputs, "measures": unit.outputs}
         lists = {key: list(values) for key, values in names.items()}
-        print_json(summary | lists | {"files": [str(path)]})
+        print_json(summary | lists | {"files": [str(path)], "warnings": list(unit.warnings)})
     else:
         print_heading(file.name, repr(unit).strip("<>"))
+        for text in unit.warnings:
+            print_line(f"  warning: {text}", "yellow")
         print_files([path])
     return DONE

@@ -13,6 +13,7 @@ from typing import Any
 
 from dalembert import __version__
 from dalembert.analysis.dynamics.dynamics import Dynamics
+from dalembert.analysis.dynamics.step_length_checks import unstable_step_warnings
 from dalembert.errors import UnsupportedError
 from dalembert.files import atomic_path
 from dalembert.fmu.archive import archive_of
@@ -52,6 +53,7 @@ class FMU:
     kind : interface type
     variables : Variables with their value references
     platforms : of its libraries
+    warnings : about steps of co-simulation that are unstable at the start
 
     Examples
     --------
@@ -75,6 +77,7 @@ class FMU:
     kind: str
     variables: Variables
     platforms: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -202,7 +205,15 @@ def export_fmu(
     content = archive_of(replace(description, token=token), text, fmi, targets)
     with atomic_path(path) as temporary:
         temporary.write_bytes(content)
-    return FMU(Path(path), model.name, fmi, kind, variables, tuple(targets))
+    warnings = _unstable_steps(model, run) if STEPS in KINDS[kind] else ()
+    return FMU(Path(path), model.name, fmi, kind, variables, tuple(targets), warnings)
+
+
+def _unstable_steps(model: Model, run: Dynamics) -> tuple[str, ...]:
+    """Warnings about an explicit step that is too long for a spring or contact of the model."""
+    p, begin = model.values(None), _begin(run)
+    state, step = model.assemble(p, begin), float(run.step or 0.0)
+    return tuple(unstable_step_warnings(model, state, p, run.integrator, step, _duration(run)))
 
 
 def _identifier(name: str) -> str:

@@ -124,7 +124,7 @@ static Status check_value(Instance* c, unsigned r, double value) {
 
 /* Set variables: all of them, or none after an error. */
 static Status set(Instance* c, const unsigned* references, size_t count, const double* values) {
-  int begun = c->mode > INITIALIZATION, parameters = 0, valid = c->valid;
+  int begun = c->mode > INITIALIZATION, parameters = 0, states = 0;
   for (size_t k = 0; k < count; ++k) {
     Status status = check_value(c, references[k], values[k]);
     if (status > WARNING) return status;
@@ -134,17 +134,20 @@ static Status set(Instance* c, const unsigned* references, size_t count, const d
     unsigned r = references[k];
     double* place = r < FIRST_OUTPUT ? c->p + (r - 1) : c->x + (r - FIRST_STATE);
     if (*place == values[k]) continue;
-    *place = values[k];
-    c->valid = begun ? STARTED : 0;
-    parameters |= r < FIRST_OUTPUT;
+    *(r < FIRST_OUTPUT ? &parameters : &states) = 1;
+    if (r < FIRST_OUTPUT) *place = values[k];
   }
-  if (!begun || !parameters) return OK;
-  Status status = check_limits(c);
-  if (status > WARNING) {
-    copy(c->p, c->by_p, PARAMETERS);
-    c->valid = valid & STARTED;
+  if (begun && parameters) {
+    Status status = check_limits(c);
+    if (status > WARNING) {
+      copy(c->p, c->by_p, PARAMETERS);
+      return status;
+    }
   }
-  return status;
+  for (size_t k = 0; k < count; ++k)
+    if (references[k] >= FIRST_OUTPUT) c->x[references[k] - FIRST_STATE] = values[k];
+  if (parameters || states) c->valid = begun ? STARTED : 0;
+  return OK;
 }
 
 /* Derivatives exist where there are values: from the initialization on. */

@@ -179,9 +179,23 @@ static size_t saved_size(const Instance* c) {
   return sizeof(Saved) + (size_t)c->saved_count * sizeof(double);
 }
 
-static Status save(Instance* c, void** state) {
+static int belongs(const Instance* c, const Saved* saved) {
+  return saved && !strncmp(saved->token, TOKEN, sizeof saved->token - 1) &&
+         saved->count == c->saved_count && saved->exchange == c->exchange &&
+         saved->mode >= INSTANTIATED && saved->mode <= TERMINATED;
+}
+
+/* Memory for a state: that of the state on entry, if there is one. */
+static Status reserve(Instance* c, void** state) {
+  if (*state && !belongs(c, *state))
+    return fail(c, ERROR, "the state to be overwritten belongs to another unit");
   if (!*state) *state = calloc(1, saved_size(c));
-  if (!*state) return fail(c, ERROR, "no memory for the state of the unit");
+  return *state ? OK : fail(c, ERROR, "no memory for the state of the unit");
+}
+
+static Status save(Instance* c, void** state) {
+  Status status = reserve(c, state);
+  if (status > WARNING) return status;
   Saved* saved = *state;
   strncpy(saved->token, TOKEN, sizeof saved->token - 1);
   saved->mode = c->mode;
@@ -192,16 +206,11 @@ static Status save(Instance* c, void** state) {
   return OK;
 }
 
-static int belongs(const Instance* c, const Saved* saved) {
-  return saved && !strncmp(saved->token, TOKEN, sizeof saved->token - 1) &&
-         saved->count == c->saved_count && saved->exchange == c->exchange;
-}
-
 static Status restore(Instance* c, const void* state) {
   const Saved* saved = state;
   if (!belongs(c, saved)) return fail(c, ERROR, "the saved state belongs to another unit");
   c->mode = (Mode)saved->mode;
-  c->valid = saved->valid;
+  c->valid = saved->valid & STARTED;
   memcpy(c->numbers, saved + 1, (size_t)c->saved_count * sizeof(double));
   return OK;
 }
@@ -218,10 +227,9 @@ static Status deserialize(Instance* c, const void* bytes, size_t size, void** st
   if (size >= sizeof head) memcpy(&head, bytes, sizeof head);
   if (size < saved_size(c) || !belongs(c, &head))
     return fail(c, ERROR, "the serialized state belongs to another unit");
-  if (!*state) *state = calloc(1, saved_size(c));
-  if (!*state) return fail(c, ERROR, "no memory for the state of the unit");
-  memcpy(*state, bytes, saved_size(c));
-  return OK;
+  Status status = reserve(c, state);
+  if (status <= WARNING) memcpy(*state, bytes, saved_size(c));
+  return status;
 }
 
 #endif

@@ -9,8 +9,11 @@ from typing import Any
 
 from dalembert.fmu.export import export_fmu
 from dalembert.io.exports.exported import Files
+from dalembert.io.omission import Omission
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.formulas.expression import Expression
+
+STABILITY = "stability of the steps of co-simulation"
 
 
 def fmu_file(
@@ -35,7 +38,7 @@ def fmu_file(
     )
     with TemporaryDirectory() as folder:
         path = Path(folder) / f"{name}.fmu"
-        export_fmu(
+        unit = export_fmu(
             model,
             path,
             analysis,
@@ -47,4 +50,5 @@ def fmu_file(
             states=states,
             platforms=platforms,
         )
-        return Files({path.name: path.read_bytes()})
+        warnings = [Omission(model.name, STABILITY, text) for text in unit.warnings]
+        return Files({path.name: path.read_bytes()}, warnings)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -42,15 +43,29 @@ def _floats(table: Table) -> list[Column]:
 
 
 def long_columns(table: Table) -> list[Column]:
-    """Columns of one length; those of a batch are repeated along its designs."""
+    """Columns of one length; those of a batch are repeated along its designs.
+
+    Names are unique: where a parameter is called ``design``, ``mode`` or ``case``, the numbers of
+    designs, modes or load cases are ``design_index``, ``mode_index`` or ``case_index``.
+    """
+    names = {c.name for c in (*table.designs, *table.columns)}
     count = next((len(c.values) for c in (*table.designs, *table.columns)), 0)
     is_batch = any(c.values.ndim == 2 for c in table.columns) or bool(table.designs)
     if not is_batch:
-        return [table.along, *table.columns]
+        return [_index(table.along, names), *table.columns]
     size = len(table.along.values)
-    designs = [Column("design", "", np.arange(count)), *table.designs]
+    designs = [_index(Column("design", "", np.arange(count)), names), *table.designs]
+    along = _index(table.along, names)
     return [
         *(Column(c.name, c.unit, np.repeat(c.values, size)) for c in designs),
-        Column(table.along.name, table.along.unit, np.tile(table.along.values, count)),
+        Column(along.name, along.unit, np.tile(along.values, count)),
         *(Column(c.name, c.unit, c.values.reshape(-1)) for c in table.columns),
     ]
+
+
+def _index(column: Column, names: set[str]) -> Column:
+    """The column with a name that is none of the others."""
+    name = column.name
+    while name in names:
+        name += "_index"
+    return replace(column, name=name)

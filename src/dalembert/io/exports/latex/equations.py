@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,9 +10,10 @@ import casadi as ca
 
 from dalembert.errors import UnsupportedError
 from dalembert.io.exports.exported import Files
-from dalembert.io.exports.latex.graph import sums_of
-from dalembert.io.exports.latex.notation import Notation, latex_name
+from dalembert.io.exports.latex.graph import WithoutNotation, sums_of
+from dalembert.io.exports.latex.notation import Notation, latex_name, latex_number, unambiguous
 from dalembert.io.exports.latex.sums import Sum
+from dalembert.io.exports.latex.texts import declarations, latex_text, latex_unit
 from dalembert.model.graph.coordinates import AbsoluteCoordinates
 from dalembert.model.graph.model import Model
 from dalembert.model.graph.tree.joint_coordinates import JointCoordinates
@@ -26,6 +28,13 @@ TITLES = {
     "C": "Jacobian of the constraints",
 }
 """Letter of an array → heading."""
+
+INDEX = re.compile(r"^((?:\\_|[^_])*)(.*)$")
+"""A letter or word of a notation, and its index."""
+RESERVED = (*TITLES, r"\Phi_{1}", "q", "v", r"\lambda")
+"""Notations of arrays."""
+WIDEST = 80
+"""Upper limit of the characters in a line of an equation."""
 
 
 @dataclass(frozen=True)
@@ -82,13 +91,27 @@ def latex_equations(model: Model, coordinates: str = "joint") -> LatexEquations:
             if total > LARGEST:
                 raise UnsupportedError(f"they have more than {LARGEST} terms")
             arrays[letter] = Array(column.shape, entries)
+    except WithoutNotation as error:
+        raise UnsupportedError(
+            f"the equations of {model.name!r} cannot be written in LaTeX: they contain {error}"
+        ) from None
     except UnsupportedError as error:
         other = next(choice for choice in CHOICES if choice != coordinates)
         raise UnsupportedError(
             f"the equations of {model.name!r} are too large for LaTeX: {error}; export a model "
             f"with fewer bodies, or try coordinates={other!r}"
         ) from None
-    return LatexEquations({name: notation for _, name, notation in symbols}, arrays)
+    return LatexEquations(_notations(symbols), arrays)
+
+
+def _notations(symbols: list[tuple[ca.SX, str, str]]) -> dict[str, str]:
+    """Notations by names; those of parameters differ from all others."""
+    notations = {name: notation for _, name, notation in symbols}
+    others = {text for name, text in notations.items() if not name.startswith("p:")}
+    own = {name[2:]: text for name, text in notations.items() if name.startswith("p:")}
+    return notations | {
+        f"p:{name}": text for name, text in unambiguous(own, others | set(RESERVED)).items()
+    }
 
 
 def _symbols(view: Any, e: Any) -> list[tuple[ca.SX, str, str]]:
@@ -100,22 +123,13 @@ def _symbols(view: Any, e: Any) -> list[tuple[ca.SX, str, str]]:
     for k in range(e.speed_count):
         name = str(e.v[k])
         rate = rates.get(name)
-        notation = latex_name(name) if rate is None else rf"\dot{{{_dotted(rate)}}}{_index(rate)}"
+        notation = latex_name(name) if rate is None else INDEX.sub(r"\\dot{\1}\2", rate)
         rows.append((e.v[k], f"v:{name}", notation))
     known = list(view.model.parameters)
     for k in range(e.p.numel()):
         name = known[k] if k < len(known) else f"r_{k}"
         rows.append((e.p[k], f"p:{name}", latex_name(name)))
     return rows
-
-
-def _dotted(notation: str) -> str:
-    return notation.partition("_")[0]
-
-
-def _index(notation: str) -> str:
-    _, underscore, index = notation.partition("_")
-    return underscore + index
 
 
 def latex_file(model: Model, name: str, coordinates: str = "joint") -> Files:
@@ -137,18 +151,15 @@ def latex_file(model: Model, name: str, coordinates: str = "joint") -> Files:
         r"M \, \dot{v} = h - C^{T} \lambda, \qquad \Phi = 0" if constrained else r"M \, \dot{v} = h"
     )
     coordinates_text = _list(equations.symbols, "q:")
-    title = model.name.replace("_", r"\_").replace("&", r"\&").replace("%", r"\%")
     lines = [
-        r"\documentclass{article}",
-        r"\usepackage{amsmath}",
         r"\begin{document}",
-        rf"\section*{{{title}}}",
+        rf"\section*{{{latex_text(model.name)}}}",
         rf"\[ {law} \]",
-        rf"Coordinates: ${coordinates_text}$. Speeds: ${_list(equations.symbols, 'v:')}$.",
+        rf"Coordinates: {coordinates_text}. Speeds: {_list(equations.symbols, 'v:')}.",
     ]
     if any(key.startswith("p:") for key in equations.symbols):
         values = [
-            f"${latex_name(p.name)} = {float(p.value):.6g}$ {p.unit}".rstrip(" 1")
+            _equality(equations.symbols[f"p:{p.name}"], float(p.value), p.unit)
             for p in model.parameters.values()
         ]
         lines.append(f"Parameters: {', '.join(values)}.")
@@ -157,11 +168,24 @@ def latex_file(model: Model, name: str, coordinates: str = "joint") -> Files:
             lines.append(rf"\paragraph{{{TITLES[letter]}}}")
             lines += entry_lines(letter, array, notation)
     lines.append(r"\end{document}")
-    return Files({f"{name}.tex": ("\n".join(lines) + "\n").encode("utf-8")})
+    preamble = [
+        r"\documentclass{article}",
+        r"\usepackage{amsmath}",
+        r"\usepackage[margin=20mm]{geometry}",
+        r"\allowdisplaybreaks",
+        *declarations("".join(lines)),
+    ]
+    return Files({f"{name}.tex": ("\n".join([*preamble, *lines]) + "\n").encode("utf-8")})
+
+
+def _equality(symbol: str, value: float, unit: str) -> str:
+    sign, text = "-" if value < 0 else "", latex_unit(unit)
+    space = r"\ " if text else ""
+    return f"${symbol} = {sign}{latex_number(abs(value))}{space}{text}$"
 
 
 def _list(symbols: dict[str, str], kind: str) -> str:
-    return r",\ ".join(text for key, text in symbols.items() if key.startswith(kind))
+    return ", ".join(f"${text}$" for key, text in symbols.items() if key.startswith(kind))
 
 
 def entry_lines(letter: str, array: Array, notation: Notation) -> list[str]:
@@ -173,5 +197,29 @@ def entry_lines(letter: str, array: Array, notation: Notation) -> list[str]:
         if (letter == "M" and row > column) or (not entry.terms and letter in "MC"):
             continue
         index = f"{row + 1}" if columns == 1 and letter not in "MC" else f"{row + 1},{column + 1}"
-        lines.append(rf"\[ {letter}_{{{index}}} = {notation.sum(entry)} \]")
+        lines += _displayed(rf"{letter}_{{{index}}}", notation.terms(entry))
     return lines
+
+
+def _displayed(left: str, terms: list[str]) -> list[str]:
+    """An equation, in several lines if it is long."""
+    rows, width = [left + " ="], _width(left)
+    for term in terms:
+        width += _width(term)
+        if width > WIDEST and rows[-1] != left + " =":
+            rows.append(term)
+            width = _width(term)
+        else:
+            rows[-1] += f" {term}"
+    if len(rows) == 1:
+        return [rf"\[ {rows[0]} \]"]
+    first, *others = (row.removeprefix(left + " =") for row in rows)
+    lines = [rf"{left} = {{}} & {first.strip()}", *(rf"& {{}} {row}" for row in others)]
+    return [r"\begin{align*}", " \\\\\n".join(lines), r"\end{align*}"]
+
+
+def _width(text: str) -> int:
+    """Number of characters of a printed formula, roughly."""
+    tall = re.sub(r"\\frac\{(.*?)\}\{.*?\}", r"\1", text)
+    plain = re.sub(r"\\(?:mathrm|text|left|right)|\\[ ,]", "", tall)
+    return len(re.sub(r"[{}^_]", "", re.sub(r"\\[A-Za-z]+", "x", plain)))

@@ -14,6 +14,10 @@ LARGEST = 20 * MOST_TERMS
 """Upper limit of the instructions of a graph."""
 
 
+class WithoutNotation(UnsupportedError):
+    """An operation that has no notation in LaTeX."""
+
+
 def _power(base: Sum, exponent: Sum) -> Sum:
     value = exponent.constant
     return function("pow", base, exponent) if value is None else base.power(value)
@@ -46,9 +50,13 @@ NAMES = {
     "MIN": "FMIN",
 }
 """Functions with another name in CasADi."""
+UNPRINTED = {
+    ca.OP_CALL: "an interpolation, an iteration or an external function",
+}
+"""Operations without a notation."""
 for _name in (
-    "abs acos acosh and asin asinh atan atan2 atanh cos cosh eq exp floor if le log lt max min ne "
-    "not or sign sin sinh sqrt tan tanh"
+    "abs acos acosh and asin asinh atan atan2 atanh copysign cos cosh eq erf exp floor if le log "
+    "lt max min ne not or sign sin sinh sqrt tan tanh"
 ).split():
     OPERATIONS[getattr(ca, f"OP_{NAMES.get(_name.upper(), _name.upper())}")] = _named(_name)
 
@@ -62,8 +70,10 @@ def sums_of(column: ca.SX, symbols: Sequence[tuple[ca.SX, str]]) -> list[Sum]:
 
     Raises
     ------
+    WithoutNotation
+        The expressions have an operation without a notation.
     UnsupportedError
-        The expressions are too large, or have an operation without a notation.
+        They are too large.
     """
     inputs = ca.vertcat(*(symbol for symbol, _ in symbols))
     graph = ca.Function("entries", [inputs], [ca.densify(ca.vec(column))])
@@ -86,5 +96,5 @@ def sums_of(column: ca.SX, symbols: Sequence[tuple[ca.SX, str]]) -> list[Sum]:
         elif code in OPERATIONS:
             work[outputs[0]] = OPERATIONS[code](*(work[a] for a in arguments))
         else:
-            raise UnsupportedError(f"operation {code} of CasADi has no notation")
+            raise WithoutNotation(UNPRINTED.get(code, f"operation {code} of CasADi"))
     return entries

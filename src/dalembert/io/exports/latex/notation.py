@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
 
 from dalembert.io.exports.latex.sums import Factor, Product, Sum
+from dalembert.io.exports.latex.texts import GREEK, latex_word, upright
 
-GREEK = (
-    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau "
-    "upsilon phi chi psi omega Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega"
-).split()
 COORDINATES = {
     "angle": r"\varphi",
     "displacement": "s",
@@ -42,29 +40,23 @@ def latex_name(name: str) -> str:
     """
     owner, _, last = name.rpartition(".")
     if owner and last in COORDINATES:
-        return f"{COORDINATES[last]}_{{{_word(owner)}}}"
+        return f"{COORDINATES[last]}_{{{latex_word(owner)}}}"
     if owner:
-        return f"{_head(last)}_{{{_word(owner)}}}"
+        return f"{_head(last)}_{{{latex_word(owner)}}}"
     head, *rest = name.split("_")
     match = re.fullmatch(r"([A-Za-z]+)(\d+)", head)
     if match and (len(match[1]) == 1 or match[1] in GREEK):
         head, rest = match[1], [match[2], *rest]
     rest = [part for part in rest if part]
     if not head or not (len(head) == 1 or head in GREEK):
-        return _word(name)
-    return f"{_head(head)}_{{{','.join(_word(part) for part in rest)}}}" if rest else _head(head)
+        return latex_word(name)
+    return (
+        f"{_head(head)}_{{{','.join(latex_word(part) for part in rest)}}}" if rest else _head(head)
+    )
 
 
 def _head(text: str) -> str:
-    return f"\\{text}" if text in GREEK else text if len(text) == 1 else _word(text)
-
-
-def _word(text: str) -> str:
-    """A word in upright letters; numbers and single letters as they are."""
-    if text.isdigit() or len(text) == 1:
-        return text
-    escaped = text.replace("_", r"\_")
-    return rf"\mathrm{{{escaped}}}"
+    return f"\\{text}" if text in GREEK else latex_word(text)
 
 
 def latex_number(value: float) -> str:
@@ -88,6 +80,19 @@ def latex_number(value: float) -> str:
     return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else text
 
 
+def unambiguous(names: Mapping[str, str], reserved: Iterable[str]) -> dict[str, str]:
+    """Notations by names; of those that are alike or reserved, the upright names.
+
+    Examples
+    --------
+    >>> from dalembert.io.exports.latex.notation import unambiguous
+    >>> unambiguous({"l1": "l_{1}", "l_1": "l_{1}", "M": "M", "m": "m"}, "M")
+    {'l1': '\\\\mathrm{l1}', 'l_1': '\\\\mathrm{l\\\\_1}', 'M': '\\\\mathrm{M}', 'm': 'm'}
+    """
+    counts = Counter([*names.values(), *reserved])
+    return {name: upright(name) if counts[text] > 1 else text for name, text in names.items()}
+
+
 class Notation:
     """Notation of sums.
 
@@ -101,14 +106,16 @@ class Notation:
 
     def sum(self, total: Sum) -> str:
         """Terms with their signs, the simplest first."""
-        if not total.terms:
-            return "0"
-        terms = sorted(total.terms.items(), key=lambda term: _order(term[0]))
-        text = ""
-        for k, (factors, coefficient) in enumerate(terms):
-            sign = "-" if coefficient < 0 else "+" if k else ""
-            text += (f" {sign} " if k else sign) + self.term(factors, abs(coefficient))
-        return text
+        return " ".join(self.terms(total))
+
+    def terms(self, total: Sum) -> list[str]:
+        """The terms of a sum with their signs."""
+        ordered = sorted(total.terms.items(), key=lambda term: _order(term[0]))
+        texts = []
+        for k, (factors, coefficient) in enumerate(ordered):
+            sign = ("- " if k else "-") if coefficient < 0 else "+ " if k else ""
+            texts.append(sign + self.term(factors, abs(coefficient)))
+        return texts or ["0"]
 
     def term(self, factors: Product, coefficient: float) -> str:
         """A product, with negative powers in a denominator."""
@@ -143,7 +150,7 @@ class Notation:
             rest = rf" \left({texts[1]}\right)" if factor.name == "if" else ""
             return _powered(rf"[{inside}]{rest}", exponent)
         operator = OPERATORS.get(factor.name, rf"\{factor.name}")
-        if factor.name in ("sign", "asinh", "acosh", "atanh", "floor", "atan2"):
+        if factor.name in ("sign", "asinh", "acosh", "atanh", "floor", "atan2", "erf", "copysign"):
             operator = rf"\mathrm{{{factor.name}}}"
         return rf"{operator}{exponent}\left({', '.join(texts)}\right)"
 

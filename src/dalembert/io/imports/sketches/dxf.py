@@ -19,7 +19,7 @@ from dalembert.io.imports.sketches.drawing import (
     Label,
     Line,
 )
-from dalembert.io.imports.sketches.outlines import outline
+from dalembert.io.imports.sketches.outlines import SAME, Arc, add_circles_of_arcs, outline
 from dalembert.io.imports.sketches.roles import Role, group_of, role_of
 from dalembert.packages import optional_package
 
@@ -100,6 +100,7 @@ class _Reader:
             entity.dxf.handle: name for name, group in document.groups for entity in group
         }
         self.fills: list[tuple[np.ndarray, str]] = []
+        self.arcs: list[Arc] = []
 
     def read(self) -> Drawing:
         for entity, blocks in self._entities(self.document.modelspace(), ()):
@@ -108,6 +109,7 @@ class _Reader:
             except (ArithmeticError, ValueError, TypeError, AttributeError, IndexError) as error:
                 place = self._place(entity)
                 raise ModelError(f"cannot be read ({error}); redraw or delete it", place) from None
+        add_circles_of_arcs(self.drawing, self.arcs)
         self.drawing.convert(lambda entity: [self._filled(entity)])
         for _, place in self.fills:
             self.drawing.omit(place, "fill", "fills no circle")
@@ -179,8 +181,26 @@ class _Reader:
                 self.drawing.add(Arrow(**data, points=center))
         elif kind in ("LINE", "LWPOLYLINE", "POLYLINE"):
             self._line(entity, data, role)
+        elif kind in ("ARC", "ELLIPSE") and (arc := self._arc(entity, data)) is not None:
+            self.arcs.append(arc)
         else:
             self._omit(entity, CURVES if kind in ("ARC", "SPLINE", "ELLIPSE") else "is not used")
+
+    def _arc(self, entity: Any, data: dict[str, Any]) -> Arc | None:
+        """Part of a circle; None for other ellipses."""
+        if entity.dxftype() == "ARC":
+            center = self._plane(entity, [entity.dxf.center], True)
+            radius, start, end = entity.dxf.radius, entity.dxf.start_angle, entity.dxf.end_angle
+            span = np.radians((end - start) % 360.0) or 2 * np.pi
+        else:
+            center = self._plane(entity, [entity.dxf.center], False)
+            radius = entity.dxf.major_axis.magnitude
+            span = (entity.dxf.end_param - entity.dxf.start_param) % (2 * np.pi) or 2 * np.pi
+            if abs(abs(entity.dxf.ratio) - 1.0) > SAME:
+                return None
+        if center is None:
+            return None
+        return Arc(center[0], float(radius), float(span), entity.dxftype(), data)
 
     def _line(self, entity: Any, data: dict[str, Any], role: Role) -> None:
         kind = entity.dxftype()

@@ -29,6 +29,8 @@ def report_misses(
     for pin in pins:
         if pin not in used:
             _report_unused(drawing, pin, links)
+    for link in links:
+        _report_rigid_pins(drawing, link, [p for p in pins if _is_alone(p, link, links, guides)])
     owner = {id(line): link for link in links for line in link.lines}
     for line in lines:
         if not line.closed:
@@ -44,6 +46,37 @@ def _report_unused(drawing: Drawing, pin: Pin, links: Sequence[Link]) -> None:
         away = min(distances(pin.center[None], link.segments).min() for link in links)
         text += f"; the nearest one is {away:.4g} {drawing.unit} from its centre"
     drawing.omit(pin.place, text, "is no pin; draw it over the lines that it joins")
+
+
+def _is_alone(pin: Pin, link: Link, links: Sequence[Link], guides: Sequence[Guide]) -> bool:
+    """Whether a pin joins a link to nothing."""
+    elsewhere = [*(other.pins for other in links if other is not link), *(g.pins for g in guides)]
+    return pin in link.corners and not pin.is_ground and not any(pin in pins for pins in elsewhere)
+
+
+def _report_rigid_pins(drawing: Drawing, link: Link, pins: Sequence[Pin]) -> None:
+    """Report circles at which lines of one link meet that nothing else holds together."""
+    segments = link.segments
+    for pin in pins:
+        ends = [{tuple(e) for e in piece if (e != pin.center).any()} for piece in segments]
+        at_pin = [len(e) < 2 for e in ends]
+        if sum(at_pin) > 1 and len(_connected(ends)) > 1:
+            drawing.omit(
+                pin.place,
+                f"circle at {_text(pin.center)} {drawing.unit}",
+                "joins only lines of one body, which is rigid there; for a joint draw separate "
+                "lines, not one polyline, and outside of named groups, layers and blocks",
+            )
+
+
+def _connected(sets: Sequence[set]) -> list[set]:
+    """Unions of the sets that have elements in common."""
+    unions: list[set] = []
+    for members in sets:
+        joined = [union for union in unions if union & members]
+        unions = [union for union in unions if not union & members]
+        unions.append(members.union(*joined))
+    return unions
 
 
 def _report_end(

@@ -7,7 +7,7 @@ import unicodedata
 from collections.abc import Iterable, Iterator
 from itertools import count
 
-from dalembert.io.imports.sketches.roles import GENERIC
+from dalembert.io.imports.sketches.roles import is_generic
 
 AUTOMATIC = re.compile(r"[A-Za-z]+[-_]?\d{2,}(-\d+)*|\d+")
 """Names that drawing programs give, such as ``path1234-5``."""
@@ -28,7 +28,7 @@ def identifier(text: str) -> str:
 
 def is_automatic(name: str) -> bool:
     """Whether a program gave the name, not a person."""
-    return bool(AUTOMATIC.fullmatch(name) or GENERIC.fullmatch(name))
+    return bool(AUTOMATIC.fullmatch(name) or is_generic(name))
 
 
 class Names:

@@ -2,14 +2,61 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from dalembert.io.imports.sketches.drawing import Circle, Entity, Line, Slot
+from dalembert.io.imports.sketches.drawing import CURVES, Circle, Drawing, Entity, Line, Slot
 
 ROUND = 1e-3
 """Relative deviation of a half circle, a right angle, or of equal sides."""
+
+SAME = 1e-6
+"""Relative difference of centres and radii of arcs of one circle, and of axes of an ellipse."""
+
+
+@dataclass(frozen=True, eq=False)
+class Arc:
+    """An arc of a circle.
+
+    Attributes
+    ----------
+    center : (2,)
+    radius : in the unit of the drawing
+    span : angle [rad]
+    kind : of its entity
+    data : place, layers and name
+    """
+
+    center: np.ndarray
+    radius: float
+    span: float
+    kind: str
+    data: dict[str, Any]
+
+
+def add_circles_of_arcs(drawing: Drawing, arcs: Sequence[Arc]) -> None:
+    """Add the circles that arcs form together, as programs write them that know no circles.
+
+    Other arcs are omissions.
+    """
+    remaining = list(arcs)
+    while remaining:
+        first, near = remaining[0], SAME * remaining[0].radius
+        alike = [
+            arc
+            for arc in remaining
+            if abs(arc.radius - first.radius) <= near
+            and np.linalg.norm(arc.center - first.center) <= near
+        ]
+        remaining = [arc for arc in remaining if not any(arc is other for other in alike)]
+        if sum(arc.span for arc in alike) >= 2 * np.pi * (1 - SAME):
+            drawing.add(Circle(**first.data, center=first.center, radius=first.radius))
+            continue
+        for arc in alike:
+            drawing.omit(arc.data["place"], arc.kind, CURVES)
 
 
 def outline(

@@ -27,13 +27,13 @@ WORDS = {
     Role.GROUND: "ground grounded fixed frame",
 }
 """Role → words in names of layers, groups and classes; the first role that matches counts."""
-GENERIC = re.compile(
-    r"0|\d+|(link|bar|line|part|body|bodie|pin|joint|circle|layer|ebene|calque|group|sketch|drawing"
-    r"|mechanism|linkage|figure|axes|patch|path|main|default|root|svg|g|st|cls|text|label)"
-    r"(s|es)?[\W_]*\d*",
-    re.IGNORECASE,
+GENERIC = set(
+    "link bar line part body bodie pin joint circle layer ebene calque capa livello camada laag "
+    "warstwa слой 图层 group sketch drawing content projection mechanism linkage figure axes patch "
+    "path main default root svg g st cls text label artboard page sheet view visible narrow wide "
+    "iso ansi din jis copy kopie copie".split()
 )
-"""Names of layers and groups whose lines are bodies of their own."""
+"""Words of which the names of layers and groups consist whose lines are bodies of their own."""
 ROLE_OF = {word: role for role, words in WORDS.items() for word in words.split()}
 
 
@@ -48,9 +48,25 @@ def group_of(words: Iterable[str]) -> str:
     """The innermost layer or group whose connected lines are one body; empty for none."""
     for name in reversed(list(words)):
         own = [p for p in re.split(r"[\W_]+", name.lower()) if p and p not in ROLE_OF]
-        if own and not GENERIC.fullmatch(name.strip()):
+        if own and not is_generic(name):
             return name
     return ""
+
+
+def is_generic(name: str) -> bool:
+    """Whether a name consists of words that name nothing, with numbers and in the plural.
+
+    >>> is_generic("Layer_1-2"), is_generic("Visible (ISO)"), is_generic("ProjectionView001")
+    (True, True, True)
+    >>> is_generic("crank 1")
+    False
+    """
+    separated = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name).lower()
+    words = [word.strip("0123456789") for word in re.split(r"[\W_]+", separated)]
+    return all(
+        not word or bool(GENERIC & {word, word.removesuffix("s"), word.removesuffix("es")})
+        for word in words
+    )
 
 
 def speed_in(text: str) -> str | None:

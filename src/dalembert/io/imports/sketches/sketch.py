@@ -91,6 +91,9 @@ def read_svg(
     return mechanism_of(drawing, tolerance, mass_per_length, speed)
 
 
+_NO_POINTS = np.zeros((0, 2))
+
+
 def mechanism_of(
     drawing: Drawing,
     tolerance: float | str | None,
@@ -105,7 +108,7 @@ def mechanism_of(
     density = _number(mass_per_length, "kg/m", "mass_per_length")
     pins = pins_of(drawing, limit)
     guides, blocks, lines = guides_and_blocks(drawing, pins, limit)
-    joining = Joining(drawing, lines, pins, limit)
+    joining = Joining(drawing, _without_frames(drawing, lines, pins, limit), pins, limit)
     links = [*joining.links(), *blocks]
     for link in links:
         link.is_ground = any(role_of(line.words) is Role.GROUND for line in link.lines)
@@ -125,6 +128,26 @@ def mechanism_of(
     add_drivers(mechanism, motors, _number(speed, "rad/s", "speed"), size)
     comments = {"": HEADING.format(name=drawing.path.name), "parameters.rho": MASSES}
     return Imported(drawing.path, _document(mechanism), drawing.omissions, comments)
+
+
+def _without_frames(
+    drawing: Drawing, lines: list[Line], pins: list[Pin], tolerance: float
+) -> list[Line]:
+    """The lines without rectangles around all others, such as the background of a page."""
+    remaining = list(lines)
+    for line in [line for line in lines if line.closed and len(line.corners) == 4]:
+        others = [other.corners for other in remaining if other is not line]
+        points = np.concatenate([*others, *(pin.center[None] for pin in pins)] or [_NO_POINTS])
+        low, high = line.corners.min(axis=0) + tolerance, line.corners.max(axis=0) - tolerance
+        at_sides = (line.corners <= low) | (line.corners >= high)
+        corners = {tuple(row) for row in (line.corners >= high).tolist()}
+        is_upright = bool(at_sides.all()) and len(corners) == 4
+        if others and is_upright and bool(((points > low) & (points < high)).all()):
+            drawing.omit(
+                line.place, "rectangle", "is a frame around the drawing, with no pin on it"
+            )
+            remaining = [other for other in remaining if other is not line]
+    return remaining
 
 
 def _document(mechanism: Mechanism) -> dict[str, Any]:

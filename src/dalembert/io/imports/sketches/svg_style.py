@@ -7,7 +7,9 @@ from dataclasses import dataclass, replace
 
 from dalembert.io.imports.xml.element import XmlElement
 
-PROPERTIES = ("fill", "fill-opacity", "display", "visibility", "font-size", "text-anchor")
+PROPERTIES = (
+    *("fill", "fill-opacity", "opacity", "display", "visibility", "font-size", "text-anchor"),
+)
 EMPTY = ("none", "transparent", "white", "#fff", "#ffffff", "rgb(255,255,255)")
 """Fills of an open circle."""
 FONT = 16.0
@@ -30,8 +32,7 @@ class Style:
     @property
     def is_filled(self) -> bool:
         """Whether the interior is coloured, and not white."""
-        is_clear = re.fullmatch(r"0*\.?0*%?", self.opacity.strip()) is not None
-        return self.fill.replace(" ", "").lower() not in EMPTY and not is_clear
+        return self.fill.replace(" ", "").lower() not in EMPTY and not _is_clear(self.opacity)
 
     def of(self, element: XmlElement, rules: Rules) -> Style:
         """The style of an element inside of one with this style."""
@@ -47,6 +48,7 @@ class Style:
             "hidden",
             "collapse",
         )
+        hidden = hidden or _is_clear(stated.get("opacity", "1"))
         return replace(
             self,
             fill=stated.get("fill", self.fill),
@@ -76,6 +78,10 @@ def _declarations(text: str) -> dict[str, str]:
     pairs = (entry.partition(":") for entry in text.split(";"))
     values = {name.strip(): value.replace("!important", "").strip() for name, _, value in pairs}
     return {name: value for name, value in values.items() if name in PROPERTIES}
+
+
+def _is_clear(opacity: str) -> bool:
+    return re.fullmatch(r"0*\.?0*%?", opacity.strip()) is not None
 
 
 def _matches(selector: str, element: XmlElement) -> bool:

@@ -92,17 +92,19 @@ class Geom:
     def _fitted(self, mesh: XmlElement) -> np.ndarray:
         """Size of a shape whose box of equal inertia is that of a mesh, in its principal axes.
 
-        A box with half lengths ``h`` has the moments ``I₁ = (h₂² + h₃²)/3`` per unit mass.
+        A box with half lengths ``h`` has the moments ``I₁ = (h₂² + h₃²)/3`` per unit mass. With
+        ``fitaabb``, the shape has the half lengths of the bounding box, about its middle.
         """
-        if self.source.is_on("fitaabb", False):
-            raise self.element.error(
-                f"a {self.type} fitted to the bounding box of a mesh is not converted; give it a "
-                "size instead of mesh"
-            )
         _, center, gyration = self._of_mesh(mesh)
         principal, axes = np.linalg.eigh(gyration)
         principal, axes = principal[::-1], axes[:, ::-1]  # the longest axis is the last one
         axes = axes * np.sign(np.linalg.det(axes))
+        if self.source.is_on("fitaabb", False):
+            vertices, _ = mesh_data(mesh, self.source)
+            middle, lengths = _around(self.type, (vertices - center) @ axes)
+            center = center + axes @ middle
+            self.pose, self.mesh = self.pose @ Pose(center, axes), None
+            return lengths * self.element.number("fitscale", 1.0)
         a, b, c = np.sqrt(np.maximum(1.5 * (principal.sum() - 2 * principal), 0.0))
         radius = (a + b) / 2
         size = {
@@ -197,6 +199,20 @@ class Geom:
         inverse = reference.inverse
         pose = self.pose @ Pose(scale * inverse.place, inverse.axes)
         return mesh_shape(file, scale.tolist(), pose, mesh, omissions)
+
+
+def _around(shape: str, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Middle of the bounding box of vertices, and (3,) size of the shape with its half lengths."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    middle = (low + high) / 2
+    a, b, c = ((high - low) / 2).tolist()
+    radius = max(a, b)
+    size = {
+        "sphere": [max(radius, c), 0.0, 0.0],
+        "capsule": [radius, max(c - radius, 0.0), 0.0],
+        "cylinder": [radius, c, 0.0],
+    }.get(shape, [a, b, c])
+    return middle, np.array(size)
 
 
 def reference_pose(mesh: XmlElement) -> Pose:

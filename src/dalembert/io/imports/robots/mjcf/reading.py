@@ -34,6 +34,7 @@ REASONS = {
     "tendon": "tendons are not converted, except as the transmission of actuators",
     "keyframe": "select one with --keyframe NAME",
     "key": "select one with --keyframe NAME",
+    "qvel": "initial speeds are not converted; give the bodies velocity and angular_velocity",
     "custom": "is data of another program",
     "springdamper": "depends on the inverse mass matrix; write stiffness and damping",
     "user": "is data of another program",
