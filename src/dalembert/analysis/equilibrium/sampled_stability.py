@@ -17,6 +17,7 @@ from dalembert.analysis.modes.linearized import Linearized
 from dalembert.elements.blocks.sampled import Sampled
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.kkt import KKT
+from dalembert.model.graph.model import Model
 from dalembert.model.graph.sampled_rates import sampled_blocks, sampled_maps
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 
@@ -42,7 +43,7 @@ def sampled_growth(linear: Linearized) -> np.ndarray:
     """
     from scipy.linalg import expm
 
-    instants = _instants(sampled_blocks(linear.model))
+    instants = sample_instants(sampled_blocks(linear.model))
     basis, scale = linear.basis, linear.sizes[0]
     samples = dict.fromkeys(blocks for _, blocks in instants)
     for blocks, slopes in zip(samples, _slopes(linear, list(samples)), strict=True):
@@ -58,8 +59,14 @@ def sampled_growth(linear: Linearized) -> np.ndarray:
     return rates
 
 
-def _instants(blocks: tuple[Sampled, ...]) -> Instants:
-    """Sample instants of a common period."""
+def sample_instants(blocks: tuple[Sampled, ...]) -> Instants:
+    """Time to the next sample [s] and the blocks that sample, over a common period.
+
+    Raises
+    ------
+    UnsupportedError
+        The sample times have no common period of a moderate number of samples.
+    """
     periods = [Fraction(block.period).limit_denominator(FINEST) for block in blocks]
     whole = lcm(*(k.denominator for k in periods))
     counts = [int(k * whole) for k in periods]
@@ -81,13 +88,18 @@ def _instants(blocks: tuple[Sampled, ...]) -> Instants:
     return [(float(b - a), tuple(times[a])) for a, b in zip(order, following, strict=True)]
 
 
-def _slopes(linear: Linearized, sets: list[tuple[Sampled, ...]]) -> list[np.ndarray]:
-    """``∂x⁺/∂x`` of samples, accelerations and multipliers included."""
-    model, x = linear.model, linear.x
-    e, size = model.equations, linear.x.size
+def sampled_function(model: Model, sets: list[tuple[Sampled, ...]]) -> ImplicitFunction:
+    """``(t, [y; v], p) → y⁺`` after the samples of each set of blocks."""
+    e = model.equations
     positions = KKT().acceleration(e, e.constraint_acceleration, sampled_maps(model, sets))
     inputs = [e.t, ca.vertcat(e.y, e.v), e.p]
-    function = ImplicitFunction("samples", inputs, positions.stages, positions.outputs)
+    return ImplicitFunction("samples", inputs, positions.stages, positions.outputs)
+
+
+def _slopes(linear: Linearized, sets: list[tuple[Sampled, ...]]) -> list[np.ndarray]:
+    """``∂x⁺/∂x`` of samples, accelerations and multipliers included."""
+    e, x, size = linear.model.equations, linear.x, linear.x.size
+    function = sampled_function(linear.model, sets)
     unit, still = np.eye(size), np.zeros((linear.p.size, size))
     arguments = [ca.DM(k) for k in (linear.time, x, linear.p, 0, unit, still)]
     columns = function.tangent.map(size).call(arguments)

@@ -80,10 +80,7 @@ class Linearized:
     @cached_property
     def sizes(self) -> tuple[np.ndarray, np.ndarray]:
         """Natural sizes of the state (N,) and of the equations (m,)."""
-        e, s = self.kernel.e, self.kernel.e.scales
-        bounds = np.ones(e.manifold.bounds.numel())
-        by_level = np.concatenate([s.rows[list(e.holds)], bounds, s.rows / s.time])
-        return np.concatenate([s.coordinates, s.speeds]), by_level
+        return natural_sizes(self.kernel)
 
     @cached_property
     def scaled(self) -> tuple[np.ndarray, np.ndarray]:
@@ -235,6 +232,14 @@ class Linearized:
         return np.stack(
             [part.full() for part in kernel.placing.map(real.shape[1])(*state, *vectors)]
         )
+
+
+def natural_sizes(kernel: LinearizationKernel) -> tuple[np.ndarray, np.ndarray]:
+    """Natural sizes of a state (N,) and of the equations (m,)."""
+    e, s = kernel.e, kernel.e.scales
+    bounds = np.ones(e.manifold.bounds.numel())
+    by_level = np.concatenate([s.rows[list(e.holds)], bounds, s.rows / s.time])
+    return np.concatenate([s.coordinates, s.speeds]), by_level
 
 
 def normalised(shapes: np.ndarray) -> np.ndarray:

@@ -61,11 +61,11 @@ function responseOfSeries({ name, unit, row }, { text, kind, instant }) {
   return { label, unit: integral, terms: [{ kind, row, weight: 1, instant }] };
 }
 
-/** Responses of the page, by default the maxima of the plotted series; of an equilibrium, angles and reactions. @param {LiveData} live */
+/** Responses of the page, by default the maxima of the plotted series; of an equilibrium, angles, reactions and signals. @param {LiveData} live */
 export function firstResponses(live) {
   if (live.responses?.length) return live.responses;
   const series = measuredSeries(live), plotted = list(payload.default_plots).flat();
-  if (single()) return series.filter(({ name }) => /\.(?:angle|force_norm)$/.test(name)).map((s) => responseOfSeries(s, { text: "", kind: "final" })).slice(0, MAX_RESPONSES);
+  if (single()) return series.filter(({ name, group }) => group === "signals" || /\.(?:angle|force_norm)$/.test(name)).map((s) => responseOfSeries(s, { text: "", kind: "final" })).slice(0, MAX_RESPONSES);
   const moves = new Set(list(payload.series).filter(({ values }) => Array.from(values ?? []).some((value) => value)).map(({ name }) => name));  // others are zero
   return plotted.flatMap((name) => series.filter((s) => s.name === name && moves.has(name)).map((s) => responseOfSeries(s, { text: "maximum", kind: "maximum" }))).slice(0, MAX_RESPONSES);
 }

@@ -3,7 +3,8 @@
 /** @import { Matrix } from "./live_matrix.js" */
 
 import { eigenvalues, eigenvector } from "./live_eigenvalues.js";
-import { dot, matrixOf, product, solved, spaces, transposed } from "./live_matrix.js";
+import { smallMotions } from "./live_linear.js";
+import { dot, product, solved, transposed } from "./live_matrix.js";
 import { LiveRun, RunFailure } from "./live_run.js";
 
 const CONJUGATE = 1e-12, SETTLED = 1e-6, COINCIDE = 1e-8, EQUAL = 1e-6;
@@ -12,27 +13,11 @@ const times = (a, x) => Float64Array.from(a, (row) => dot(row, x));
 
 /** Modes of one mechanism at one design after the other; outputs have the numbers of modes instead of times. */
 export class LiveModes extends LiveRun {
-  /** Matrices of small motions: `J` and `G` in natural sizes. @param {Float64Array} x @param {Float64Array} p @returns {Matrix[]} */
-  matrices(x, p) {
-    const { engine, data } = this, { states, rows } = /** @type {{ states: number[], rows: number[] }} */ (data.sizes), n = x.length, mark = engine.top;
-    const unit = new Float64Array(n * n);
-    for (let k = 0; k < n; k++) unit[(n + 1) * k] = states[k];
-    const from = [[data.start], x, p, unit].map((values) => engine.put(values)), { done, to } = engine.call("tangent", n, from, new Set([0, 1, 2]));
-    const [j, g] = to.map((at, k) => matrixOf(engine.view(at, [n, rows.length][k] * n), [n, rows.length][k]));
-    engine.top = mark;
-    j.forEach((row, i) => row.forEach((value, k) => { row[k] = value / states[i]; }));
-    g.forEach((row, i) => row.forEach((value, k) => { row[k] = value / rows[i]; }));
-    if (done < n || ![...j, ...g].every((row) => row.every(Number.isFinite))) throw new RunFailure("the mechanism cannot be linearised", undefined, undefined, "singular position");
-    return [j, g];
-  }
-
   /** Modes with outputs: `table` holds the rows one after the other. @override @param {ArrayLike<number>} parameters @returns {any} */
   run(parameters) {
     const { engine, data } = this, p = this.checked(parameters);
     engine.top = this.base;
-    const near = this.assembled(p), [x] = engine.evaluate("state", [data.start], near, p) ?? [];
-    if (!x) throw new RunFailure("the initial speeds are not determined", undefined, undefined, "singular position");
-    const [j, g] = this.matrices(x, p), { free, bound } = spaces(g, x.length), basis = free, a = product(transposed(basis, basis[0]?.length ?? 0), product(j, basis));
+    const near = this.assembled(p), { x, j, g, basis, bound, a } = smallMotions(this, near, p);
     const values = eigenvalues(a);
     if (!values) throw new RunFailure("the eigenvalues do not converge", undefined, undefined, "not converged");
     const wanted = ordered(values).slice(0, data.count ?? values.length), n = wanted.length, vectors = eigenvectors(a, wanted), [shown] = engine.named("outputs").outputs;

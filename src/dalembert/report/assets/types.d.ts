@@ -206,6 +206,10 @@ export interface LiveData extends LiveCode {
   /** Natural sizes of the state and the equations of modes, and the name of their analysis. */
   sizes?: { states: number[]; rows: number[] };
   name?: string;
+  /** Growth of small motions that counts as none, natural time, and waiting times after the samples of sets of blocks. */
+  growing?: number;
+  natural?: number;
+  instants?: [number, number][] | null;
   /** Number of coordinates, and of modes that are computed; all by default. */
   coordinates?: number;
   count?: number | null;
@@ -250,7 +254,7 @@ export interface LiveCheck {
   lost?: number;
 }
 /** Outcome, message, time and residual of a result, as `Status` in Python. */
-export interface LiveStatus { outcome: string; message: string; time: number; residual: number; success: boolean }
+export interface LiveStatus { outcome: string; message: string; time: number; residual: number; success: boolean; warning?: string }
 
 /** Parameter in SI units; `factor` leads to the unit that is shown. */
 export interface LiveParameter extends Bounds { name: string; unit: string; factor: number; description?: string; varies?: boolean; /** Keys of the number of a drawing for which it stands; it has no slider. */ drawn?: (string | number)[] }
