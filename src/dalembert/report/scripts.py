@@ -40,6 +40,7 @@ RUNS = {
     "kinematics": ("live_kinematics.js", "LiveKinematics"),
     "equilibrium": ("live_equilibrium.js", "LiveEquilibrium"),
     "modes": ("live_modes.js", "LiveModes"),
+    "frequency": ("live_frequency.js", "LiveFrequency"),
     "statics": ("live_structures.js", "LiveStatics"),
     "vibration": ("live_structures.js", "LiveVibration"),
 }

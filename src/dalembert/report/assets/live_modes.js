@@ -4,13 +4,11 @@
 
 import { eigenvalues, eigenvector } from "./live_eigenvalues.js";
 import { smallMotions } from "./live_linear.js";
-import { dot, product, solved, transposed } from "./live_matrix.js";
+import { dot, product, solved, times, transposed } from "./live_matrix.js";
 import { LiveRun, RunFailure } from "./live_run.js";
+import { swingPicture } from "./live_swing.js";
 
 const CONJUGATE = 1e-12, SETTLED = 1e-6, COINCIDE = 1e-8, EQUAL = 1e-6;
-/** Product of a matrix and a vector. @param {Matrix} a @param {Float64Array} x */
-const times = (a, x) => Float64Array.from(a, (row) => dot(row, x));
-
 /** Modes of one mechanism at one design after the other; outputs have the numbers of modes instead of times. */
 export class LiveModes extends LiveRun {
   /** Modes with outputs: `table` holds the rows one after the other. @override @param {ArrayLike<number>} parameters @returns {any} */
@@ -30,24 +28,10 @@ export class LiveModes extends LiveRun {
     return { times: Float64Array.from(wanted, (_, k) => k + 1), table, rows, status, modes: { p, near, x, j, g, basis, bound, a, wanted, values, vectors, shown } };
   }
 
-  /** Rows of the picture of a mode; its largest displacement is one. @param {Float64Array} x @param {Float64Array} p @param {Matrix} g @param {Matrix} basis @param {[Float64Array, Float64Array]} vector */
+  /** Rows of the picture of a mode. @param {Float64Array} x @param {Float64Array} p @param {Matrix} g @param {Matrix} basis @param {[Float64Array, Float64Array]} vector */
   picture(x, p, g, basis, vector) {
-    const { engine, data } = this, count = data.coordinates ?? 0;
-    if (!engine.functions.has("pictures")) return [];
-    const [re, im] = vector.map((part) => times(basis, part).map((value, i) => value * (data.sizes?.states[i] ?? 1)).subarray(0, count));
-    const sizes = re.map((value, i) => Math.hypot(value, im[i])), most = Math.max(0, ...sizes), peak = sizes.findIndex((size) => size >= (1 - EQUAL) * most), square = most ? sizes[peak] ** 2 : 1;
-    const [c, d] = most ? [re[peak] / square, -im[peak] / square] : [1, 0];
-    const real = re.map((value, i) => c * value - d * im[i]), imag = re.map((value, i) => c * im[i] + d * value), y = x.subarray(0, count);
-    const squares = [[real, real], [real, imag], [imag, imag]].map(([a, b]) => this.closing(y, p, g, a, b));
-    return engine.evaluate("pictures", [data.start], y, p, real, imag, ...squares)?.[0] ?? [];
-  }
-
-  /** Smallest displacement of second order that closes the joints. @param {Float64Array} y @param {Float64Array} p @param {Matrix} g @param {Float64Array} a @param {Float64Array} b */
-  closing(y, p, g, a, b) {
-    const { states, rows } = /** @type {{ states: number[], rows: number[] }} */ (this.data.sizes), [open = new Float64Array()] = this.engine.evaluate("curvature", [this.data.start], y, p, a, b) ?? [];
-    const level = g.slice(0, open.length).map((row) => row.subarray(0, y.length)), right = Array.from(open, (value, i) => Float64Array.of(-value / rows[i]));
-    const weights = open.length ? solved(level.map((row) => Float64Array.from(level, (other) => dot(row, other))), right) : [];
-    return y.map((_, k) => states[k] * level.reduce((sum, row, i) => sum + row[k] * weights[i][0], 0));
+    const { states = [] } = this.data.sizes ?? {}, [re, im] = vector.map((part) => times(basis, part).map((value, i) => value * (states[i] ?? 1)).subarray(0, this.data.coordinates ?? 0));
+    return swingPicture(this, x, p, g, re, im);
   }
 
   /** Gradient of a response by the parameters; NaN where eigenvalues coincide.

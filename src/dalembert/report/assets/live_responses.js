@@ -48,6 +48,11 @@ function peak(samples, sign) {
   return most;
 }
 
+/** Numbers of the samples that are local maxima, without the ends. @param {ArrayLike<number>} values */
+export function localMaxima(values) {
+  return Array.from(values, (_, k) => k).filter((k) => k > 0 && k < values.length - 1 && values[k] > values[k - 1] && values[k] >= values[k + 1]);
+}
+
 /** Value and derivatives by the samples of the function of Kreisselmeier and Steinhauser, as `SmoothExtreme`.
  * @param {LiveTerm} term @param {Float64Array} samples @returns {[number, Float64Array]} */
 function smoothExtreme({ sign = 1, smooth = 0, relative = false }, samples) {
@@ -60,6 +65,12 @@ function smoothExtreme({ sign = 1, smooth = 0, relative = false }, samples) {
   return [sign * (top + width * Math.log(total)), shares.map((s, k) => s + (relative ? (byWidth * share ** 2 * (m[k] - mean)) / (n * width) : 0))];
 }
 
+/** Numbers of the highest local maxima, ends included, in their order; the last one is repeated where there are fewer. @param {Float64Array} samples @param {number} count */
+function highest(samples, count) {
+  const tops = [0, ...localMaxima(samples), samples.length - 1].sort((a, b) => samples[b] - samples[a]).slice(0, count).sort((a, b) => a - b);
+  return Array.from({ length: count }, (_, k) => tops[Math.min(k, tops.length - 1)]);
+}
+
 /** Value of a term and its derivatives by the samples. @param {LiveTerm} term @param {ArrayLike<number>} times @param {Float64Array} samples
  * @returns {[number, Float64Array]} */
 function reduced(term, times, samples) {
@@ -70,7 +81,9 @@ function reduced(term, times, samples) {
     case "maximum": return single(peak(samples, 1));
     case "minimum": return single(peak(samples, -1));
     case "final": return single(n - 1);
-    case "at": return single(term.instant ?? 0);
+    case "at": { const exact = Array.prototype.indexOf.call(times, term.time); return single(exact >= 0 ? exact : term.instant ?? 0); }
+    case "top": return single(highest(samples, term.count ?? 1)[(term.number ?? 1) - 1]);
+    case "peak": return single(localMaxima(samples)[(term.number ?? 1) - 1] ?? n);
     case "sum": return linear(new Float64Array(n).fill(1));
     case "integral": return linear(integralWeights(times));
     case "mean": return linear(meanWeights(times));
@@ -83,14 +96,15 @@ function reduced(term, times, samples) {
 }
 
 /** Value of a response, and the derivatives by the samples of each row.
- * @param {LiveResponse} response @param {ArrayLike<number>} times @param {(row: number) => Float64Array} samplesOf
+ * @param {LiveResponse} response @param {ArrayLike<number>} times @param {(row: number) => Float64Array} samplesOf @param {[number, number]} inside range of the samples that are no single values
  * @returns {{ value: number, weights: Map<number, Float64Array> }} */
-export function responseOf({ terms, constant = 0 }, times, samplesOf) {
+export function responseOf({ terms, constant = 0 }, times, samplesOf, inside = /** @type {[number, number]} */ ([0, times.length])) {
   /** @type {Map<number, Float64Array>} */
   const weights = new Map();
   let value = constant;
   for (const term of terms) {
-    const [part, slopes] = reduced(term, times, samplesOf(term.row)), before = weights.get(term.row);
+    const [from, to] = term.kind === "at" ? [0, times.length] : inside, instants = from || to < times.length ? Array.prototype.slice.call(times, from, to) : times;
+    const [part, shares] = reduced(term, instants, samplesOf(term.row).subarray(from, to)), slopes = instants === times ? shares : Float64Array.from(times, (_, k) => shares[k - from] ?? 0), before = weights.get(term.row);
     value += term.weight * part;
     weights.set(term.row, slopes.map((slope, k) => term.weight * slope + (before?.[k] ?? 0)));
   }
