@@ -12,7 +12,7 @@ from browser import Visit, visit
 from live_visits import SLOPE, SLOPES, VALUES, change, close, settle
 
 import dalembert as da
-from dalembert import planar
+from dalembert import planar, structures
 
 SHARE, MASS, NATURAL = 0.05, 100.0, 2 * math.pi * 5
 LINES = "dalembert.charts[0].view.lines.map(({ re, im }) => [re, im])"
@@ -134,3 +134,45 @@ def test_peaks_are_added(page: Visit) -> None:
     other = da.frequency_response(absorber(), outputs=["gain"], span=(3, 8))
     expected = da.evaluate(other, da.peak(2, "gain.amplitude"))
     assert page.js("dalembert.table.values.at(-1)") == pytest.approx(expected, rel=VALUES)
+
+
+def test_a_structure_follows_its_sliders(browser: Any, tmp_path: Path) -> None:
+    """A mast on a shaken foundation: curves, slopes and shapes."""
+    mast = da.Structure("mast")
+    area = mast.parameter("area", 2e-3, "m^2", bounds=(1e-3, 4e-3))
+    tip = mast.parameter("tip", 30.0, "kg", bounds=(10, 60))
+    shake = mast.input("shake", unit="m")
+    nodes = [mast.node(f"n{k}", 0.0, 0.8 * k) for k in range(5)]
+    section = {"area": area, "second_moment": area * area / 12, "modulus": 2.1e11}
+    for k in range(4):
+        frame = structures.Frame(f"e{k}", nodes[k], nodes[k + 1], density=7850.0, **section)
+        mast.add(frame)
+    mast.add(structures.PointMass("head", nodes[4], mass=tip))
+    mast.support(nodes[0], ux=shake, uy=0, rz=0)
+    model = mast.build()
+    analysis = da.FrequencyResponse(
+        inputs=["shake"], outputs=["n4.ux", "e0.moment_i"], loss_factor=0.02
+    )
+    path = analysis.run(model).report(tmp_path / "mast.html")
+    with visit(browser, path) as page:
+        settle(page)
+        assert page.js("dalembert.design.parameters.length") == 3
+        change(page, {0: 3e-3, 1: 20.0})
+        other = analysis.run(model, {"area": 3e-3, "tip": 20.0})
+        compare(page, other)
+        responses = [da.maximum(f"{name}.amplitude") for name in analysis.outputs]
+        expected = [da.evaluate(other, response) for response in responses]
+        close(page.js("dalembert.table.values"), expected, VALUES)
+        for k, response in enumerate(responses):
+            close(page.js(SLOPE.format(k)), da.sensitivity(other, response).values, SLOPES)
+        chosen = page.js("dalembert.motion.chosen")
+        frequency = page.js("dalembert.picture.shown.values")[chosen]
+        shape = np.array(
+            page.js("[...dalembert.motion.mesh.displacements[dalembert.motion.chosen]]")
+        )
+        motion = other.at(frequency).motions[0, :, 0]
+        turned = (motion * np.exp(-0.5j * np.angle(np.sum(motion**2)))).real
+        turned /= np.abs(turned.reshape(-1, 3)[:, :2]).max()
+        close(shape * np.sign(shape @ turned), turned, VALUES)
+        assert "NaN" not in page.page.inner_text("#board")
+        assert (page.requests, page.console) == ([], [])

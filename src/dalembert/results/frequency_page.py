@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import casadi as ca
 import numpy as np
@@ -33,6 +33,9 @@ class FrequencyPage(Result):
     inputs : names of the inputs
     outputs : name → measure
     """
+
+    of_any_size: ClassVar[bool] = True
+    """Whether shapes have no scale."""
 
     frequencies: np.ndarray
     inputs: list[str]

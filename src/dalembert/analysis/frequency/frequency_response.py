@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -93,6 +93,7 @@ class FrequencyResponse(LinearAnalysis[HarmonicResponse]):
     """
 
     display_name = "frequency response"
+    random: ClassVar[bool] = False
     different_samples = (
         "the designs have different default frequencies; give the batch frequencies=[..] in Hz"
     )

@@ -67,6 +67,7 @@ class RandomResponse(FrequencyResponse):
     """
 
     display_name = "random vibration"
+    random = True
 
     psd: Annotated[Any, dict[str, object]] = None
     band: Annotated[Any, tuple[float, float]] = None

@@ -19,6 +19,7 @@ from dalembert.analysis.live.equilibrium_module import (
     indifferent_obstacle,
 )
 from dalembert.analysis.live.frequency_rows import Transfers, frequency_data
+from dalembert.analysis.live.frequency_structure import structure_functions, structure_obstacle
 from dalembert.analysis.live.modes_module import pictures
 from dalembert.analysis.live.obstacles import common_obstacle, march_obstacle
 from dalembert.analysis.live.small_motions import linear_functions
@@ -35,10 +36,10 @@ def obstacle(response: Any) -> str:
     """Reason why a response cannot be computed outside of Python; empty if it can."""
     if not response.status.success:
         return f"the response was not computed ({response.status.outcome.value})"
-    if response.density_curves:
+    if response.analysis.random:
         return "spectral densities do not run in a page"
     if response.model.kind == "structure":
-        return "frequency responses of structures do not run in a page"
+        return structure_obstacle(response.analysis, response.record)
     return _mechanism_obstacle(response)
 
 
@@ -51,6 +52,8 @@ def frequency_functions(response: Any, rows: Sequence[Row], times: np.ndarray) -
     rows : outputs, formulas of amplitudes, the frequency and parameters; those of pictures last
     times : (K,) frequencies [Hz] that the page always evaluates, besides the default ones
     """
+    if response.model.kind == "structure":
+        return structure_functions(response, rows, times)
     return _mechanism_functions(response, rows, times)
 
 

@@ -85,6 +85,7 @@ def frequency_data(response: Any, times: np.ndarray, transfers: Transfers) -> di
             "margin": grid.MARGIN,
             "many": grid.MANY,
             "close": grid.CLOSE,
+            "reach": grid.REACH,
             "rounds": grid.ROUNDS,
             "steps": grid.MOST_STEPS,
             "undamped": undamped.UNDAMPED,

@@ -16,7 +16,7 @@ const linesOf = (view) => (view.kind === "bode" || view.kind === "nyquist" ? { x
 export function designSnapshot(name) {
   const { mesh } = payload.scene ?? {};
   const oscillates = payload.states?.kind === "frequency";  // its shapes are those of other frequencies
-  return { name, lines: list(payload.views).map(linesOf), bodies: oscillates ? [] : list(payload.scene?.bodies).map((body) => ({ ...body, shapes: structuredClone(body.shapes) })), curves: list(payload.series).map(({ values }) => values), mesh: mesh && { ...mesh, rest: list(mesh.rest).slice() } };
+  return { name, lines: list(payload.views).map(linesOf), bodies: oscillates ? [] : list(payload.scene?.bodies).map((body) => ({ ...body, shapes: structuredClone(body.shapes) })), curves: list(payload.series).map(({ values }) => values), mesh: oscillates ? undefined : mesh && { ...mesh, rest: list(mesh.rest).slice() } };
 }
 
 export class Ghosts {

@@ -48,7 +48,7 @@ function vertex(x, y) {
 
 /** Frequency of a local maximum between three samples.
  * @param {number[]} x @param {number[]} y @param {(f: number) => number} value @param {(f: number) => number} slope @param {LiveGrid} grid */
-export function refinedMaximum(x, y, value, slope, { close, rounds, steps }) {
+export function refinedMaximum(x, y, value, slope, { close, reach, rounds, steps }) {
   const near = close * (x[2] - x[0]);
   let start = x[1];
   for (let k = 0; k < steps; k++) {
@@ -63,7 +63,7 @@ export function refinedMaximum(x, y, value, slope, { close, rounds, steps }) {
   for (let k = 0; k < rounds; k++) {
     const rise = slope(now), change = last - rise, step = change ? (-rise * (other - now)) / change : 0;
     [other, last] = [now, rise];
-    now += Math.min(start + near - now, Math.max(start - near - now, step));
+    now += Math.min(start + reach * near - now, Math.max(start - reach * near - now, step));
   }
   return now;
 }

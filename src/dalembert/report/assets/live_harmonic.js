@@ -11,7 +11,7 @@ import { LiveRun } from "./live_run.js";
 const SHAPES = 61;
 
 /** Amplitudes at a frequency. @typedef {{ f: number, omega: number, h: Float64Array }} Harmonic */
-/** Linear system of a design. @typedef {{ poles: [number, number][], at(f: number): Harmonic, rate(sample: any): Float64Array }} System */
+/** Linear system of a design. @typedef {{ poles: [number, number][], span?: [number, number], at(f: number): Harmonic, rate(sample: any): Float64Array }} System */
 
 /** Frequency responses; times are frequencies [Hz]. A subclass has the linear system. */
 export class LiveHarmonic extends LiveRun {
@@ -35,7 +35,7 @@ export class LiveHarmonic extends LiveRun {
     const { data, engine } = this, grid = /** @type {LiveGrid} */ (data.grid), p = this.checked(parameters);
     engine.top = this.base;
     const system = this.system(p), follows = grid.default && data.steady !== false && system.poles.length > 0;
-    const base = follows ? defaultFrequencies(system.poles, grid) : Array.from(this.times), columns = new Map(base.map((f) => { const sample = system.at(f); return [f, { sample, row: this.row(sample, p) }]; }));
+    const base = follows ? defaultFrequencies(system.poles, { ...grid, span: system.span ?? grid.span }) : Array.from(this.times), columns = new Map(base.map((f) => { const sample = system.at(f); return [f, { sample, row: this.row(sample, p) }]; }));
     const { found, infinite } = this.peaks(system, base, (f) => /** @type {any} */ (columns.get(f)).row, p);
     const peaks = new Set((data.amplitudes ?? []).flatMap((row) => found.get(row) ?? [])), all = distinct([...base, ...data.requested ?? [], ...[...found.values()].flat()]), n = all.length;
     for (const f of all) if (!columns.has(f)) { const sample = system.at(f); columns.set(f, { sample, row: this.row(sample, p) }); }

@@ -51,6 +51,8 @@ export class LivePicture {
     byId("toolbar").querySelector(".chips")?.prepend(this.toggle);
     /** Frequencies of the drawn states, and whether they are peaks. @type {{ values: number[], peaks: boolean[] }} */
     this.shown = { values: [], peaks: [] };
+    /** The same in the payload. */
+    this.drawn = this.shown;
     this.dashed = el("span");
     this.caption = el("p", { class: "caption other-run", hidden: true }, el("i", { class: "dashes" }), this.dashed);
     (board?.stack ?? document.querySelector(".beside"))?.before(this.caption);
@@ -93,13 +95,14 @@ export class LivePicture {
   /** Put frequencies and the numbers of the drawn ones into the payload. @param {Float64Array} times @param {Int32Array} drawn @param {boolean[]} peaks */
   putFrequencies(times, drawn, peaks) {
     const values = Array.from(drawn, (k) => times[k]);
-    Object.assign(/** @type {object} */ (payload.states), { values, numbers: values.map((_, k) => k + 1), names: values.map((f) => `${+f.toPrecision(5)} Hz`), peaks });
+    this.drawn = { values, peaks };
+    Object.assign(/** @type {object} */ (payload.states), { numbers: values.map((_, k) => k + 1), names: values.map((f) => `${+f.toPrecision(5)} Hz`) }, payload.states?.values && { values });
     for (const view of list(payload.views)) if (view.kind === "bode" || view.kind === "nyquist") Object.assign(view, { x: Array.from(times, (f) => (view.log ? Math.log10(f) : f)), states: Array.from(drawn) });
   }
 
   /** Number of the state at the frequency that was drawn before, or of the peak next to it. @param {number} before */
   sameFrequency(before) {
-    const { values = [], peaks = [] } = /** @type {{ values?: number[], peaks?: boolean[] }} */ (payload.states ?? {}), f = this.shown.values[before], distance = (/** @type {number} */ k) => Math.abs(Math.log(values[k] / f)) || Math.abs(values[k] - f);
+    const { values, peaks } = this.drawn, f = this.shown.values[before], distance = (/** @type {number} */ k) => Math.abs(Math.log(values[k] / f)) || Math.abs(values[k] - f);
     const places = [...values.keys()].filter((k) => !this.shown.peaks[before] || peaks[k]);
     return places.reduce((best, k) => (distance(k) < distance(best) ? k : best), places[0] ?? 0);
   }
@@ -113,7 +116,7 @@ export class LivePicture {
     motion.replace(next);
     for (const chart of stateCharts) chart.renew();
     if (follows) motion.choose(this.sameFrequency(chosen));
-    if (payload.states?.kind === "frequency") this.shown = { values: Array.from(payload.states.values ?? [], Number), peaks: /** @type {any} */ (payload.states).peaks ?? [] };
+    this.shown = this.drawn;
     if (document.querySelector("#degrees[aria-pressed='true']")) motion.setDegrees(true);
     scene.renew(traced);
     if (board) board.picker.rows = null;

@@ -146,7 +146,7 @@ export type View = FactsView | RowsView | NotesView | BarsView | HistogramView |
 /** Sizes of a function: entries of its arguments and results, lengths of its work vectors. */
 export interface LiveFunction { inputs: number[]; outputs: number[]; work: [number, number, number, number] }
 export interface LiveCode {
-  kind: "dynamics" | "kinematics" | "equilibrium" | "modes" | "frequency" | "statics" | "vibration";
+  kind: "dynamics" | "kinematics" | "equilibrium" | "modes" | "frequency" | "structure frequency" | "statics" | "vibration";
   /** Deflated module in base64. */
   code: string;
   /** JSON of `LiveData`, with all digits. */
@@ -223,6 +223,11 @@ export interface LiveData extends LiveCode {
   unknowns?: number[];
   equations?: number[];
   columns_of?: [number, number][][];
+  /** Numbers of free and prescribed displacements of a structure, its loss factor, complex amplitudes of the inputs in each column. */
+  free_numbers?: number[];
+  held_numbers?: number[];
+  loss?: number;
+  mix?: [number, number][][];
   /** Rows whose local maxima are located, with the sign of their values; those of amplitudes that are drawn; quantities that responses may have. */
   extremes?: [number, number][];
   amplitudes?: number[];
@@ -245,7 +250,7 @@ export interface LiveData extends LiveCode {
 /** Limits, sizes and names for the check of a result by the model's own equations. */
 export interface LiveGrid {
   default: boolean; span: [number, number] | null; decade: number; across: number; widest: number; narrowest: number; gap: number; margin: number; many: number;
-  close: number; rounds: number; steps: number; undamped: number; rounding: number; near: number; far: number; growth: number; unstable: number; resonant: number;
+  close: number; reach: number; rounds: number; steps: number; undamped: number; rounding: number; near: number; far: number; growth: number; unstable: number; resonant: number; modes?: number; above?: number;
 }
 export interface LiveCheck {
   /** Level, limit, and whether residuals are compared with the largest terms. */
