@@ -38,6 +38,11 @@ export function defaultFrequencies(poles, grid) {
   return clear.filter((f, k) => k === 0 || f - clear[k - 1] > 1e-12 * high);
 }
 
+/** Numbers of the samples that are local maxima, without the ends. @param {ArrayLike<number>} values */
+export function localMaxima(values) {
+  return Array.from(values, (_, k) => k).filter((k) => k > 0 && k < values.length - 1 && values[k] > values[k - 1] && values[k] >= values[k + 1]);
+}
+
 /** Vertex of the parabola through `1/y²` of three points, within the bracket. @param {number[]} x @param {number[]} y */
 function vertex(x, y) {
   const inverse = y.every((v) => v > 0) ? y.map((v) => 1 / v ** 2) : y.map((v) => -v), left = x[1] - x[0], right = x[2] - x[1];

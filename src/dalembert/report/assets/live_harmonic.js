@@ -2,9 +2,8 @@
 
 /** @import { LiveGrid } from "./types.d.ts" */
 
-import { defaultFrequencies, distinct, refinedMaximum, TURN_ANGLE, undampedPoles } from "./live_grid.js";
+import { defaultFrequencies, distinct, localMaxima, refinedMaximum, TURN_ANGLE, undampedPoles } from "./live_grid.js";
 import { general } from "./live_limits.js";
-import { localMaxima } from "./live_responses.js";
 import { LiveRun } from "./live_run.js";
 
 /** Upper limit of the frequencies with a drawing. */
@@ -37,7 +36,7 @@ export class LiveHarmonic extends LiveRun {
     const system = this.system(p), follows = grid.default && data.steady !== false && system.poles.length > 0;
     const base = follows ? defaultFrequencies(system.poles, { ...grid, span: system.span ?? grid.span }) : Array.from(this.times), columns = new Map(base.map((f) => { const sample = system.at(f); return [f, { sample, row: this.row(sample, p) }]; }));
     const { found, infinite } = this.peaks(system, base, (f) => /** @type {any} */ (columns.get(f)).row, p);
-    const peaks = new Set((data.amplitudes ?? []).flatMap((row) => found.get(row) ?? [])), all = distinct([...base, ...data.requested ?? [], ...[...found.values()].flat()]), n = all.length;
+    const peaks = new Set((data.amplitudes ?? []).flatMap((row) => found.get(`${row} 1`) ?? [])), all = distinct([...base, ...data.requested ?? [], ...[...found.values()].flat()]), numbers = new Map(all.map((f, k) => [f, k])), n = all.length;
     for (const f of all) if (!columns.has(f)) { const sample = system.at(f); columns.set(f, { sample, row: this.row(sample, p) }); }
     const even = Math.max(2, SHAPES - peaks.size), places = all.map((f, k) => ({ f, k })).filter(({ f }) => peaks.has(f)).slice(0, SHAPES).map(({ k }) => k);
     const inside = /** @type {[number, number]} */ ([all.indexOf(base[0]), all.indexOf(/** @type {number} */ (base.at(-1))) + 1]), last = inside[1] - 1 - inside[0];
@@ -51,27 +50,27 @@ export class LiveHarmonic extends LiveRun {
     });
     for (const [row, f] of infinite) table[n * row + all.indexOf(f)] = Infinity;
     const status = { outcome: "completed", message: `${data.name} at ${n} frequencies`, time: data.start, residual: 0, success: true, warning: this.warning(system, grid, infinite) };
-    return { times: Float64Array.from(all), table, rows, status, inside, drawn: Int32Array.from(drawn), peaks: drawn.map((k) => peaks.has(all[k])), response: { system, p } };
+    return { times: Float64Array.from(all), table, rows, status, inside, places: new Map([...found].map(([key, places]) => [key, places.map((f) => numbers.get(f) ?? 0).sort((a, b) => a - b)])), drawn: Int32Array.from(drawn), peaks: drawn.map((k) => peaks.has(all[k])), response: { system, p } };
   }
 
   /** Frequencies of the local maxima of rows, and rows that grow without limit, with the highest sample beside.
    * @param {System} system @param {number[]} base @param {(f: number) => Float64Array} at @param {Float64Array} p */
   peaks(system, base, at, p) {
     const grid = /** @type {LiveGrid} */ (this.data.grid), undamped = undampedPoles(system.poles, grid).map(([, im]) => im / TURN_ANGLE);
-    /** @type {Map<number, number[]>} */
+    /** @type {Map<string, number[]>} */
     const found = new Map();
     /** @type {[number, number][]} */
     const infinite = [];
     for (const [row, sign] of this.data.extremes ?? []) {
       const values = base.map((f) => sign * at(f)[row]), value = (/** @type {number} */ f) => sign * this.row(system.at(f), p)[row];
       const grows = (/** @type {number} */ f) => Math.abs(value(f * (1 + grid.near))) > grid.growth * Math.abs(value(f * (1 + grid.far)));
-      const slope = (/** @type {number} */ f) => sign * this.frequencySlope(system, f, row, p), tops = localMaxima(values), places = found.get(row) ?? [];
+      const slope = (/** @type {number} */ f) => sign * this.frequencySlope(system, f, row, p), tops = localMaxima(values), places = /** @type {number[]} */ ([]);
       for (const k of tops) {
         const place = undamped.find((f) => base[k - 1] < f && f < base[k + 1]);
-        if (place !== undefined && grows(place)) infinite.push([row, base[k]]);
+        if (place !== undefined && grows(place)) { infinite.push([row, base[k]]); places.push(base[k]); }
         else places.push(refinedMaximum([base[k - 1], base[k], base[k + 1]], [values[k - 1], values[k], values[k + 1]], value, slope, grid));
       }
-      found.set(row, places);
+      found.set(`${row} ${sign}`, places);
     }
     return { found, infinite };
   }
