@@ -27,13 +27,17 @@ class Outcome:
     Attributes
     ----------
     status : outcome, message, time, residual and success
+    times : (K,) instants, numbers or frequencies
     table : (rows, K) outputs
+    values : (responses,)
     gradients : (responses, parameters)
     same : whether a second run has the same outputs, bit by bit, and takes no more memory
     """
 
     status: Mapping[str, Any]
+    times: np.ndarray | None = None
     table: np.ndarray | None = None
+    values: np.ndarray | None = None
     gradients: np.ndarray | None = None
     same: bool = True
 
@@ -55,10 +59,15 @@ class Modules:
         data: Mapping[str, Any],
         parameters: np.ndarray,
         weights: Sequence[Mapping[int, np.ndarray]] = (),
+        responses: Sequence[Mapping[str, Any]] = (),
     ) -> None:
-        """Add a run; ``weights`` are those of the samples of each response, by row."""
+        """Add a run; ``weights`` are those of the samples of each gradient, by row.
+
+        Values and gradients of ``responses`` come first.
+        """
         pairs = [[[row, plain(values)] for row, values in entry.items()] for entry in weights]
-        self.cases[name] = {"data": plain(data), "parameters": plain(parameters), "weights": pairs}
+        case = {"data": data, "parameters": parameters, "responses": responses}
+        self.cases[name] = plain(case) | {"weights": pairs}
 
     def run(self) -> tuple[dict[str, Outcome], list[np.ndarray]]:
         """Outcomes of all runs, and values of all calls."""
@@ -85,7 +94,8 @@ def outcome(entry: Mapping[str, Any]) -> Outcome:
     if "table" not in entry:
         return Outcome(entry["status"])
     table = np.array(entry["table"], float).reshape(entry["rows"], -1)
-    return Outcome(entry["status"], table, np.array(entry["gradients"], float), entry["same"])
+    arrays = (np.array(entry[key], float) for key in ("values", "gradients"))
+    return Outcome(entry["status"], np.array(entry["times"], float), table, *arrays, entry["same"])
 
 
 def plain(value: Any) -> Any:

@@ -672,31 +672,3 @@ def test_a_page_without_sliders_states_the_reason(browser: Any, tmp_path: Path) 
         assert "The page has no sliders: " in found.page.inner_text("#footer")
         assert found.page.locator("#live").count() == 0
         assert found.console == []
-
-
-def test_an_equilibrium_follows_its_sliders(browser: Any, tmp_path: Path) -> None:
-    system = da.System("hanging", gravity=(0.0, -9.81))
-    stiffness = system.parameter("k", 400.0, "N/m", bounds=(100, 1000))
-    arm = system.add(planar.Bar("arm", length=0.5, mass=2.0))
-    system.add(planar.Revolute("O", system.ground.center, arm.start))
-    ends = (system.ground.point(0.3, 0.5), arm.end)
-    system.add(planar.Spring("S", *ends, stiffness=stiffness, free_length=0.3))
-    model = system.build()
-    path = da.solve_equilibrium(model).report(tmp_path / "arm.html")
-    with visit(browser, path) as found:
-        settle(found)
-        assert found.page.locator("#live").is_visible()
-        anchor = found.js("dalembert.scene.screen([0.3, 0.5])")  # of the spring in the ground
-        assert anchor[1] > 0
-        labels = "dalembert.table.responses.map(({ label }) => label)"
-        assert found.js(labels) == ["arm.angle", "O.force_norm"]
-        found.js("dalembert.design.set(0, 700)")
-        settle(found)
-        again = da.solve_equilibrium(model, parameters={"k": 700.0})
-        angle = float(again.values("arm.angle")[0])
-        assert found.js("dalembert.table.values[0]") == pytest.approx(angle, rel=1e-9)
-        shown = found.page.locator("#values tr", has_text="arm.angle").locator(".right")
-        assert float(shown.inner_text()) == pytest.approx(angle, rel=1e-5)
-        assert found.js("dalembert.motion.ghosts.length") == 1
-        assert "are those of the initial design" in found.page.inner_text(".live-note")
-        assert (found.requests, found.console) == ([], [])

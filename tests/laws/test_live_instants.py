@@ -87,6 +87,47 @@ def hanging_body() -> da.Model:
     return system.build()
 
 
+def controlled_arm() -> da.Model:
+    """An arm under gravity, held by a PID controller whose actuator has a time constant."""
+    system = da.System("controlled arm", gravity=(0, -9.81))
+    gain, target, mass = (
+        system.parameter(n, x) for n, x in (("gain", 150.0), ("target", 0.4), ("m", 2.0))
+    )
+    arm = system.add(planar.Bar("arm", length=0.6, mass=mass, angle=0.3))
+    system.add(planar.Revolute("O", system.ground.center, arm.start))
+    control = da.blocks.PID(
+        "control",
+        target,
+        arm.angle,
+        proportional=gain,
+        integral=60.0,
+        derivative=30.0,
+        filter_time=0.02,
+    )
+    system.add(control)
+    lag = system.add(da.blocks.LowPass("lag", control.output, cutoff=200.0))
+    system.add(planar.Torque("motor", arm, lag.output))
+    return system.build()
+
+
+def sampled_lift() -> da.Model:
+    """A cabin on a spring with a sampled PID controller and a delayed, slower sensor."""
+    system = da.System("sampled lift", gravity=(0, -9.81))
+    gain, target, mass = (
+        system.parameter(n, x) for n, x in (("gain", 80.0), ("target", 0.3), ("m", 2.0))
+    )
+    cabin = system.add(planar.Particle("cabin", mass=mass, position=(0, 0.2)))
+    system.add(planar.PinInSlot("rail", system.ground.center, cabin.center, axis=(0, 1)))
+    ends = system.ground.point(0, 1.0), cabin.center
+    system.add(planar.Spring("spring", *ends, stiffness=30.0, damping=8.0, free_length=0.4))
+    hold = system.add(da.blocks.ZeroOrderHold("hold", cabin.y, sample_time=0.05))
+    gains = {"proportional": gain, "integral": 40.0, "derivative": 5.0, "filter_time": 0.05}
+    control = da.blocks.SampledPID("control", target, hold.output, sample_time=0.02, **gains)
+    system.add(control)
+    system.add(planar.Force("drive", cabin.center, (0, control.output)))
+    return system.build()
+
+
 MODELS = {slider_crank: [0.13, 2.5, 2.0], robot: [0.45, 1.8, 2.5]}
 """Models, and other values of their parameters."""
 RUNS = {
@@ -96,14 +137,24 @@ RUNS = {
     "inverse dynamics": (da.solve_inverse_dynamics, {"step": 0.02}, "input_power"),
 }
 RESTING = {hanging_linkage: [0.45, 80.0, 2.0], hanging_body: [0.35, 260.0, 2.5]}
+WITH_STATES = {controlled_arm: [180.0, 0.9, 2.5], sampled_lift: [70.0, 0.45, 3.0]}
+UNSTABLE = {
+    controlled_arm: [[180.0, 0.9, 2.5], [4000.0, 0.9, 2.5]],
+    sampled_lift: [[70.0, 0.45, 3.0], [900.0, 0.45, 3.0]],
+}
+"""Parameters with and without a stable equilibrium."""
 CASES = [(build, name) for build in MODELS for name in RUNS]
-CASES += [(build, "equilibrium") for build in RESTING]
+CASES += [(build, "equilibrium") for build in RESTING | WITH_STATES]
 
 
 def solve(build, name: str) -> tuple[da.Motion, str, np.ndarray]:
     """The result of a model, a measure, and other parameter values."""
     if name == "equilibrium":
-        return da.solve_equilibrium(build()), "potential_energy", np.array(RESTING[build])
+        return (
+            da.solve_equilibrium(build()),
+            "potential_energy",
+            np.array((RESTING | WITH_STATES)[build]),
+        )
     run, options, subject = RUNS[name]
     return run(build(), 1.0, **options), subject, np.array(MODELS[build])
 
@@ -154,6 +205,35 @@ def test_status_equals_that_of_python(build, name: str, outcomes) -> None:
     assert without_numbers(values) == without_numbers(wanted)
 
 
+@pytest.mark.parametrize("build", UNSTABLE)
+def test_growing_motions_about_equilibria_with_states(build, tmp_path: Path) -> None:
+    """Eigenvalues of states and of a period of samples decide as in Python."""
+    motion, modules, expected = da.solve_equilibrium(build()), Modules(tmp_path), {}
+    row = [Row(motion.model.expression("potential_energy").sx)]
+    data = motion.analysis.live_functions(motion, row, motion.time).page_data()
+    for k, values in enumerate(UNSTABLE[build]):
+        expected[str(k)] = motion.analysis.run(motion.model, np.array(values)).status.message
+        modules.add(str(k), data, np.array(values))
+    outcomes, _ = modules.run()
+    ends = [expected[key].rpartition(", ")[2] for key in outcomes]
+    assert ends == ["stable", "not a stable position"]
+    assert [outcome.status["message"].rpartition(", ")[2] for outcome in outcomes.values()] == ends
+
+
+def test_states_that_parameters_start_are_no_equilibrium_of_a_page() -> None:
+    """Bristles keep their values at the start, from which a page could not follow them."""
+    system = da.System("block", gravity=(0, -9.81))
+    start = system.parameter("start", 1e-4)
+    block = system.add(planar.Particle("block", mass=1.0))
+    system.add(planar.PinInSlot("rail", system.ground.center, block.center))
+    ends = system.ground.point(-1, 0), block.center
+    system.add(planar.Spring("spring", *ends, stiffness=50.0, free_length=1.0))
+    bristle = system.add(da.blocks.State("bristle", start=start, unit="m"))
+    bristle.rate = block.vx * (1 - bristle.value**2)
+    rest = da.solve_equilibrium(system.build())
+    assert "bristle" in rest.analysis.live_obstacle(rest)
+
+
 def without_numbers(texts: dict[str, str]) -> dict[str, str]:
     """Texts without residuals and numbers of iterations, which rounding changes."""
     return {key: re.sub(r"residual \S+ N after \d+ iterations?", "", texts[key]) for key in texts}
@@ -173,11 +253,14 @@ def test_locked_mechanism_has_the_same_outcome(tmp_path: Path) -> None:
 
 
 @pytest.mark.product
-@pytest.mark.parametrize("equilibrium", [True, False])
-@pytest.mark.parametrize("build", RESTING)
+@pytest.mark.parametrize(
+    ("build", "equilibrium"),
+    [*((build, rest) for build in RESTING for rest in (True, False)), (controlled_arm, True)],
+)
 def test_modes_equal_those_of_python(build, equilibrium: bool, tmp_path: Path) -> None:
     """Frequencies, damping and eigenvalues about an equilibrium and an assembled position."""
-    analysis, model, values = da.Modal(equilibrium=equilibrium), build(), np.array(RESTING[build])
+    analysis, model = da.Modal(equilibrium=equilibrium), build()
+    values = np.array((RESTING | WITH_STATES)[build])
     modes = analysis.run(model)
     assert analysis.live_obstacle(modes) == ""
     rows = [Row(measure.sx) for measure in MEASURES.values()]

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from dalembert.errors import DalembertError
 from dalembert.io.decisions.responses import make_responses
 from dalembert.io.decisions.task_tables import ReportTable
@@ -24,15 +22,13 @@ def live_responses(
 
     Responses with measures of results of other analyses are left out.
     """
-    times = np.array(page.get("time", page.get("states", {}).get("numbers", ())))
-    if not times.size:
-        return []
     try:
         responses = make_responses(file, model).values()
     except DalembertError:
         return []
-    own = (r for r in responses if all(term.measure in result for _, term in r.terms))
-    return computable(own, times)
+    own = [r for r in responses if all(term.measure in result for _, term in r.terms)]
+    times = result.page_times(page, own)
+    return computable(result, own, times) if times.size else []
 
 
 def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:

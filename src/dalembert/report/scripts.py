@@ -40,6 +40,8 @@ RUNS = {
     "kinematics": ("live_kinematics.js", "LiveKinematics"),
     "equilibrium": ("live_equilibrium.js", "LiveEquilibrium"),
     "modes": ("live_modes.js", "LiveModes"),
+    "frequency": ("live_frequency.js", "LiveFrequency"),
+    "structure frequency": ("live_structure_frequency.js", "LiveStructureFrequency"),
     "statics": ("live_structures.js", "LiveStatics"),
     "vibration": ("live_structures.js", "LiveVibration"),
 }

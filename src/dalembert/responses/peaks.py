@@ -70,6 +70,9 @@ class Peak(Response):
     def has_adaptive_times(self, motion: Result) -> bool:
         return True
 
+    def reduction(self, times: np.ndarray) -> dict[str, Any]:
+        return {"kind": "peak", "number": self.number}
+
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
         return float(samples[self._place(times, samples)])
 

@@ -105,7 +105,7 @@ class At(Response):
                 f"response {self.label}: {self.time:g} is not an output of the page; take one of "
                 "its outputs, or request this one by outputs=…"
             )
-        return {"kind": "at", "instant": int(matches[0])}
+        return {"kind": "at", "instant": int(matches[0]), "time": float(self.time)}
 
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
         return float(samples[0])

@@ -13,6 +13,7 @@ import numpy as np
 from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.results.analysis import Analysis
 from dalembert.results.files.contents import Contents
+from dalembert.results.frequency_page import FrequencyPage
 from dalembert.results.harmonic_function import measure_function
 from dalembert.results.harmonic_measures import (
     FREQUENCY,
@@ -22,7 +23,7 @@ from dalembert.results.harmonic_measures import (
     measures_of,
     part_name,
 )
-from dalembert.results.result import Instants, Result
+from dalembert.results.result import Instants
 from dalembert.results.status import Status
 from dalembert.symbolic.formulas.expression import Expression, stack
 from dalembert.symbolic.formulas.parser import Names
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class HarmonicResponse(Result):
+class HarmonicResponse(FrequencyPage):
     """Complex amplitudes of a linear system under harmonic inputs ``Re û exp(iωt)``.
 
     Measures are ``X.amplitude``, ``X.phase`` [rad], ``X.real`` and ``X.imag`` of any scalar measure
@@ -126,9 +127,7 @@ class HarmonicResponse(Result):
         return consists_of(expression, [*own, *(symbol for symbol, _ in self.spectra)])
 
     def keys(self) -> list[str]:
-        single = len(self.inputs) == 1
-        sources = [""] if single else self.inputs
-        names = [part_name(o, p, s) for o in self.outputs for s in sources for p in PARTS]
+        names = [part_name(o, p, s) for o in self.outputs for s in self.sources for p in PARTS]
         return [*names, "frequency", *self.model.parameters]
 
     @staticmethod
@@ -297,12 +296,6 @@ class HarmonicResponse(Result):
         from dalembert.results.pictures.frequency_plot import plot_response
 
         return plot_response(self, outputs or tuple(self.outputs), kind, **options)
-
-    def page(self, units: Sequence[str] = (), **first_view: Any) -> dict[str, Any]:
-        """Payload of the report."""
-        from dalembert.results.files.frequency_payload import frequency_payload
-
-        return frequency_payload(self, units)
 
     def __repr__(self) -> str:
         f = self.frequencies

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -128,14 +128,15 @@ def build_module(
         reason = "only analyses of mechanisms are exported, and it is a structure"
     if reason:
         raise UnsupportedError(f"{model.name!r} cannot be a module: {reason}")
-    table = RowTable(model.ground)
+    table, responses = RowTable(model.ground), tuple(responses)
     outputs = [_output(result, table, measure) for measure in measures]
-    times = np.array(result.time)
+    times = result.page_times({"time": result.time}, responses)
     reductions = page_responses(result, responses, times, table.number)
+    extras = result.page_extras(table.number, reductions)
     if not table.rows:
         raise AnalysisError(f"the module of {model.name!r} has no outputs; give measures=[...]")
     live = result.analysis.live_functions(result, table.rows, times)
-    live = live.with_limits(*model.value_limits())
+    live = replace(live, data={**live.data, **extras}).with_limits(*model.value_limits())
     return Module(model.name, live, _parameters(result), outputs, reductions)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self
@@ -17,6 +17,7 @@ from dalembert.symbolic.once import CacheOwner
 from dalembert.text.wording import card, messages, nearest, table
 
 if TYPE_CHECKING:
+    import casadi as ca
     import pandas as pd
     import xarray as xr
 
@@ -190,6 +191,26 @@ class Result(CacheOwner, Protocol):
         from dalembert.results.files.live_page import live_page
 
         return live_page(self, page, live, responses, designs, units)
+
+    def page_times(self, page: dict[str, Any], responses: Sequence[PageResponse]) -> np.ndarray:
+        """Instants, or numbers of states, that a live page with these responses computes."""
+        return np.array(page["states"]["numbers"] if "states" in page else page.get("time", ()))
+
+    def page_reduction(self, term: Any, times: np.ndarray) -> dict[str, Any]:
+        """Reduction of a response in a page, as plain data.
+
+        Raises
+        ------
+        UnsupportedError
+            Pages do not compute it.
+        """
+        return term.reduction(times)  # type: ignore[no-any-return]
+
+    def page_extras(
+        self, row_of: Callable[[ca.SX], int], responses: Sequence[dict[str, Any]]
+    ) -> dict[str, Any]:
+        """Further constants of a live page with these responses."""
+        return {}
 
     def first_responses(self) -> Sequence[FirstResponse]:
         """Responses that a live page lists by default; if empty, maxima of the plotted measures."""

@@ -56,7 +56,7 @@ def sampled_rates(
     """
     from scipy.linalg import expm
 
-    instants = _instants(sampled_blocks(model))
+    instants = sample_instants(sampled_blocks(model))
     sets = list(dict.fromkeys(blocks for _, blocks in instants))
     slopes = _slopes(model, time, x, p, sets, evaluate)
     back = basis.transpose(0, 2, 1)
@@ -72,8 +72,14 @@ def sampled_rates(
     return rates
 
 
-def _instants(blocks: tuple[Sampled, ...]) -> Instants:
-    """Sample instants of a common period."""
+def sample_instants(blocks: tuple[Sampled, ...]) -> Instants:
+    """Time to the next sample [s] and the blocks that sample, over a common period.
+
+    Raises
+    ------
+    UnsupportedError
+        The sample times have no common period of a moderate number of samples.
+    """
     periods = [Fraction(block.period).limit_denominator(FINEST) for block in blocks]
     whole = lcm(*(k.denominator for k in periods))
     counts = [int(k * whole) for k in periods]
@@ -109,7 +115,9 @@ def _slopes(
     arguments = np.full((designs * size, 1), time), *(np.repeat(a, size, axis=0) for a in (x, p))
     unit = np.tile(np.eye(size), (designs, 1))
     still = np.zeros((designs * size, 1)), np.zeros((designs * size, p.shape[1]))
-    columns = evaluate(_samples(model, tuple(sets)), *arguments, still[0], unit, still[1])
+    columns = evaluate(
+        sampled_function(model, tuple(sets)).tangent, *arguments, still[0], unit, still[1]
+    )
     slopes = []
     for part in columns:
         whole = np.tile(np.eye(size), (designs, 1, 1))
@@ -119,9 +127,9 @@ def _slopes(
 
 
 @once
-def _samples(model: Model, sets: tuple[tuple[Sampled, ...], ...]) -> ca.Function:
-    """``(t, x, p)`` and their rates → rates of the coordinates after each sample."""
+def sampled_function(model: Model, sets: tuple[tuple[Sampled, ...], ...]) -> ImplicitFunction:
+    """``(t, [y; v], p) → y⁺`` after the samples of each set of blocks."""
     e = model.equations
     positions = KKT().acceleration(e, e.constraint_acceleration, sampled_maps(model, sets))
     inputs = [e.t, ca.vertcat(e.y, e.v), e.p]
-    return ImplicitFunction("samples", inputs, positions.stages, positions.outputs).tangent
+    return ImplicitFunction("samples", inputs, positions.stages, positions.outputs)

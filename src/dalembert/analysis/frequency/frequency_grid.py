@@ -24,6 +24,8 @@ MANY = 25
 """Upper limit of the resonances of the default span."""
 CLOSE = 1e-4
 """Step of the search by values that is small enough, relative to the first bracket [-]."""
+REACH = 100.0
+"""Largest error of the search by values, in steps that are small enough [-]."""
 ROUNDS = 3
 """Steps of the secant method for the root of the slope."""
 MOST_STEPS = 25
@@ -109,7 +111,7 @@ def _stationary(
         change = last - rise
         step = np.divide(-rise * (other - x), change, out=np.zeros_like(x), where=change != 0)
         other, last = x, rise
-        x = x + np.clip(step, start - near - x, start + near - x)
+        x = x + np.clip(step, start - REACH * near - x, start + REACH * near - x)
     return x
 
 

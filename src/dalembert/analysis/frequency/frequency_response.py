@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from dalembert.analysis.frequency.frequency_grid import local_maxima, refined_maxima
 from dalembert.analysis.frequency.linear_analysis import (
     LinearAnalysis,
+    checked_span,
     frequency_array,
     input_names,
     output_measures,
@@ -26,6 +27,8 @@ from dalembert.options import only_for, options
 from dalembert.results.analysis import ParameterValues
 from dalembert.results.harmonic import HarmonicResponse
 from dalembert.results.harmonic_measures import measures_of
+from dalembert.results.live import LiveFunctions
+from dalembert.results.sources import Row
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.symbolic.formulas.expression import Expression
@@ -90,6 +93,7 @@ class FrequencyResponse(LinearAnalysis[HarmonicResponse]):
     """
 
     display_name = "frequency response"
+    random: ClassVar[bool] = False
     different_samples = (
         "the designs have different default frequencies; give the batch frequencies=[..] in Hz"
     )
@@ -220,6 +224,18 @@ class FrequencyResponse(LinearAnalysis[HarmonicResponse]):
         """The response at other parameter values, at the same frequencies."""
         return self.response(self.again(result, p), result.frequencies)
 
+    def live_obstacle(self, result: HarmonicResponse) -> str:
+        from dalembert.analysis.live.frequency_module import obstacle
+
+        return obstacle(result)
+
+    def live_functions(
+        self, result: HarmonicResponse, rows: Sequence[Row], times: np.ndarray
+    ) -> LiveFunctions:
+        from dalembert.analysis.live.frequency_module import frequency_functions
+
+        return frequency_functions(result, rows, times)
+
     def resample(self, result: HarmonicResponse, times: np.ndarray) -> HarmonicResponse:
         return result.at(times)
 
@@ -270,23 +286,6 @@ class FrequencyResponse(LinearAnalysis[HarmonicResponse]):
         """The response at the local maxima and at the ends of the frequencies."""
         top = self.maxima(result, measure, sign)
         return result.at(np.unique(np.concatenate([top.frequencies, result.frequencies[[0, -1]]])))
-
-
-def checked_span(span: Any) -> tuple[float, float]:
-    """First and last frequency [Hz].
-
-    Raises
-    ------
-    AnalysisError
-        Not two increasing numbers.
-    """
-    try:
-        low, high = (float(value) for value in span)
-    except (TypeError, ValueError):
-        low, high = 1.0, 0.0
-    if not 0 <= low < high:
-        raise AnalysisError(f"FrequencyResponse: span is {span!r:.60}; give (first, last) in Hz")
-    return low, high
 
 
 def complex_amplitudes(excitation: Any) -> dict[str, complex]:

@@ -180,3 +180,20 @@ def frequency_array(values: Sequence[float] | np.ndarray, kind: str) -> np.ndarr
     if not array.size or not np.all(np.isfinite(array)) or array[0] < 0:
         raise AnalysisError(f"{kind}: frequencies is {values!r:.60}; give numbers ≥ 0 [Hz]")
     return array
+
+
+def checked_span(span: Any) -> tuple[float, float]:
+    """First and last frequency [Hz].
+
+    Raises
+    ------
+    AnalysisError
+        Not two increasing numbers.
+    """
+    try:
+        low, high = (float(value) for value in span)
+    except (TypeError, ValueError):
+        low, high = 1.0, 0.0
+    if not 0 <= low < high:
+        raise AnalysisError(f"FrequencyResponse: span is {span!r:.60}; give (first, last) in Hz")
+    return low, high

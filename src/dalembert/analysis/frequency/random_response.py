@@ -11,7 +11,8 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.frequency.cross_density import CrossDensity, cross_density_of, pair_of
-from dalembert.analysis.frequency.frequency_response import FrequencyResponse, checked_span
+from dalembert.analysis.frequency.frequency_response import FrequencyResponse
+from dalembert.analysis.frequency.linear_analysis import checked_span
 from dalembert.analysis.frequency.spectral_density import Density, density_of, quadrature
 from dalembert.analysis.frequency.undamped import grows, undamped_frequencies
 from dalembert.errors import AnalysisError
@@ -66,6 +67,7 @@ class RandomResponse(FrequencyResponse):
     """
 
     display_name = "random vibration"
+    random = True
 
     psd: Annotated[Any, dict[str, object]] = None
     band: Annotated[Any, tuple[float, float]] = None

@@ -13,7 +13,7 @@ from dalembert.analysis.dynamics.residual_check import DRIFT, held_levels
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.analysis.events import as_events
 from dalembert.analysis.live.checks import check_data, residuals
-from dalembert.analysis.live.obstacles import common_obstacle
+from dalembert.analysis.live.obstacles import march_obstacle
 from dalembert.analysis.live.rows import smooth_rows
 from dalembert.analysis.live.start import closing, violation
 from dalembert.analysis.residual_check import EXACT
@@ -49,7 +49,7 @@ def obstacle(motion: Motion) -> str:
         return f"{kernel.integrator.name} is not compiled"
     if kernel.adaptive is not None and kernel.implicit(mode):
         return "the run takes implicit steps with error control"
-    return common_obstacle(motion.analysis, model)
+    return march_obstacle(motion.analysis, model)
 
 
 def dynamics_functions(motion: Motion, rows: Sequence[Row], times: np.ndarray) -> LiveFunctions:

@@ -9,10 +9,13 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.equilibrium.static_balance import CURVED, SKEW
-from dalembert.analysis.equilibrium.statics_kernel import StaticsKernel
+from dalembert.analysis.equilibrium.statics_kernel import StaticsKernel, statics_kernel
 from dalembert.analysis.live.checks import all_multipliers, check_data, residuals
 from dalembert.analysis.live.obstacles import common_obstacle
 from dalembert.analysis.live.rows import smooth_rows
+from dalembert.analysis.live.small_motions import small_motions
+from dalembert.analysis.live.start import closing, violation
+from dalembert.analysis.requirements import listed_states
 from dalembert.analysis.residual_check import MOTION
 from dalembert.formulations.base import Level
 from dalembert.model.graph.model import Model
@@ -31,13 +34,22 @@ def obstacle(motion: Motion) -> str:
         return f"no equilibrium was found ({motion.status.outcome.value})"
     if model.equations.contacts:
         return "the mechanism has rigid contacts"
-    if model.equations.states:
-        return "the mechanism has states of first order"
     if model.equations.slips:
         return "the equilibrium of rolling bodies depends on the path"
     if not motion.statistics["stable"]:
         return UNSTABLE
-    return common_obstacle(motion.analysis, model)
+    return indifferent_obstacle(model) or common_obstacle(motion.analysis, model)
+
+
+def indifferent_obstacle(model: Model) -> str:
+    """Reason why states that an equilibrium leaves at their start cannot be followed, or ""."""
+    kernel, starts = statics_kernel(model), model.closure.recipe.states
+    indifferent = [k for k in model.equations.states if k not in kernel.states]
+    p, place = model.equations.p, starts.guesses.place
+    moving = [k for k in indifferent if k in starts.steady or ca.depends_on(place[k], p)]
+    if not moving:
+        return ""
+    return f"{listed_states(model, moving)} keep values at the start that parameters change"
 
 
 def equilibrium_functions(motion: Motion, rows: Sequence[Row], times: np.ndarray) -> LiveFunctions:
@@ -53,7 +65,7 @@ def equilibrium_functions(motion: Motion, rows: Sequence[Row], times: np.ndarray
     """
     kernel: StaticsKernel = motion.record.kernel
     analysis: Any = motion.analysis
-    model, e = motion.model, motion.model.equations
+    model, e = motion.model, kernel.equations
     expression, roots = smooth_rows(rows)
     near = kernel.near(motion.trajectory)[:, 0]
     tolerance = max(MOTION, analysis.tolerance)
@@ -75,7 +87,11 @@ def equilibrium_functions(motion: Motion, rows: Sequence[Row], times: np.ndarray
         },
         "check": check_data(model, [Level.POSITION], tolerance),
     }
-    return LiveFunctions(_functions(kernel, expression), data)
+    functions = _functions(kernel, expression)
+    if not kernel.states:
+        return LiveFunctions({**functions, "stiffness": _stiffness(kernel)}, data)
+    motions, growth = small_motions(model)
+    return LiveFunctions({**functions, **motions}, {**data, **growth})
 
 
 def following(kernel: StaticsKernel) -> dict[str, ca.Function]:
@@ -83,9 +99,10 @@ def following(kernel: StaticsKernel) -> dict[str, ca.Function]:
 
     ``closing`` is ``(t, x, p) → (x⁺, r)`` as for assembled positions, ``violation`` the residual of
     all constraint equations and of the balance of forces, both relative to their natural sizes.
+    ``assembling`` and ``gaps`` are those of the position alone, which name an open joint.
     """
-    model, configuration = kernel.model, kernel.configuration
-    e, whole = model.equations, model.all_equations
+    model, configuration, e = kernel.model, kernel.configuration, kernel.equations
+    whole = model.all_equations
     t, near, p = configuration.inputs
     sizes = np.concatenate([e.scales.efforts, e.scales.rows])
     stage, *retraction = configuration.stages
@@ -102,30 +119,39 @@ def following(kernel: StaticsKernel) -> dict[str, ca.Function]:
     return {
         "closing": ca.Function("closing", [t, near, p], [after, value / sizes], {"cse": True}),
         "violation": ca.Function("violation", [t, near, p], [ca.densify(rest)], {"cse": True}),
+        "assembling": closing(model.closure),
+        "gaps": violation(model.closure),
     }
 
 
 def _functions(kernel: StaticsKernel, expression: Any) -> dict[str, ca.Function]:
-    model, e = kernel.model, kernel.model.equations
+    model, e = kernel.model, kernel.equations
     measured = kernel.measured(expression)
     (at_rest,) = measured.outputs
     t, x = ca.MX.sym("t"), ca.MX.sym("x", e.coordinate_count + e.constraint_count)
     p, weights = ca.MX.sym("p", e.p.numel()), ca.MX.sym("w", at_rest.numel())
     slope = measured.adjoint(t, x, p, weights)[2]
     state, outputs = ca.vertcat(e.y, e.multiplier), ca.densify(at_rest)
+    return {
+        **following(kernel),
+        "outputs": ca.Function("outputs", [e.t, state, e.p], [outputs], {"cse": True}),
+        "outputs_adjoint": ca.Function("outputs_adjoint", [t, x, p, weights], [slope]),
+        "residuals": residuals(model, _bodies(model)),
+    }
+
+
+def _stiffness(kernel: StaticsKernel) -> ca.Function:
+    """``(t, x, p) → C, K`` in natural sizes."""
+    e = kernel.equations
+    t, p = ca.MX.sym("t"), ca.MX.sym("p", e.p.numel())
+    x = ca.MX.sym("x", e.coordinate_count + e.constraint_count)
     multiplier, unit = x[e.coordinate_count :], e.scales.displacements
     _, c, stiffness, _ = kernel.static(t, x[: e.coordinate_count], multiplier, p)
     scaled = [
         ca.mtimes(ca.mtimes(ca.diag(1 / e.scales.rows), c), ca.diag(unit)),
         ca.mtimes(ca.mtimes(ca.diag(unit), stiffness), ca.diag(unit)),
     ]
-    return {
-        **following(kernel),
-        "outputs": ca.Function("outputs", [e.t, state, e.p], [outputs], {"cse": True}),
-        "outputs_adjoint": ca.Function("outputs_adjoint", [t, x, p, weights], [slope]),
-        "stiffness": ca.Function("stiffness", [t, x, p], [ca.densify(m) for m in scaled]),
-        "residuals": residuals(model, _bodies(model)),
-    }
+    return ca.Function("stiffness", [t, x, p], [ca.densify(m) for m in scaled])
 
 
 def _bodies(model: Model) -> ca.Function:

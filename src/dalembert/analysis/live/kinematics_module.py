@@ -17,7 +17,7 @@ from dalembert.analysis.kinematics.run import (
     TOLERANCE,
 )
 from dalembert.analysis.live.checks import all_multipliers, check_data, residuals
-from dalembert.analysis.live.obstacles import common_obstacle
+from dalembert.analysis.live.obstacles import march_obstacle
 from dalembert.analysis.live.rows import smooth_rows
 from dalembert.analysis.live.start import closing, violation
 from dalembert.analysis.residual_check import MOTION
@@ -38,7 +38,7 @@ def obstacle(motion: Motion) -> str:
         return "the motion passes a branch point"
     if model.equations.contacts:
         return "the mechanism has rigid contacts"
-    return common_obstacle(motion.analysis, model)
+    return march_obstacle(motion.analysis, model)
 
 
 def kinematics_functions(motion: Motion, rows: Sequence[Row], times: np.ndarray) -> LiveFunctions:

@@ -9,8 +9,14 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.equilibrium.statics_kernel import statics_kernel
-from dalembert.analysis.live.equilibrium_module import NO_EQUILIBRIUM, UNSTABLE, following
-from dalembert.analysis.live.obstacles import common_obstacle
+from dalembert.analysis.live.equilibrium_module import (
+    NO_EQUILIBRIUM,
+    UNSTABLE,
+    following,
+    indifferent_obstacle,
+)
+from dalembert.analysis.live.obstacles import common_obstacle, march_obstacle
+from dalembert.analysis.live.small_motions import linear_functions
 from dalembert.analysis.live.start import closing, violation
 from dalembert.analysis.modes.linearization_kernel import LinearizationKernel
 from dalembert.analysis.modes.linearized import Linearized
@@ -40,7 +46,16 @@ def obstacle(modes: MechanismModes) -> str:
         return "the equilibrium of rolling bodies depends on the path"
     if not state.stable:
         return UNSTABLE
-    return common_obstacle(modes.analysis, model)
+    if not at_rest(state):
+        return march_obstacle(modes.analysis, model)
+    return indifferent_obstacle(model) or common_obstacle(modes.analysis, model)
+
+
+def at_rest(state: Linearized) -> bool:
+    """Whether a state with an origin is an equilibrium."""
+    assert state.near is not None
+    whole = state.near.size > state.model.equations.coordinate_count
+    return whole or state.origin is not state.kernel.assembled
 
 
 def modes_functions(modes: MechanismModes, rows: Sequence[Row], times: np.ndarray) -> LiveFunctions:
@@ -57,7 +72,7 @@ def modes_functions(modes: MechanismModes, rows: Sequence[Row], times: np.ndarra
     kernel, model = state.kernel, state.model
     e, origin = model.equations, state.origin
     assert origin is not None and state.near is not None
-    rest = state.near.size > e.coordinate_count or origin is not kernel.assembled
+    rest = at_rest(state)
     start = (
         following(statics_kernel(model))
         if rest
@@ -68,19 +83,17 @@ def modes_functions(modes: MechanismModes, rows: Sequence[Row], times: np.ndarra
     small, x, q = state.small_motions, ca.MX.sym("x", state.x.size), ca.MX.sym("q", state.x.size)
     outputs = small.output_sizes
     a, b = ca.MX.sym("a", outputs[0]), ca.MX.sym("b", outputs[1])
-    first = origin.function(t, near, p)
+    linear, sizes = linear_functions(kernel, origin, small)
     pulled = origin.adjoint(t, near, p, weights)[2]
     slopes = small.adjoint(t, x, p, q, a, b)[1:3]
-    pushed = small.function(t, x, p, q)
     shown = [row for row in rows if not row.drawn]
     number, value, bars = ca.SX.sym("number"), ca.vertcat(REAL, IMAG), ca.SX.sym("w", len(shown))
     column = ca.densify(stack(row.sx for row in shown))
     back = [ca.densify(ca.jtimes(column, of, bars, True)) for of in (value, e.p)]
     functions = {
         **start,
-        "state": ca.Function("state", [t, near, p], [first]),
+        **linear,
         "state_adjoint": ca.Function("state_adjoint", [t, near, p, weights], [pulled]),
-        "tangent": ca.Function("tangent", [t, x, p, q], list(pushed)),
         "tangent_adjoint": ca.Function("tangent_adjoint", [t, x, p, q, a, b], list(slopes)),
         "outputs": ca.Function("outputs", [number, value, e.p], [column]),
         "outputs_adjoint": ca.Function("outputs_adjoint", [number, value, e.p, bars], back),
@@ -89,7 +102,6 @@ def modes_functions(modes: MechanismModes, rows: Sequence[Row], times: np.ndarra
         functions["pictures"] = pictures(kernel, rows[len(shown) :])
         functions["curvature"] = kernel.curvature
     anchor = (state.p, state.near) if rest else model.closure.anchor[:2]
-    states, levels = state.sizes
     data: dict[str, Any] = {
         "kind": "modes",
         "start": state.time,
@@ -97,7 +109,7 @@ def modes_functions(modes: MechanismModes, rows: Sequence[Row], times: np.ndarra
         "anchor": {"p": anchor[0][: e.p.numel()], "y": anchor[1]},
         "relative": [],
         "roots": [],
-        "sizes": {"states": states, "rows": levels},
+        **sizes,
         "coordinates": kernel.e.coordinate_count,
         "name": analysis.display_name,
         "count": analysis.count,

@@ -83,7 +83,9 @@ def statics_functions(
     functions = {
         "system": ca.Function("system", [p], [graph.stiffness(), sides]),
         "residual_adjoint": _gradient("residual_adjoint", arguments, weights, work, [p]),
-        **_outputs(arguments, rows, lambda part: _rows(result, graph, part, (u, forces), case)),
+        **_outputs(
+            arguments, rows, lambda part: measure_rows(result, graph, part, (u, forces), case)
+        ),
     }
     data = {**_data("statics", result, times, graph), "message": result.status.message}
     return LiveFunctions(functions, data)
@@ -116,7 +118,7 @@ def vibration_functions(
         **_outputs(
             [number, state, p],
             rows,
-            lambda part: _rows(modes, graph, part, (u, none), number, state[0]),
+            lambda part: measure_rows(modes, graph, part, (u, none), number, state[0]),
         ),
     }
     text: Any = modes.analysis
@@ -125,7 +127,7 @@ def vibration_functions(
     )
 
 
-def _rows(
+def measure_rows(
     result: Any,
     graph: StructureGraph,
     rows: Sequence[Row],

@@ -55,8 +55,8 @@ def live_page(decision: Any, live: bool | None, first_view: dict[str, Any]) -> d
         return decision.page(**first_view) | ({"live": {"reason": str(error)}} if live else {})
     runs = not task.result.analysis.live_obstacle(task.result)
     page = task.page(**first_view) if runs else {}
-    times = np.array(page.get("time", page.get("states", {}).get("numbers", ())))
-    responses = computable(task.responses, times) if times.size else []
+    times = task.result.page_times(page, task.responses)
+    responses = computable(task.result, task.responses, times) if times.size else []
     page = task.result.live_page(page, live, responses, task.designs, first_view.get("units", ()))
     if "code" in page.get("live", {}):
         return dict(page)

@@ -19,7 +19,7 @@ export const hint = (text) => shape("title", {}, text);
 /** Charts of modules that only some pages contain, by the kind of their view. @type {Partial<Record<View["kind"], (view: any) => HTMLElement>>} */
 export const chartKinds = {};
 
-/** Charts that mark the drawn state of a motion. @type {{ bind(motion: Motion): void }[]} */
+/** Charts that mark the drawn state of a motion; they are renewed where a live page has changed their view. @type {{ bind(motion: Motion): void, renew(): void }[]} */
 export const stateCharts = [];
 
 /** A text of limited length. @param {string} text @param {number} limit */
@@ -53,7 +53,9 @@ export class Scale {
       const powers = Array.from({ length: Math.max(0, last - first + 1) }, (_, k) => first + k).filter((k) => (k - first) % step === 0);
       if (powers.length < 3 && step === 1) {  // numbers between the powers
         const all = Array.from({ length: last - first + 3 }, (_, k) => first - 1 + k).flatMap((k) => [1, 2, 5].map((digit) => digit * 10 ** k));
-        return all.filter((v) => Math.log10(v) >= this.lo && Math.log10(v) <= this.hi).map((value) => ({ value, text: tidy(value, 3) }));
+        const inside = (/** @type {number} */ v) => Math.log10(v) >= this.lo && Math.log10(v) <= this.hi, between = all.filter(inside);
+        const every = all.flatMap((v) => (v / 10 ** Math.floor(Math.log10(v) + 1e-9) < 1.5 ? Array.from({ length: 9 }, (_, k) => (k + 1) * v) : [])).filter(inside);
+        return (between.length < 3 && every.length <= 2 * count ? every : between).map((value) => ({ value, text: tidy(value, 3) }));
       }
       return powers.map((k) => ({ value: 10 ** k, text: Math.abs(k) < 4 ? minus(String(10 ** k)) : `10${superscript(k)}` }));
     }

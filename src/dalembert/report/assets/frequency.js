@@ -45,13 +45,21 @@ class PhaseScale extends Scale {
   }
 }
 
+/** Numbers of a view without logarithms. @param {ResponseView} view */
+function valuesOf(view) {
+  const x = Array.from(view.x, (value) => (view.log ? 10 ** value : value));
+  return { ...view, x, states: Array.from(view.states), lines: view.lines.map(curveOf) };
+}
+
 /** A chart over the frequency; a click or a drag chooses the state of the drawing. */
 class ResponseChart extends Chart {
   /** @param {ResponseView} view @param {number} height */
   constructor(view, height) {
     super(view, height);
-    const x = Array.from(view.x, (value) => (view.log ? 10 ** value : value));
-    this.view = { ...view, x, states: Array.from(view.states), lines: view.lines.map(curveOf) };
+    this.source = view;
+    this.view = valuesOf(view);
+    /** Curves of another design. @type {{ x: number[], lines: ResponseCurve[] } | null} */
+    this.other = null;
     /** @type {Motion | null} */
     this.motion = null;
     this.marks = shape("g", { class: "cursor" });
@@ -59,6 +67,14 @@ class ResponseChart extends Chart {
     this.node.append(this.now);
     this.setLegend(view.lines.map(({ name }, k) => ({ name, look: `s${k % 7}` })));
     stateCharts.push(this);
+  }
+
+  /** Draw the view after a change. */
+  renew() {
+    const { other } = this.source;
+    this.view = valuesOf(this.source);
+    this.other = other ? valuesOf({ ...this.source, ...other }) : null;
+    this.redraw();
   }
 
   /** Follow the state of the drawing. @param {Motion} motion */
@@ -86,7 +102,7 @@ class ResponseChart extends Chart {
   mark() {
     const { view, chosen } = this;
     if (chosen < 0) return;
-    const texts = view.lines.map((line) => `${line.name}: ${tidy(amplitudes(line)[chosen], 4)} ${raised(line.unit)}${line.y ? "" : ` ∠ ${number((Math.atan2(line.im[chosen], line.re[chosen]) * 360) / TAU, 3)}°`}`);
+    const texts = view.lines.map((line) => `${line.name}: ${tidy(amplitudes(line)[chosen], 4)} ${raised(line.unit.replace(/^1 per /, "per "))}${line.y ? "" : ` ∠ ${number((Math.atan2(line.im[chosen], line.re[chosen]) * 360) / TAU, 3)}°`}`);
     this.now.textContent = `${number(view.x[chosen], 5)} Hz — ${texts.join("; ")}`;
   }
 }
@@ -107,18 +123,20 @@ class BodeChart extends ResponseChart {
 
   /** @override @param {number} w @param {number} h */
   draw(w, h) {
-    const { view } = this, all = view.lines.map(amplitudes), phased = view.lines.filter(({ y }) => !y);
-    const x = new Scale(view.x, this.logarithmic, 0.01), top = new Scale(all.flat(), true, 0.05);
+    const { view, other } = this, all = view.lines.map(amplitudes), phased = view.lines.filter(({ y }) => !y), others = other?.lines ?? [], before = others.map(amplitudes);
+    const x = new Scale([...view.x, ...other?.x ?? []], this.logarithmic, 0.01), top = new Scale([...all, ...before].flat(), true, 0.05);
     const whole = this.box(w, h, top), left = Math.max(58, whole.left), middle = phased.length ? Math.round(h * 0.62) : whole.bottom;
     const upper = { ...whole, left, bottom: phased.length ? middle - 20 : whole.bottom }, lower = { ...whole, left, top: middle + 8 };
     const first = this.frame(upper, x, top, [phased.length ? "" : "frequency [Hz]", raised(view.y)]);
-    this.curves(upper, all, first.px, first.py);
+    if (other) this.curves(upper, other.x, before, first.px, first.py, "dashed");
+    this.curves(upper, view.x, all, first.px, first.py);
     this.span = { left, right: whole.right, x };
     this.panes = [{ py: first.py, values: all, box: upper }];
     if (phased.length) {
-      const angles = phased.map(phases), scale = new PhaseScale([...angles.flat(), 0], false, 0.05);
+      const angles = phased.map(phases), turned = others.filter(({ y }) => !y).map(phases), scale = new PhaseScale([...angles.flat(), ...turned.flat(), 0], false, 0.05);
       const second = this.frame(lower, x, scale, ["frequency [Hz]", "phase [°]"], 4);
-      this.curves(lower, angles, second.px, second.py);
+      if (other) this.curves(lower, other.x, turned, second.px, second.py, "dashed");
+      this.curves(lower, view.x, angles, second.px, second.py);
       this.panes.push({ py: second.py, values: angles, box: lower });
     }
     this.px = first.px;
@@ -126,11 +144,11 @@ class BodeChart extends ResponseChart {
     this.mark();
   }
 
-  /** @param {Box} box @param {number[][]} rows @param {Map1} px @param {Map1} py */
-  curves(box, rows, px, py) {
+  /** @param {Box} box @param {number[]} x @param {number[][]} rows @param {Map1} px @param {Map1} py @param {string} [style] */
+  curves(box, x, rows, px, py, style = "") {
     const wide = box.right - box.left, high = box.bottom - box.top;
     const inner = shape("svg", { class: "inner", x: box.left, y: box.top, width: wide, height: high, viewBox: `${box.left} ${box.top} ${wide} ${high}` });
-    rows.forEach((values, k) => inner.append(shape("path", { d: pathOf(this.view.x, values, px, py), class: `curve s${k % 7}` }, hint(this.view.lines[k].name))));
+    rows.forEach((values, k) => inner.append(shape("path", { d: pathOf(x, values, px, py), class: `curve ${style} s${k % 7}` }, hint(this.view.lines[k].name))));
     this.svg.append(inner);
   }
 
@@ -169,7 +187,7 @@ class NyquistChart extends ResponseChart {
 
   /** @override @param {number} w @param {number} h */
   draw(w, h) {
-    const { lines } = this.view, x = new Scale([0, ...lines.flatMap(({ re }) => re)]), y = new Scale([0, ...lines.flatMap(({ im }) => im)]), box = this.box(w, h, y);
+    const { lines } = this.view, others = this.other?.lines ?? [], all = [...lines, ...others], x = new Scale([0, ...all.flatMap(({ re }) => re)]), y = new Scale([0, ...all.flatMap(({ im }) => im)]), box = this.box(w, h, y);
     const unit = Math.max((x.hi - x.lo) / (box.right - box.left), (y.hi - y.lo) / (box.bottom - box.top));
     for (const [scale, size] of /** @type {[Scale, number][]} */ ([[x, box.right - box.left], [y, box.bottom - box.top]])) {
       const middle = (scale.lo + scale.hi) / 2;
@@ -177,6 +195,7 @@ class NyquistChart extends ResponseChart {
     }
     const { px, py } = this.frame(box, x, y, ["real part", "imaginary part"]);
     this.svg.append(shape("line", { x1: px(0), x2: px(0), y1: box.top, y2: box.bottom, class: "zero" }), shape("line", { x1: box.left, x2: box.right, y1: py(0), y2: py(0), class: "zero" }));
+    others.forEach(({ name, re, im }, k) => this.svg.append(shape("path", { d: pathOf(re, im, px, py), class: `curve dashed s${k % 7}` }, hint(name))));
     lines.forEach(({ name, re, im }, k) => this.svg.append(shape("path", { d: pathOf(re, im, px, py), class: `curve s${k % 7}` }, hint(name))));
     [this.px, this.py] = [px, py];
     this.svg.append(this.marks);

@@ -61,8 +61,8 @@ export function buildLive(page, dimension) {
       picture.show(result);
       card.classList.remove("stale");
       table.show(result.values);
-      const { success, outcome, message } = result.status;
-      if (!success) panel.say(`${outcome}: ${message}`.replace(/^./, (c) => c.toUpperCase()), "error"); else if (panel.failed) panel.say("");
+      const { success, outcome, message, warning } = result.status;
+      if (!success) panel.say(`${outcome}: ${message}`.replace(/^./, (c) => c.toUpperCase()), "error"); else if (warning) panel.say(`${warning}.`, "warning"); else if (panel.failed) panel.say("");
       document.documentElement.dataset.live = String(result.number);
     });
     solver.onSlopes.on((answer) => {

@@ -16,10 +16,11 @@ const REDUCTIONS = [["maximum", "maximum"], ["minimum", "minimum"], ["final", "f
  * @typedef {{ name: string, unit: string, group: string, row: number }} Measured */
 
 /** Way to make one number of the values of a quantity.
- * @typedef {{ text: string, kind: LiveTerm["kind"], instant?: number }} Reduction */
+ * @typedef {{ text: string, kind: LiveTerm["kind"], instant?: number, number?: number }} Reduction */
 
-/** Series over time. @param {LiveData} live @returns {Measured[]} */
+/** Series over time, or parts of amplitudes over the frequency. @param {LiveData} live @returns {Measured[]} */
 function measuredSeries(live) {
+  if (live.measured) return live.measured;
   const series = list(payload.series);
   return live.columns.filter(([path]) => path[0] === "series").map(([[, k], row]) => {
     const { name = "", unit = "", group = "other" } = series[Number(k)] ?? {};
@@ -49,23 +50,24 @@ const single = () => list(payload.states?.numbers ?? payload.time).length <= 1;
 function reductions() {
   if (single()) return [{ text: "", kind: "final" }];
   const { states } = payload;
+  if (states?.kind === "frequency") return [...REDUCTIONS.slice(0, 2).map(([kind, text]) => ({ text, kind })), ...[1, 2, 3].map((number) => ({ text: `peak ${number}`, kind: /** @type {const} */ ("peak"), number }))];
   if (!states) return REDUCTIONS.map(([kind, text]) => ({ text, kind }));
   const each = list(states.names).map((name, instant) => ({ text: states.values ? `${states.kind} ${states.numbers?.[instant]}` : String(name), kind: /** @type {const} */ ("at"), instant }));
   return states.values ? each : [...REDUCTIONS.slice(0, 2).map(([kind, text]) => ({ text, kind })), ...each];
 }
 
 /** @param {Measured} measured @param {Reduction} reduction @returns {LiveResponse} */
-function responseOfSeries({ name, unit, row }, { text, kind, instant }) {
+function responseOfSeries({ name, unit, row }, { text, kind, instant, number }) {
   const integral = kind === "integral" ? (unit ? `${unit} s` : "s") : unit;
   const label = !text ? name : kind === "at" ? `${name}${payload.states?.values ? " of" : ","} ${text}` : `${text} of ${name}`;
-  return { label, unit: integral, terms: [{ kind, row, weight: 1, instant }] };
+  return { label, unit: integral, terms: [{ kind, row, weight: 1, instant, number }] };
 }
 
-/** Responses of the page, by default the maxima of the plotted series; of an equilibrium, angles and reactions. @param {LiveData} live */
+/** Responses of the page, by default the maxima of the plotted series; of an equilibrium, angles, reactions and signals. @param {LiveData} live */
 export function firstResponses(live) {
   if (live.responses?.length) return live.responses;
   const series = measuredSeries(live), plotted = list(payload.default_plots).flat();
-  if (single()) return series.filter(({ name }) => /\.(?:angle|force_norm)$/.test(name)).map((s) => responseOfSeries(s, { text: "", kind: "final" })).slice(0, MAX_RESPONSES);
+  if (single()) return series.filter(({ name, group }) => group === "signals" || /\.(?:angle|force_norm)$/.test(name)).map((s) => responseOfSeries(s, { text: "", kind: "final" })).slice(0, MAX_RESPONSES);
   const moves = new Set(list(payload.series).filter(({ values }) => Array.from(values ?? []).some((value) => value)).map(({ name }) => name));  // others are zero
   return plotted.flatMap((name) => series.filter((s) => s.name === name && moves.has(name)).map((s) => responseOfSeries(s, { text: "maximum", kind: "maximum" }))).slice(0, MAX_RESPONSES);
 }
@@ -74,7 +76,7 @@ export function firstResponses(live) {
 export function addMenu(live, add) {
   const series = [...measuredSeries(live), ...measuredStates(live)], choices = reductions();
   if (!series.length) return null;
-  const groups = [...new Set(series.map(({ group }) => group))], over = payload.states?.values ? "Mode" : payload.states ? "Load case" : "Reduction over time";
+  const groups = [...new Set(series.map(({ group }) => group))], over = payload.states?.kind === "frequency" ? "Reduction over frequency" : payload.states?.values ? "Mode" : payload.states ? "Load case" : "Reduction over time";
   const kind = el("select", { "aria-label": over }, choices.map(({ text, kind }, k) => el("option", { value: payload.states ? String(k) : kind }, text)));
   const chosen = () => choices[kind.selectedIndex] ?? choices[0];
   const options = groups.map((group) => el("optgroup", { label: group }, series.flatMap((s, k) => (s.group === group ? [el("option", { value: String(k) }, s.name)] : []))));

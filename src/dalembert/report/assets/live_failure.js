@@ -9,17 +9,17 @@ const BISECTIONS = 30, OPEN = 1e-9;
 /** The joint with the largest violation at the last position that can be assembled on the way to a design; null if all are closed.
  * @param {LiveRun} run @param {ArrayLike<number>} parameters @returns {OpenJoint | null} */
 export function openJoint(run, parameters) {
-  const { anchor, data, engine, base } = run, p = Float64Array.from(parameters);
-  if (!data.joints?.length || !engine.functions.has("violation")) return null;
+  const { anchor, data, engine, base } = run, p = Float64Array.from(parameters), alone = engine.functions.has("assembling"), [closing, gaps] = alone ? ["assembling", "gaps"] : ["closing", "violation"];
+  if (!data.joints?.length || !engine.functions.has(gaps)) return null;
   engine.top = base;
   /** @type {[Float64Array, number]} */
-  let [y, reached] = [anchor.y, 0];
+  let [y, reached] = [anchor.y.subarray(0, engine.named(gaps).inputs[1]), 0];
   for (let k = 0, step = 1; k < BISECTIONS; k++, step /= 2) {
-    const between = anchor.p.map((value, i) => value + (reached + step) * (p[i] - value)), solution = run.closed(y, between);
+    const between = anchor.p.map((value, i) => value + (reached + step) * (p[i] - value)), solution = run.closed(y, between, closing);
     if (solution.accepted) { y = solution.y; reached += step; }
     if (reached >= 1) return null;
   }
-  const rows = engine.evaluate("violation", [data.start], y, p)?.[0] ?? [];
+  const rows = engine.evaluate(gaps, [data.start], y, p)?.[0] ?? [];
   let worst = 0;
   for (let k = 1; k < rows.length; k++) if (Math.abs(rows[k]) > Math.abs(rows[worst])) worst = k;
   const joint = data.joints[worst];

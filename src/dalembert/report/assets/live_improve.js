@@ -13,6 +13,15 @@ import { changeText } from "./live_table.js";
 import { clamp, extent, tidy } from "./numbers.js";
 import { withUnit } from "./units.js";
 
+/** Number of peaks of a maximum over the frequency that an improvement distinguishes, and the largest level of all in maxima at the start. */
+const PEAKS = 3, LEVEL = 2;
+
+/** Peaks of the maximum over the frequency that is minimised: its kinks lie where peaks are equal. @param {LiveResponse} response @param {string} kind of the analysis @returns {LiveResponse[]} */
+function peaksOf({ terms: [term, ...others], ...rest }, kind) {
+  const single = kind === "frequency" && term?.kind === "maximum" && term.weight > 0 && !others.length;
+  return single ? Array.from({ length: PEAKS }, (_, k) => ({ ...rest, terms: [{ ...term, kind: "top", count: PEAKS, number: k + 1 }] })) : [];
+}
+
 /** Time for which an iteration is shown [ms]. */
 const PAUSE = 60;
 /** Size of the chart of the history. */
@@ -90,6 +99,8 @@ export class Improvement {
     if (!objective || this.running) return;
     const free = design.parameters.flatMap((_, k) => (design.locked[k] || design.range(k)[1] === design.range(k)[0] ? [] : [k])), ranges = free.map((k) => design.range(k)), fixed = [...design.values];
     const sign = objective.kind === "minimise" ? 1 : -1, gradients = [...new Set([objective.k, table.selected, ...limits.map(({ k }) => k)])];
+    const peaks = objective.kind === "minimise" ? peaksOf(objective.response, solver.data.kind) : [], level = LEVEL * Math.abs(table.values[objective.k]), levelled = peaks.length > 0 && level > 0;
+    if (levelled) gradients.push(...peaks.map((_, j) => responses.length + j));
     /** @param {number[]} x */
     const valuesAt = (x) => {
       const values = [...fixed];
@@ -101,13 +112,21 @@ export class Improvement {
     const answers = new Map();
     /** @param {number[]} x @returns {Promise<Evaluated | null>} */
     const evaluate = async (x) => {
-      const values = valuesAt(x), answer = await solver.request({ parameters: values, responses, gradients }, true);
+      const values = valuesAt(x), answer = await solver.request({ parameters: values, responses: levelled ? [...responses, ...peaks] : responses, gradients }, true);
       if (!answer) this.stop();
       if (!answer || "failure" in answer || !answer.result.status.success) return null;
       const { result: { values: r }, slopes } = answer, of = (/** @type {number} */ k) => slopes[k] ?? new Float64Array(values.length);
       const signs = limits.map(({ kind }) => (kind === "atMost" ? 1 : -1));
       const at = { f: sign * r[objective.k], df: scaled(of(objective.k), sign), c: limits.map(({ k, limit }, j) => signs[j] * (r[k] - limit)), dc: limits.map(({ k }, j) => scaled(of(k), signs[j])) };
+      if (levelled) peaks.forEach((_, j) => {  // all peaks below a level, which is minimised
+        const k = responses.length + j, top = x[free.length] * level;
+        Object.assign(at, { f: top, df: [...free.map(() => 0), level] });
+        at.c.push(r[k] - top);
+        at.dc.push([...scaled(of(k), 1), -level]);
+      });
+      if (levelled) limits.forEach((_, j) => at.dc[j].push(0));
       if (![at.f, ...at.df, ...at.c, ...at.dc.flat()].every(Number.isFinite)) return null;
+      answer.result.values = r.slice(0, responses.length);
       answers.set(at, { answer, values });
       return at;
     };
@@ -128,6 +147,7 @@ export class Improvement {
     Object.assign(this, { running: true, halted: false, history: [], objective });
     this.update();
     const start = free.map((k, i) => clamp((fixed[k] - ranges[i][0]) / (ranges[i][1] - ranges[i][0]), 0, 1));
+    if (levelled) start.push(1 / LEVEL);
     const { outcome, iterations, failures } = await minimised(start, evaluate, onIterate, () => this.halted);
     this.running = false;
     this.update();

@@ -25,6 +25,9 @@ export function dot(a, b) {
   return sum;
 }
 
+/** Product of a matrix and a vector. @param {Matrix} a @param {ArrayLike<number>} x */
+export const times = (a, x) => Float64Array.from(a, (row) => dot(row, x));
+
 /** Orthonormal basis of the null space of a matrix with independent rows, as columns, and of the space of its rows: Householder's method.
  * @param {Matrix} a @param {number} n number of its columns @returns {{ free: Matrix, bound: Matrix }} (n, n − m) and (n, m) */
 export function spaces(a, n) {

@@ -3,36 +3,19 @@
 /** @import { Matrix } from "./live_matrix.js" */
 
 import { eigenvalues, eigenvector } from "./live_eigenvalues.js";
-import { dot, matrixOf, product, solved, spaces, transposed } from "./live_matrix.js";
+import { smallMotions } from "./live_linear.js";
+import { dot, product, solved, times, transposed } from "./live_matrix.js";
 import { LiveRun, RunFailure } from "./live_run.js";
+import { swingPicture } from "./live_swing.js";
 
 const CONJUGATE = 1e-12, SETTLED = 1e-6, COINCIDE = 1e-8, EQUAL = 1e-6;
-/** Product of a matrix and a vector. @param {Matrix} a @param {Float64Array} x */
-const times = (a, x) => Float64Array.from(a, (row) => dot(row, x));
-
 /** Modes of one mechanism at one design after the other; outputs have the numbers of modes instead of times. */
 export class LiveModes extends LiveRun {
-  /** Matrices of small motions: `J` and `G` in natural sizes. @param {Float64Array} x @param {Float64Array} p @returns {Matrix[]} */
-  matrices(x, p) {
-    const { engine, data } = this, { states, rows } = /** @type {{ states: number[], rows: number[] }} */ (data.sizes), n = x.length, mark = engine.top;
-    const unit = new Float64Array(n * n);
-    for (let k = 0; k < n; k++) unit[(n + 1) * k] = states[k];
-    const from = [[data.start], x, p, unit].map((values) => engine.put(values)), { done, to } = engine.call("tangent", n, from, new Set([0, 1, 2]));
-    const [j, g] = to.map((at, k) => matrixOf(engine.view(at, [n, rows.length][k] * n), [n, rows.length][k]));
-    engine.top = mark;
-    j.forEach((row, i) => row.forEach((value, k) => { row[k] = value / states[i]; }));
-    g.forEach((row, i) => row.forEach((value, k) => { row[k] = value / rows[i]; }));
-    if (done < n || ![...j, ...g].every((row) => row.every(Number.isFinite))) throw new RunFailure("the mechanism cannot be linearised", undefined, undefined, "singular position");
-    return [j, g];
-  }
-
   /** Modes with outputs: `table` holds the rows one after the other. @override @param {ArrayLike<number>} parameters @returns {any} */
   run(parameters) {
     const { engine, data } = this, p = this.checked(parameters);
     engine.top = this.base;
-    const near = this.assembled(p), [x] = engine.evaluate("state", [data.start], near, p) ?? [];
-    if (!x) throw new RunFailure("the initial speeds are not determined", undefined, undefined, "singular position");
-    const [j, g] = this.matrices(x, p), { free, bound } = spaces(g, x.length), basis = free, a = product(transposed(basis, basis[0]?.length ?? 0), product(j, basis));
+    const near = this.assembled(p), { x, j, g, basis, bound, a } = smallMotions(this, near, p);
     const values = eigenvalues(a);
     if (!values) throw new RunFailure("the eigenvalues do not converge", undefined, undefined, "not converged");
     const wanted = ordered(values).slice(0, data.count ?? values.length), n = wanted.length, vectors = eigenvectors(a, wanted), [shown] = engine.named("outputs").outputs;
@@ -45,24 +28,10 @@ export class LiveModes extends LiveRun {
     return { times: Float64Array.from(wanted, (_, k) => k + 1), table, rows, status, modes: { p, near, x, j, g, basis, bound, a, wanted, values, vectors, shown } };
   }
 
-  /** Rows of the picture of a mode; its largest displacement is one. @param {Float64Array} x @param {Float64Array} p @param {Matrix} g @param {Matrix} basis @param {[Float64Array, Float64Array]} vector */
+  /** Rows of the picture of a mode. @param {Float64Array} x @param {Float64Array} p @param {Matrix} g @param {Matrix} basis @param {[Float64Array, Float64Array]} vector */
   picture(x, p, g, basis, vector) {
-    const { engine, data } = this, count = data.coordinates ?? 0;
-    if (!engine.functions.has("pictures")) return [];
-    const [re, im] = vector.map((part) => times(basis, part).map((value, i) => value * (data.sizes?.states[i] ?? 1)).subarray(0, count));
-    const sizes = re.map((value, i) => Math.hypot(value, im[i])), most = Math.max(0, ...sizes), peak = sizes.findIndex((size) => size >= (1 - EQUAL) * most), square = most ? sizes[peak] ** 2 : 1;
-    const [c, d] = most ? [re[peak] / square, -im[peak] / square] : [1, 0];
-    const real = re.map((value, i) => c * value - d * im[i]), imag = re.map((value, i) => c * im[i] + d * value), y = x.subarray(0, count);
-    const squares = [[real, real], [real, imag], [imag, imag]].map(([a, b]) => this.closing(y, p, g, a, b));
-    return engine.evaluate("pictures", [data.start], y, p, real, imag, ...squares)?.[0] ?? [];
-  }
-
-  /** Smallest displacement of second order that closes the joints. @param {Float64Array} y @param {Float64Array} p @param {Matrix} g @param {Float64Array} a @param {Float64Array} b */
-  closing(y, p, g, a, b) {
-    const { states, rows } = /** @type {{ states: number[], rows: number[] }} */ (this.data.sizes), [open = new Float64Array()] = this.engine.evaluate("curvature", [this.data.start], y, p, a, b) ?? [];
-    const level = g.slice(0, open.length).map((row) => row.subarray(0, y.length)), right = Array.from(open, (value, i) => Float64Array.of(-value / rows[i]));
-    const weights = open.length ? solved(level.map((row) => Float64Array.from(level, (other) => dot(row, other))), right) : [];
-    return y.map((_, k) => states[k] * level.reduce((sum, row, i) => sum + row[k] * weights[i][0], 0));
+    const { states = [] } = this.data.sizes ?? {}, [re, im] = vector.map((part) => times(basis, part).map((value, i) => value * (states[i] ?? 1)).subarray(0, this.data.coordinates ?? 0));
+    return swingPicture(this, x, p, g, re, im);
   }
 
   /** Gradient of a response by the parameters; NaN where eigenvalues coincide.

@@ -7,6 +7,7 @@
 /** @import { Player } from "./player.js" */
 /** @import { Scene } from "./scene.js" */
 
+import { stateCharts } from "./charts.js";
 import { byId, el, toggleButton } from "./dom.js";
 import { Ghosts, designSnapshot } from "./live_ghosts.js";
 import { clamp, list } from "./numbers.js";
@@ -48,9 +49,13 @@ export class LivePicture {
     this.initial = live.parameters.map(({ value }) => value);
     this.toggle = toggleButton("Initial design", true, (on) => { this.ghosts.compares = on; this.renew(); }, { id: "ghosts", hidden: true });
     byId("toolbar").querySelector(".chips")?.prepend(this.toggle);
+    /** Frequencies of the drawn states, and whether they are peaks. @type {{ values: number[], peaks: boolean[] }} */
+    this.shown = { values: [], peaks: [] };
+    /** The same in the payload. */
+    this.drawn = this.shown;
     this.dashed = el("span");
     this.caption = el("p", { class: "caption other-run", hidden: true }, el("i", { class: "dashes" }), this.dashed);
-    board?.stack.before(this.caption);
+    (board?.stack ?? document.querySelector(".beside"))?.before(this.caption);
     this.note = el("p", { class: "caption live-note", hidden: true }, "Diagnosis, statistics and parameters below are those of the initial design.");
     byId("panels").before(this.note);
   }
@@ -73,17 +78,33 @@ export class LivePicture {
 
   /** Put a result into the payload. @param {LiveResult} result */
   put(result) {
-    const { table, times, numbers } = result;
-    const n = times.length, { columns, numbers: places, states = [], blocks = [] } = this.live;
+    const { table, times, numbers, drawn } = result;
+    const n = times.length, count = drawn?.length ?? n, column = (/** @type {number} */ k) => drawn?.[k] ?? k, { columns, numbers: places, states = [], blocks = [] } = this.live;
     const at = (/** @type {(string | number)[]} */ place) => place.reduce((owner, key) => owner[key], /** @type {any} */ (payload));
     const put = (/** @type {(string | number)[]} */ place, /** @type {unknown} */ value) => { at(place.slice(0, -1))[/** @type {string} */ (place.at(-1))] = value; };
     for (const [place, row] of columns) put(place, table.subarray(n * row, n * (row + 1)));
-    for (const [place, rows] of states) put(place, at(place).map((/** @type {ArrayLike<number>} */ before, /** @type {number} */ k) => Float64Array.from(rows, (row, i) => (row < 0 ? before[i] ?? NaN : table[n * row + k]))));
-    for (const [place, rows] of blocks) { const before = at(place); put(place, Float64Array.from({ length: n * rows.length }, (_, k) => { const row = rows[Math.floor(k / n)]; return row < 0 ? before[k % before.length] ?? NaN : table[n * row + (k % n)]; })); }
+    for (const [place, rows] of states) { const all = at(place); put(place, Array.from({ length: drawn ? count : all.length }, (_, k) => { const before = all[k] ?? all[0]; return Float64Array.from(rows, (row, i) => (row < 0 ? before[i] ?? NaN : table[n * row + column(k)])); })); }
+    for (const [place, rows] of blocks) { const before = at(place); put(place, Float64Array.from({ length: count * rows.length }, (_, k) => { const row = rows[Math.floor(k / count)]; return row < 0 ? before[k % before.length] ?? NaN : table[n * row + column(k % count)]; })); }
+    if (drawn) this.putFrequencies(times, drawn, result.peaks ?? []);
     places.forEach((place, k) => put(place, numbers[k]));
     zeroRounding(list(payload.series));
     payload.time = times;
-    if (payload.states?.numbers) payload.states.numbers = times;
+    if (payload.states?.numbers && !drawn) payload.states.numbers = times;
+  }
+
+  /** Put frequencies and the numbers of the drawn ones into the payload. @param {Float64Array} times @param {Int32Array} drawn @param {boolean[]} peaks */
+  putFrequencies(times, drawn, peaks) {
+    const values = Array.from(drawn, (k) => times[k]);
+    this.drawn = { values, peaks };
+    Object.assign(/** @type {object} */ (payload.states), { numbers: values.map((_, k) => k + 1), names: values.map((f) => `${+f.toPrecision(5)} Hz`) }, payload.states?.values && { values });
+    for (const view of list(payload.views)) if (view.kind === "bode" || view.kind === "nyquist") Object.assign(view, { x: Array.from(times, (f) => (view.log ? Math.log10(f) : f)), states: Array.from(drawn) });
+  }
+
+  /** Number of the state at the frequency that was drawn before, or of the peak next to it. @param {number} before */
+  sameFrequency(before) {
+    const { values, peaks } = this.drawn, f = this.shown.values[before], distance = (/** @type {number} */ k) => Math.abs(Math.log(values[k] / f)) || Math.abs(values[k] - f);
+    const places = [...values.keys()].filter((k) => !this.shown.peaks[before] || peaks[k]);
+    return places.reduce((best, k) => (distance(k) < distance(best) ? k : best), places[0] ?? 0);
   }
 
   /** Draw the payload. */
@@ -91,7 +112,11 @@ export class LivePicture {
     const { motion, scene, player, board } = this, [dashed] = this.ghosts.put(this.changed), { now } = motion;
     const next = new this.dimension.Motion(payload, this.dimension), traced = new Set(motion.points.filter((point) => point.traced).map(({ name }) => name));
     for (const point of next.points) point.swatch = motion.points.find(({ name }) => name === point.name)?.swatch;
+    const { chosen } = motion, follows = payload.states?.kind === "frequency" && this.shown.values.length;
     motion.replace(next);
+    for (const chart of stateCharts) chart.renew();
+    if (follows) motion.choose(this.sameFrequency(chosen));
+    this.shown = this.drawn;
     if (document.querySelector("#degrees[aria-pressed='true']")) motion.setDegrees(true);
     scene.renew(traced);
     if (board) board.picker.rows = null;

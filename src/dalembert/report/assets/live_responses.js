@@ -60,6 +60,12 @@ function smoothExtreme({ sign = 1, smooth = 0, relative = false }, samples) {
   return [sign * (top + width * Math.log(total)), shares.map((s, k) => s + (relative ? (byWidth * share ** 2 * (m[k] - mean)) / (n * width) : 0))];
 }
 
+/** Numbers of the highest samples, in their order; the last one is repeated where there are fewer. @param {Float64Array} samples @param {number} count */
+function highest(samples, count) {
+  const tops = Array.from(samples, (_, k) => k).sort((a, b) => samples[b] - samples[a]).slice(0, count).sort((a, b) => a - b);
+  return Array.from({ length: count }, (_, k) => tops[Math.min(k, tops.length - 1)]);
+}
+
 /** Value of a term and its derivatives by the samples. @param {LiveTerm} term @param {ArrayLike<number>} times @param {Float64Array} samples
  * @returns {[number, Float64Array]} */
 function reduced(term, times, samples) {
@@ -70,7 +76,9 @@ function reduced(term, times, samples) {
     case "maximum": return single(peak(samples, 1));
     case "minimum": return single(peak(samples, -1));
     case "final": return single(n - 1);
-    case "at": return single(term.instant ?? 0);
+    case "at": { const exact = Array.prototype.indexOf.call(times, term.time); return single(exact >= 0 ? exact : term.instant ?? 0); }
+    case "top": return single(highest(samples, term.count ?? 1)[(term.number ?? 1) - 1]);
+    case "peak": return single((term.number ?? 1) - 1);
     case "sum": return linear(new Float64Array(n).fill(1));
     case "integral": return linear(integralWeights(times));
     case "mean": return linear(meanWeights(times));
@@ -82,15 +90,33 @@ function reduced(term, times, samples) {
   }
 }
 
+/** Numbers of the samples that a term reduces; null for all of them.
+ * @param {LiveTerm} term @param {number} count @param {[number, number]} inside @param {number[] | undefined} places @returns {number[] | null} */
+function chosenSamples({ kind }, count, [from, to], places) {
+  if (kind === "at") return null;
+  if (kind === "peak") return places ?? [];
+  if (places && (kind === "maximum" || kind === "minimum" || kind === "top")) return Array.from(new Set([from, ...places, to - 1])).sort((a, b) => a - b);
+  return from || to < count ? Array.from({ length: to - from }, (_, k) => from + k) : null;
+}
+
+/** Weights of all samples from those of some. @param {Float64Array} weights @param {number[]} chosen @param {number} count */
+function spread(weights, chosen, count) {
+  const all = new Float64Array(count);
+  chosen.forEach((k, i) => { all[k] = weights[i]; });
+  if (weights.some(Number.isNaN)) all.fill(NaN);
+  return all;
+}
+
 /** Value of a response, and the derivatives by the samples of each row.
- * @param {LiveResponse} response @param {ArrayLike<number>} times @param {(row: number) => Float64Array} samplesOf
+ * @param {LiveResponse} response @param {ArrayLike<number>} times @param {(row: number) => Float64Array} samplesOf @param {[number, number]} inside range of the samples that are no single values @param {Map<string, number[]>} places numbers of the located extremes of a row with a sign
  * @returns {{ value: number, weights: Map<number, Float64Array> }} */
-export function responseOf({ terms, constant = 0 }, times, samplesOf) {
+export function responseOf({ terms, constant = 0 }, times, samplesOf, inside = /** @type {[number, number]} */ ([0, times.length]), places = /** @type {Map<string, number[]>} */ (new Map())) {
   /** @type {Map<number, Float64Array>} */
   const weights = new Map();
   let value = constant;
   for (const term of terms) {
-    const [part, slopes] = reduced(term, times, samplesOf(term.row)), before = weights.get(term.row);
+    const samples = samplesOf(term.row), chosen = chosenSamples(term, times.length, inside, places.get(`${term.row} ${term.kind === "minimum" ? -1 : 1}`));
+    const [part, shares] = chosen ? reduced(term, chosen.map((k) => times[k]), Float64Array.from(chosen, (k) => samples[k])) : reduced(term, times, samples), slopes = chosen ? spread(shares, chosen, times.length) : shares, before = weights.get(term.row);
     value += term.weight * part;
     weights.set(term.row, slopes.map((slope, k) => term.weight * slope + (before?.[k] ?? 0)));
   }

@@ -72,8 +72,11 @@ export class LiveRun {
     this.times = Float64Array.from(data.times ?? this.grid.ends);
   }
 
-  /** Message where Newton's method has no solution. */
-  get unsolved() { return this.data.unsolved ?? "the mechanism cannot be assembled"; }
+  /** Failure where Newton's method has no solution. @param {number} residual */
+  failure(residual) {
+    const { unsolved } = this.data;
+    return unsolved ? new RunFailure(unsolved, residual, undefined, "not converged") : new RunFailure("the mechanism cannot be assembled", residual);
+  }
 
   /** Parameters of a run. @param {ArrayLike<number>} parameters @throws {RunFailure} a quantity is outside its limits */
   checked(parameters) {
@@ -84,12 +87,12 @@ export class LiveRun {
     return p;
   }
 
-  /** Newton's method for the assembled position. @param {Float64Array} y @param {Float64Array} p */
-  closed(y, p) {
+  /** Newton's method for the assembled position. @param {Float64Array} y @param {Float64Array} p @param {string} [name] function of a step */
+  closed(y, p, name = "closing") {
     let position = y, smallest = Infinity, last = Infinity;
     for (let k = 0; k <= ITERATIONS; k++) {
       this.iterations++;
-      const step = this.engine.evaluate("closing", [this.data.start], position, p);
+      const step = this.engine.evaluate(name, [this.data.start], position, p);
       if (!step) return { y: position, residual: last, accepted: false };
       const [next, open] = step, size = largest(open);
       if (size <= CONVERGED || (last <= ACCEPTED && size > last / 2)) return { y: size <= last ? next : position, residual: Math.min(size, last), accepted: true };
@@ -110,10 +113,10 @@ export class LiveRun {
       const target = Math.min(1, reached + step), between = p0.map((value, k) => value + target * (p[k] - value));
       const solution = this.closed(y, target === 1 ? p : between);
       if (solution.accepted) { [y, reached, step] = [solution.y, target, 2 * step]; continue; }
-      if ((step /= 2) < SHORTEST) throw new RunFailure(this.unsolved, solution.residual);
+      if ((step /= 2) < SHORTEST) throw this.failure(solution.residual);
     }
     const [open] = this.engine.evaluate("violation", [this.data.start], y, p) ?? [[Infinity]], residual = largest(open);
-    if (!(residual <= ACCEPTED)) throw new RunFailure(this.unsolved, residual);
+    if (!(residual <= ACCEPTED)) throw this.failure(residual);
     return y;
   }
 

@@ -15,7 +15,7 @@ function percent(x) {
 
 /** Samples of a run as functions of the module see them: addresses of times, states and parameters.
  * @typedef {{ engine: import("./live_engine.js").Engine, data: LiveData }} Live
- * @typedef {{ times: Float64Array, states: { t: number, x: number, p: number }, status?: LiveStatus, message?: string }} Sampled */
+ * @typedef {{ times: Float64Array, states: { t: number, x: number, p: number }, status?: LiveStatus, message?: string, warning?: string }} Sampled */
 
 /** Residuals of the equations of a model at instants. */
 class Residuals {
@@ -127,7 +127,7 @@ export function checkedStatus(live, run) {
     if (!(share <= limit)) return ends("violates the model's equations", `${text}, ${general(share, 2)} of the size of its terms${check.drift === undefined ? "" : `; use a shorter step${limit === check.drift ? ", or stabilization=Projection()" : ""}`}`);
   const unbalanced = check.balance === undefined ? null : residuals.balance(check.balance, check.energy ?? 0);
   if (unbalanced) return ends("energy not balanced", unbalanced);
-  return ends("completed", run.message ?? `reached t = ${general(time, 6)} s`);
+  return { ...ends("completed", run.message ?? `reached t = ${general(time, 6)} s`), warning: run.warning };
 }
 
 /** Status of a failed run. @param {Live} live @param {RunFailure} failure @returns {LiveStatus} */

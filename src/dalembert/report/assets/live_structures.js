@@ -5,7 +5,9 @@
 import { backward, cholesky, dot, forward, matrixOf, symmetricEigenpairs } from "./live_matrix.js";
 import { LiveRun, RunFailure, largest } from "./live_run.js";
 
-const COINCIDE = 1e-8, MOVES = "the structure can move without strain";
+/** Message about a singular stiffness. */
+export const MOVES = "the structure can move without strain";
+const COINCIDE = 1e-8;
 
 /** Analyses with the matrices of a structure. */
 class LiveStructure extends LiveRun {
@@ -58,16 +60,20 @@ export class LiveStatics extends LiveStructure {
   }
 }
 
+/** Modes `x` with `xᵀ K x = 1` and `xᵀ M x = 1/λ`, from the factor of `K`, and their order by frequency. @param {Matrix} factor @param {Matrix} mass */
+export function vibrationModes(factor, mass) {
+  const half = mass.map((row) => forward(factor, row)), reduced = matrixOf(Float64Array.from(half.flatMap((row) => Array.from(row))), mass.length), whole = reduced.map((row) => forward(factor, row));
+  const { values, vectors } = symmetricEigenpairs(whole), order = [...values.keys()].sort((a, b) => values[b] - values[a]);
+  return { values, bases: vectors.map((vector) => backward(factor, vector)), order };
+}
+
 /** Natural vibration: `K φ = λ M φ` by the eigenvalues `1/λ` of `L⁻¹ M L⁻ᵀ` with `K = L Lᵀ`. */
 export class LiveVibration extends LiveStructure {
   /** @override @param {ArrayLike<number>} parameters @returns {any} */
   run(parameters) {
     const { engine, data } = this, p = this.checked(parameters), n = data.free ?? 0;
     engine.top = this.base;
-    const [factor, masses] = this.factored(p), half = matrixOf(masses, n).map((row) => forward(factor, row));
-    const reduced = matrixOf(Float64Array.from(half.flatMap((row) => Array.from(row))), n), whole = reduced.map((row) => forward(factor, row));
-    const { values, vectors } = symmetricEigenpairs(whole), order = [...values.keys()].sort((a, b) => values[b] - values[a]);
-    const bases = vectors.map((vector) => backward(factor, vector)), wanted = order.slice(0, this.times.length).filter((k) => values[k] > 0);
+    const [factor, masses] = this.factored(p), { values, bases, order } = vibrationModes(factor, matrixOf(masses, n)), wanted = order.slice(0, this.times.length).filter((k) => values[k] > 0);
     const states = wanted.map((k) => {
       const shape = bases[k].map((value) => value / Math.sqrt(values[k])), peak = shape.reduce((a, b) => (Math.abs(b) > Math.abs(a) * (1 + 1e-9) ? b : a), 0);
       return Float64Array.of(1 / values[k], ...shape.map((value) => (peak < 0 ? -value : value)));

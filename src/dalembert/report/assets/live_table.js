@@ -20,6 +20,9 @@ export function changeText(value, before) {
 /** Value of a response in a result. @param {LiveResult} result @param {LiveResponse} response */
 export const valueIn = ({ times, table }, response) => responseOf(response, times, (row) => table.subarray(times.length * row, times.length * (row + 1))).value;
 
+/** A name that breaks at its dots and brackets. @param {string} name */
+const breakable = (name) => name.split(/(?<=[.(])/).flatMap((part, k) => (k ? [el("wbr"), part] : [part]));
+
 export class ResponseTable {
   /** @param {LiveResponse[]} responses */
   constructor(responses) {
@@ -50,7 +53,7 @@ export class ResponseTable {
       const radio = el("input", { type: "radio", name: "response", value: String(k), "aria-label": `Slopes of ${label}`, onchange: () => { this.selected = k; this.onSelect.emit(); } });
       radio.checked = k === this.selected;
       radio.addEventListener("keydown", (event) => event.stopPropagation());
-      const name = el("label", { title: `Show the slopes of ${label}` }, radio, el("span", { class: "label" }, label, unit && unit !== "1" ? el("small", {}, ` [${raised(unit)}]`) : ""));
+      const name = el("label", { title: `Show the slopes of ${label}` }, radio, el("span", { class: "label" }, breakable(label), unit && unit !== "1" ? el("small", {}, ` [${raised(unit)}]`) : ""));
       return el("tr", {}, el("th", { scope: "row" }, name), ["value", "was", "change"].map((look) => el("td", { class: `right ${look}` })),
         this.columns.map(({ cell }) => el("td", {}, cell(response))), el("td", {}, iconButton("close", `Remove ${label}`, () => this.remove(k), { class: "icon tiny" })));
     }));

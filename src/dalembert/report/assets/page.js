@@ -63,7 +63,7 @@ export function buildPage(dimension, buildTools = () => {}) {
   Theme.set(Theme.name);
   player.seek(motion.home);
   scene.fit();
-  Object.assign(window, { dalembert: { player, motion, scene, board, choice } });
+  Object.assign(window, { dalembert: { player, motion, scene, board, choice, charts: stateCharts } });
   if (motion.moves && !(motion.swings && motion.mesh) && !matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
   return { motion, scene, player, board };
 }

@@ -60,7 +60,7 @@ export class SortedTable {
 
   /** Number in the unit of its column; round-off is zero. @param {Row[number]} value @param {number} k */
   cell(value, k) {
-    if (!isNum(value)) return value ?? "";
+    if (!isNum(value)) return typeof value === "string" ? value : "";
     if (value === 0) return "0";
     const { factor, size } = this.units.get(this.columns[k].unit ?? "") ?? { factor: 1, size: 0 };
     return number(Math.abs(value) < 1e-10 * size ? 0 : value / factor, 5);

@@ -127,8 +127,9 @@ export interface EllipsesView extends Card { kind: "ellipses"; names: string[]; 
 export interface ResponseLine { name: string; unit: string; level: (number | null)[]; phase?: number[] }
 /** The same in complex amplitudes, or in values `y` of a density. */
 export interface ResponseCurve { name: string; unit: string; re: number[]; im: number[]; y?: number[] }
+export interface ResponseLines { x: number[]; lines: ResponseLine[] }
 /** Lines over the frequency `x` [Hz], or its decimal logarithm if `log`; `states` are the indices of the drawn states, `first` is shown first. */
-export interface ResponseView extends Card { kind: "bode" | "nyquist"; log: boolean; x: number[]; y: string; lines: ResponseLine[]; states: number[]; first: number }
+export interface ResponseView extends Card { kind: "bode" | "nyquist"; log: boolean; x: number[]; y: string; lines: ResponseLine[]; states: number[]; first: number; /** Lines of another design, in a live page. */ other?: ResponseLines }
 /** View of the table of designs; `x` and `y` are indices of its columns. */
 export interface DesignView extends Card {
   kind: "front" | "parallel" | "matrix" | "table";
@@ -145,7 +146,7 @@ export type View = FactsView | RowsView | NotesView | BarsView | HistogramView |
 /** Sizes of a function: entries of its arguments and results, lengths of its work vectors. */
 export interface LiveFunction { inputs: number[]; outputs: number[]; work: [number, number, number, number] }
 export interface LiveCode {
-  kind: "dynamics" | "kinematics" | "equilibrium" | "modes" | "statics" | "vibration";
+  kind: "dynamics" | "kinematics" | "equilibrium" | "modes" | "frequency" | "structure frequency" | "statics" | "vibration";
   /** Deflated module in base64. */
   code: string;
   /** JSON of `LiveData`, with all digits. */
@@ -206,6 +207,31 @@ export interface LiveData extends LiveCode {
   /** Natural sizes of the state and the equations of modes, and the name of their analysis. */
   sizes?: { states: number[]; rows: number[] };
   name?: string;
+  /** Growth of small motions that counts as none, natural time, and waiting times after the samples of sets of blocks. */
+  growing?: number;
+  natural?: number;
+  instants?: [number, number][] | null;
+  /** Frequencies of a response: constants of the default ones, and others that are always evaluated [Hz]; whether the operating point rests. */
+  grid?: LiveGrid;
+  requested?: number[];
+  steady?: boolean;
+  /** Numbers of measures, of rates, of displacements with states; names and natural sizes of unknowns and equations; complex change of the parameters by each input. */
+  measures?: number;
+  rates?: number;
+  moved?: number;
+  names?: string[];
+  unknowns?: number[];
+  equations?: number[];
+  columns_of?: [number, number][][];
+  /** Numbers of free and prescribed displacements of a structure, its loss factor, complex amplitudes of the inputs in each column. */
+  free_numbers?: number[];
+  held_numbers?: number[];
+  loss?: number;
+  mix?: [number, number][][];
+  /** Rows whose local maxima are located, with the sign of their values; those of amplitudes that are drawn; quantities that responses may have. */
+  extremes?: [number, number][];
+  amplitudes?: number[];
+  measured?: { name: string; unit: string; group: string; row: number }[];
   /** Number of coordinates, and of modes that are computed; all by default. */
   coordinates?: number;
   count?: number | null;
@@ -222,6 +248,10 @@ export interface LiveData extends LiveCode {
   adaptive?: { end: number; first: number; longest: number; memory: number[] };
 }
 /** Limits, sizes and names for the check of a result by the model's own equations. */
+export interface LiveGrid {
+  default: boolean; span: [number, number] | null; decade: number; across: number; widest: number; narrowest: number; gap: number; margin: number; many: number;
+  close: number; reach: number; rounds: number; steps: number; undamped: number; rounding: number; near: number; far: number; growth: number; unstable: number; resonant: number; modes?: number; above?: number;
+}
 export interface LiveCheck {
   /** Level, limit, and whether residuals are compared with the largest terms. */
   levels: [number, number, boolean][];
@@ -250,17 +280,21 @@ export interface LiveCheck {
   lost?: number;
 }
 /** Outcome, message, time and residual of a result, as `Status` in Python. */
-export interface LiveStatus { outcome: string; message: string; time: number; residual: number; success: boolean }
+export interface LiveStatus { outcome: string; message: string; time: number; residual: number; success: boolean; warning?: string }
 
 /** Parameter in SI units; `factor` leads to the unit that is shown. */
 export interface LiveParameter extends Bounds { name: string; unit: string; factor: number; description?: string; varies?: boolean; /** Keys of the number of a drawing for which it stands; it has no slider. */ drawn?: (string | number)[] }
 /** Reduction of a row over time, multiplied by `weight`. */
 export interface LiveTerm {
-  kind: "final" | "at" | "maximum" | "minimum" | "mean" | "rms" | "integral" | "sum" | "smooth";
+  kind: "final" | "at" | "maximum" | "minimum" | "mean" | "rms" | "integral" | "sum" | "smooth" | "peak" | "top";
   row: number;
   weight: number;
-  /** Number of the instant of `at`. */
+  /** Number of the instant of `at`, and the instant. */
   instant?: number;
+  time?: number;
+  /** Number of a local maximum, from 1; of `top` among the `count` highest ones. */
+  number?: number;
+  count?: number;
   /** Width of a smooth extreme, whether it is relative, and the sign of a maximum. */
   smooth?: number;
   relative?: boolean;
@@ -270,7 +304,7 @@ export interface LiveTerm {
 export interface LiveResponse { label: string; unit: string; terms: LiveTerm[]; constant?: number }
 /** Request to the worker: `gradients` are the numbers of the responses that are differentiated, `point` the rows of coordinates at an instant. */
 export interface LiveRequest { number: number; parameters: ArrayLike<number>; responses: LiveResponse[]; gradients: number[]; point?: { instant: number; rows: number[] } | null }
-export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; values: number[]; numbers: Float64Array; status: LiveStatus; duration: number; parameters: ArrayLike<number> }
+export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; drawn?: Int32Array; peaks?: boolean[]; values: number[]; numbers: Float64Array; status: LiveStatus; duration: number; parameters: ArrayLike<number> }
 /** Gradients by the parameters, in SI units, null for responses that are not differentiated; and of the coordinates of a point. */
 export interface LiveSlopes { number: number; slopes: (Float64Array | null)[]; jacobian: Float64Array[] | null }
 /** Constraint equation of a joint: name, natural size and unit. */

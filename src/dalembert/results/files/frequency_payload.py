@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import casadi as ca
 import numpy as np
 
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.files.payload import mechanism_diagnosis
 from dalembert.results.files.tables import parameter_rows, preferred_units, statistics
+from dalembert.results.harmonic_measures import part_name
 from dalembert.results.pictures.mode_scene import oscillating_scene
 from dalembert.results.pictures.scene import is_spatial
+from dalembert.results.sources import Column
 from dalembert.results.structural.deflection import deflection_shapes
 from dalembert.results.structural.payload import structural_payload
 
@@ -95,10 +98,22 @@ def _curves(response: Any) -> list[dict[str, Any]]:
     for name in response.outputs:
         table = response.complex_values(name)
         for k, source in enumerate(response.inputs):
-            label = name if len(response.inputs) == 1 else f"{name} by {source}"
-            parts = {"level": levels(np.abs(table[:, k])), "phase": np.angle(table[:, k])}
+            single = len(response.inputs) == 1
+            label = name if single else f"{name} by {source}"
+            columns = {"level": levels(np.abs(table[:, k])), "phase": np.angle(table[:, k])}
+            parts = {
+                key: Column(columns[key], _formula(response, name, "" if single else source, key))
+                for key in columns
+            }
             lines.append({"name": label, "unit": response.unit_by(name, source), **parts})
     return lines[:MOST_CURVES]
+
+
+def _formula(response: Any, output: str, source: str, part: str) -> ca.SX:
+    """Formula of the level or the phase of an output."""
+    if part == "phase":
+        return ca.SX(response.expression(part_name(output, "phase", source)).sx)
+    return ca.log10(response.expression(part_name(output, "amplitude", source)).sx)
 
 
 def levels(values: np.ndarray) -> np.ndarray:
@@ -110,7 +125,7 @@ def levels(values: np.ndarray) -> np.ndarray:
 def _views(response: Any, states: np.ndarray) -> list[dict[str, Any]]:
     """Charts over the frequency."""
     lines = _curves(response)
-    heights = np.nan_to_num(lines[0]["level"][states], nan=-np.inf)
+    heights = np.nan_to_num(np.array(lines[0]["level"])[states], nan=-np.inf)
     first = int(np.argmax(heights))
     positive = bool(np.all(response.frequencies > 0))
     x = levels(response.frequencies) if positive else response.frequencies

@@ -58,9 +58,10 @@ def live_page(
     structure = model.kind == "structure"
     table = RowTable(None if structure else model.ground)
     columns = [(place, table.number(source)) for place, source in sources.columns]
-    times = np.array(page["states"]["numbers"] if "states" in page else page["time"])
+    times = result.page_times(page, responses)
     listed = page_responses(result, responses, times, table.number)
     listed = listed or [response.page_data(table.number) for response in result.first_responses()]
+    extras = result.page_extras(table.number, listed)
     listed = [in_units(response, units) for response in listed]
     drawn = structure and result.of_any_size
     states = [(place, state_rows(sx, table.number, drawn)) for place, sx in sources.states]
@@ -84,6 +85,7 @@ def live_page(
     more = {"columns": columns, "numbers": numbers, "initial": sources.initial, "states": states}
     more |= {"responses": listed, "joints": [] if structure else joint_rows(model)}
     more |= {"blocks": blocks} if blocks else {}
+    more |= extras
     more |= {} if rows is None else {"designs": rows}
     return page | {"live": functions.page_data(parameters=parameters, **more)}
 

@@ -45,14 +45,18 @@ class Measured(Protocol):
 
     def expression(self, measure: str | Expression) -> Expression: ...
 
+    def page_reduction(self, term: Any, times: np.ndarray) -> dict[str, Any]: ...
 
-def computable(responses: Iterable[PageResponse], times: np.ndarray) -> list[PageResponse]:
-    """The responses that a page with these outputs computes."""
+
+def computable(
+    result: Measured, responses: Iterable[PageResponse], times: np.ndarray
+) -> list[PageResponse]:
+    """The responses that a page of a result with these outputs computes."""
     chosen = []
     for response in responses:
         with suppress(UnsupportedError):
             for _, term in response.terms:
-                term.reduction(times)
+                result.page_reduction(term, times)
             chosen.append(response)
     return chosen
 
@@ -92,7 +96,7 @@ def page_responses(
                     "take .x, .y or a norm"
                 )
             row = row_of(ca.SX(measure.sx))
-            terms.append({"row": row, "weight": weight} | term.reduction(times))
+            terms.append({"row": row, "weight": weight} | motion.page_reduction(term, times))
         unit = response.unit_of(motion)
         texts = {"label": response.label, "unit": "" if unit == "1" else unit}
         result.append(texts | {"terms": terms, "constant": response.constant})

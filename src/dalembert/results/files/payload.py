@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.elements.stateful import Stateful
 from dalembert.errors import AnalysisError
+from dalembert.model.graph.parts import element_measures
 from dalembert.results.files.tables import (
     checked_units,
     diagnosis,
@@ -47,6 +49,9 @@ def report_payload(
     keep = np.unique(np.linspace(0, count - 1, min(count, _frames(motion))).round().astype(int))
     series = measured_series(motion, keep)
     names = {s["name"] for s in series}
+    signals = _signals(motion) if motion.analysis.at_rest else []
+    series += [_extra_series(motion, name, keep, "signals") for name in signals]
+    names.update(signals)
     for name in dict.fromkeys(n for group in plots or () for n in group if n not in names):
         series.append(_extra_series(motion, name, keep))
         names.add(name)
@@ -115,7 +120,21 @@ def _subtitle(motion: LabelledRecording) -> str:
     return ", ".join([motion.analysis.display_name, listed]).rstrip(", ")
 
 
-def _extra_series(motion: LabelledRecording, name: str, keep: np.ndarray) -> Series:
+def _signals(motion: LabelledRecording) -> list[str]:
+    """Names of the states of first order and of the outputs of blocks."""
+    elements = motion.model.parts.elements.values()
+    stateful = (element for element in elements if isinstance(element, Stateful))
+    return [
+        f"{element.name}.{name}"
+        for element in stateful
+        for name, (sx, _) in element_measures(element, motion.model).items()
+        if sx.numel() == 1
+    ]
+
+
+def _extra_series(
+    motion: LabelledRecording, name: str, keep: np.ndarray, group: str = "formulas"
+) -> Series:
     """Series of a measure or formula that is not among the default ones.
 
     Raises
@@ -130,7 +149,7 @@ def _extra_series(motion: LabelledRecording, name: str, keep: np.ndarray) -> Ser
         )
     unit, values = str(measure.attrs.get("units", "")), measure.values[keep]
     source = motion.source(name) if name in DATA_ONLY else motion.expression(name).sx
-    return Series(source, name=name, unit=unit, group="formulas", values=values)
+    return Series(source, name=name, unit=unit, group=group, values=values)
 
 
 def _default_plots(motion: LabelledRecording, names: set[str]) -> list[list[str]]:

@@ -123,12 +123,12 @@ def _diagnosis(result: StructuralStates, omitted: int) -> dict[str, Any]:
         *((block.kind.cls.__name__, block.count) for block in model.blocks),
         ("displacements", len(model.degrees)),
         ("prescribed displacements", prescribed_count),
-        (f"{result.kind_of_state}s", len(result.cases)),
+        (result.kinds_of_state, len(result.cases)),
     ]
     messages = [("warning", text) for text in result.warnings]
     if omitted:
         note = "are left out of this page; the result file has them all"
-        messages.append(("info", f"{omitted} {result.kind_of_state}s {note}"))
+        messages.append(("info", f"{omitted} {result.kinds_of_state} {note}"))
     elements = sum(block.count for block in model.blocks)
     counted = f"{len(model.degrees.nodes)} nodes, {elements} elements"
     summary = f"{counted}, {result.status.outcome.value}"

@@ -48,6 +48,12 @@ class StructuralStates(Result):
     """Measure in the names of modes."""
 
     @property
+    def kinds_of_state(self) -> str:
+        """The plural."""
+        kind = self.kind_of_state
+        return f"{kind[:-1]}ies" if kind.endswith("cy") else f"{kind}s"
+
+    @property
     def state_names(self) -> list[str]:
         """Names of the states in pictures and reports."""
         return [str(name) if name != "" else "load" for name in self.cases]
