@@ -51,8 +51,8 @@ def polygon_mesh(
 
     Returns
     -------
-    points and cells, with groups of nodes: ``edge1`` is the edge from the first to the second
-    vertex, …, ``hole1`` the boundary of the first hole, …
+    points and cells, with groups of nodes: ``vertex1`` is the first vertex, ``edge1`` the edge from
+    it to the second, …, ``hole1`` the boundary of the first hole, …
 
     Raises
     ------
@@ -64,7 +64,7 @@ def polygon_mesh(
     >>> from dalembert import structures
     >>> corners = [(0, 0), (2, 0), (2, 1), (0, 1)]
     >>> mesh = structures.polygon_mesh(corners, 0.25, holes=[((1, 0.5), 0.2)])
-    >>> sorted(mesh.point_groups)
+    >>> list(mesh.point_groups)[:5]
     ['edge1', 'edge2', 'edge3', 'edge4', 'hole1']
     >>> float(mesh.points[mesh.point_groups["edge2"], 0].min())
     2.0
@@ -83,6 +83,8 @@ def polygon_mesh(
     if kind == "triangle6":
         points, triangles, weights = _with_middles(boundary, region, points, triangles, weights)
         _add_middles(boundary, triangles, groups)
+    for k, number in enumerate(sorted(boundary.corners)[: len(vertices)]):
+        groups[f"vertex{k + 1}"] = [number]
     named = {name: np.unique(numbers) for name, numbers in groups.items()}
     if weights is not None:
         points = region.moved(points, *weights)
