@@ -63,18 +63,35 @@ def _numbers(data: dict[str, Any]) -> Iterator[tuple[Keys, str]]:
             if _is_number(body.get(key)):
                 yield ("bodies", name, key), unit
         yield from _coordinates(("bodies", name, "position"), body.get("position"))
-        for point, place in _tables(body, "points", lists=True):
-            yield from _coordinates(("bodies", name, "points", point), place)
+        yield from _rotation(("bodies", name, "rotation"), body.get("rotation"))
+        yield from _places(("bodies", name), body)
     ground = data.get("ground")
     if isinstance(ground, dict):
-        for point, place in _tables(ground, "points", lists=True):
-            yield from _coordinates(("ground", "points", point), place)
+        yield from _places(("ground",), ground)
     for section in ("joints", "forces"):
         for name, element in _tables(data, section):
             ends = element.get("connect")
             for k, end in enumerate(ends if isinstance(ends, list) else ()):
                 if isinstance(end, dict):
                     yield from _coordinates((section, name, "connect", k, "at"), end.get("at"))
+
+
+def _places(owner: Keys, body: dict[str, Any]) -> Iterator[tuple[Keys, str]]:
+    """Coordinates of points and frames of a body, or of the ground."""
+    for point, place in _tables(body, "points", lists=True):
+        yield from _coordinates((*owner, "points", point), place)
+    for frame, entry in _tables(body, "frames"):
+        yield from _coordinates((*owner, "frames", frame, "at"), entry.get("at"))
+
+
+def _rotation(keys: Keys, table: Any) -> Iterator[tuple[Keys, str]]:
+    """Axis and angles of the rotation of a spatial body."""
+    kind = table.get("type") if isinstance(table, dict) else None
+    if kind == "axis_angle":
+        yield from _coordinates((*keys, "axis"), table.get("axis"), "")
+    for key in {"axis_angle": ("angle",), "bryant": ("x", "y", "z")}.get(str(kind), ()):
+        if _is_number(table.get(key)):
+            yield (*keys, key), "rad"
 
 
 def _structure_numbers(data: dict[str, Any]) -> Iterator[tuple[Keys, str]]:
@@ -114,11 +131,11 @@ def _tables(data: dict[str, Any], section: str, lists: bool = False) -> Iterator
             yield name, entry
 
 
-def _coordinates(keys: Keys, place: Any) -> Iterator[tuple[Keys, str]]:
-    if isinstance(place, list) and len(place) == 2:
+def _coordinates(keys: Keys, place: Any, unit: str = "m") -> Iterator[tuple[Keys, str]]:
+    if isinstance(place, list) and len(place) in (2, 3):
         for i, value in enumerate(place):
             if _is_number(value):
-                yield (*keys, i), "m"
+                yield (*keys, i), unit
 
 
 def _is_number(value: Any) -> bool:

@@ -24,8 +24,12 @@ from dalembert.studio.drawn_numbers import Keys, with_drawn_parameters
 from dalembert.studio.fixes import Fix, fixes_of
 from dalembert.studio.loose_nodes import parts_of, without_loose_nodes
 
-EMBEDDED = "header.top, #footer, #panels { display: none } body { padding: 0.5rem }"
-"""Style of a page in the studio, which has its own heading."""
+EMBEDDED = """header.top, #footer, #panels { display: none } body { padding: 0.5rem }
+#ghosts { order: 99 } #ghosts[hidden] { display: inline-flex !important; visibility: hidden }"""
+"""Style of a page in the studio, which has its own heading; while something is dragged, no button
+appears that would move the drawing."""
+DRAWN = 1_500_000
+"""Upper limit of the size of a module that computes what is dragged [bytes]."""
 LOOSE = "is not connected to any element, and not in the picture; connect or remove it"
 BLANK: dict[str, Any] = {"format": 1, "time": [], "scene": {}}
 SPACE: dict[str, Any] = {"kind": "spatial", "scene": {"dimension": 3}}
@@ -152,9 +156,9 @@ def _page_of(
         if row["name"] in places:
             row["drawn"] = places[row["name"]]
     responses = live_responses(file, model, page, result)
-    page = result.live_page(
-        page, file.document.report.live, responses, units=choices.get("units", ())
-    )
+    stated = file.document.report.live
+    size = DRAWN if places else None
+    page = result.live_page(page, stated, responses, units=choices.get("units", ()), max_bytes=size)
     is_live = "code" in page.get("live", {})
     return Picture(_render(page) if is_live else "", problems, summary, facts, is_live)
 

@@ -214,7 +214,10 @@ export class Structure {
   /** Begin to drag, or select. @param {PointerEvent} event @param {Spot} pixel */
   grasp(event, pixel) {
     const page = /** @type {Page} */ (this.page), plan = /** @type {Plan} */ (this.plan), at = this.world(pixel), values = [...(page.design?.values ?? [])];
-    const begin = (/** @type {Drag["kind"]} */ kind, /** @type {Handle[]} */ handles, /** @type {Tip | null} */ tip, /** @type {Spot} */ [x, y]) => { this.drag = { kind, handles, tip, from: placed(x, y), to: placed(x, y), moved: false, values }; };
+    const begin = (/** @type {Drag["kind"]} */ kind, /** @type {Handle[]} */ handles, /** @type {Tip | null} */ tip, /** @type {Spot} */ [x, y]) => {
+      page.scene.view.fitted = false;  // the drawing stays below the pointer
+      this.drag = { kind, handles, tip, from: placed(x, y), to: placed(x, y), moved: false, values };
+    };
     const tip = this.document && tipAt(page, this.document, pixel);
     if (tip) {
       this.select([{ section: "points", name: tip.node }], plan.targetAt(plan.nodes.get(tip.node) ?? at, this.reach));

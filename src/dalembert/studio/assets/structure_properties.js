@@ -14,6 +14,8 @@ import { conditionsOn, removed } from "./structure_changes.js";
 const TITLES = { supports: "Support", loads: "Load", tractions: "Traction", line_loads: "Line load" };
 /** Units of the keys of loads and supports, by their first letter. @type {Record<string, string>} */
 const UNITS = { u: "m", r: "rad", f: "N", m: "N m", t: "Pa", p: "Pa", q: "N/m" };
+/** Units of quantities of elements. @type {Record<string, string>} */
+const QUANTITIES = { area: "m²", second_moment: "m⁴", thickness: "m", modulus: "Pa", poisson: "", density: "kg/m³" };
 /** Keys of numbers of elements that several can share. */
 const SHARED = ["area", "second_moment", "thickness", "modulus", "density"];
 
@@ -45,10 +47,18 @@ export class StructureProperties extends Properties {
   point(document, name) {
     const { plan } = this.structure, handle = plan?.handles.find((one) => one.name === name), target = handle ? this.targetOf(name) : this.structure.target;
     const isNode = plan?.nodes.has(name) ?? false, keys = handle?.keys ?? [], value = keys.reduce((/** @type {any} */ entry, key) => entry?.[key], document);
-    const places = Array.isArray(value) ? value.map((number, k) => this.row([...keys, k], number, String(keys[0]), String(keys[1]))) : value === undefined ? [] : [this.row(keys, value, String(keys[0]), String(keys[1]))];
+    const row = (/** @type {(string | number)[]} */ path, /** @type {unknown} */ number, /** @type {string} */ label) => this.labelled(label, this.row(path, number, String(path[0]), String(path[1])));
+    const places = Array.isArray(value) ? value.map((number, k) => row([...keys, k], number, "xy"[k])) : value === undefined ? [] : [row(keys, value, "radius")];
     const title = isNode ? button(name, () => void this.rename(name), { class: "name", title: "Rename (F2)" }) : el("span", {}, name);
     return [el("h3", {}, title, el("span", { class: "type" }, isNode ? "Node" : handle ? "" : "Edge")), el("div", { class: "rows" }, places), ...(target ? this.conditions(document, target) : []),
       (isNode || /vertex/.test(name)) && el("div", { class: "chips" }, button("Delete", () => this.removeSelection(), { title: "Delete" }))];
+  }
+
+  /** A row with another name. @param {string} label @param {HTMLElement} row */
+  labelled(label, row) {
+    row.querySelector("span")?.replaceChildren(label);
+    row.querySelector("input")?.setAttribute("aria-label", label);
+    return row;
   }
 
   /** @param {string} name @returns {Target | null} */
@@ -61,7 +71,7 @@ export class StructureProperties extends Properties {
   conditions(document, target) {
     return conditionsOn(document, target).map(({ section, index, entry }) => {
       const names = [entry.nodes ?? entry.elements].flat(), keys = Object.keys(entry).filter((key) => /^([urfmtq][xyz]|pressure)$/.test(key));
-      const rows = keys.map((key) => this.row([section, index, key], entry[key], section, String(index)));
+      const rows = keys.map((key) => this.labelled(key, this.row([section, index, key], entry[key], section, String(index))));
       const note = !keys.length ? "all displacements are zero" : names.length > 1 ? `also of ${names.filter((name) => name !== target.name).slice(0, 3).join(", ")}` : entry.case ? `case ${entry.case}` : "";
       return el("fieldset", {}, el("legend", {}, TITLES[section], button("×", () => this.drawing.actions.change({ label: `delete ${TITLES[section].toLowerCase()}`, operations: [{ op: "remove_entry", section, index }] }), { class: "button small", title: `Delete the ${TITLES[section].toLowerCase()}`, "aria-label": `delete ${TITLES[section].toLowerCase()}` })), ...rows, note && el("p", { class: "muted" }, note));
     });
@@ -71,7 +81,7 @@ export class StructureProperties extends Properties {
   part(document, section, name) {
     const entry = document[section]?.[name] ?? {}, numbers = Object.entries(entry).filter(([key, value]) => key !== "type" && (typeof value === "number" || typeof value === "string"));
     const rows = numbers.map(([key, value]) => this.row([section, name, key], value, section, name)), missing = this.fields(section, name).filter(([key]) => !(key in entry)).map(([key]) => this.row([section, name, key], "", section, name));
-    const size = entry.polygon && this.row([section, name, "polygon", "size"], entry.polygon.size, section, name);
+    const size = entry.polygon && this.labelled("mesh size", this.row([section, name, "polygon", "size"], entry.polygon.size, section, name));
     const strain = section === "meshes" && el("label", { class: "check" }, el("input", { type: "checkbox", checked: entry.plane_strain === true, onchange: () => this.drawing.actions.change({ label: `set ${name}`, operations: [{ op: "set", keys: [section, name, "plane_strain"], value: entry.plane_strain !== true, written: true }] }) }), "plane strain");
     const target = /** @type {Target} */ ({ kind: "element", name, fields: { elements: name }, spots: [] });
     return [el("h3", {}, button(name, () => void this.rename(name), { class: "name", title: "Rename (F2)" }), el("span", { class: "type" }, String(entry.type ?? ""))), el("div", { class: "rows" }, rows, size), strain || null,
@@ -100,6 +110,8 @@ export class StructureProperties extends Properties {
 
   /** @override @param {string} section @param {string} name @param {(string | number)[]} keys */
   unit(section, name, keys) {
+    const known = QUANTITIES[String(keys[0])];
+    if (known !== undefined) return known;
     if (section in TITLES) return UNITS[String(keys[0])[0]] ?? "";
     return section === "nodes" || keys[0] === "polygon" ? "m" : super.unit(section, name, keys);
   }

@@ -274,8 +274,9 @@ class Studio {
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     let waiting;
     let written = [...design.values];
-    design.onChange.on(() => {
+    design.onChange.on((/** @type {string} */ origin) => {
       clearTimeout(waiting);
+      if (origin === "drawing") return;  // written when it is released
       waiting = setTimeout(() => {
         if (this.pictures.page?.design !== design) return;
         const operations = design.parameters.flatMap((/** @type {{ name: string, drawn?: unknown }} */ { name, drawn }, /** @type {number} */ k) => (drawn || design.values[k] === written[k] ? [] : [{ op: "parameter", name, value: design.values[k] }]));
