@@ -15,7 +15,7 @@ const TITLES = { supports: "Support", loads: "Load", tractions: "Traction", line
 /** Units of the keys of loads and supports, by their first letter. @type {Record<string, string>} */
 const UNITS = { u: "m", r: "rad", f: "N", m: "N m", t: "Pa", p: "Pa", q: "N/m" };
 /** Units of quantities of elements. @type {Record<string, string>} */
-const QUANTITIES = { area: "m²", second_moment: "m⁴", thickness: "m", modulus: "Pa", poisson: "", density: "kg/m³" };
+const QUANTITIES = { area: "m^2", second_moment: "m^4", thickness: "m", modulus: "Pa", poisson: "", density: "kg/m^3" };
 /** Keys of numbers of elements that several can share. */
 const SHARED = ["area", "second_moment", "thickness", "modulus", "density"];
 
