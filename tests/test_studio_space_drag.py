@@ -14,7 +14,8 @@ EXAMPLES = Path(__file__).parents[1] / "examples"
 TIP = '{ section: "bodies", name: "rocker", part: "points", key: "tip" }'
 POINTS = """(() => {
     const { motion } = studio.pictures.page;
-    return Object.fromEntries(motion.points.map(({ name, body, point }) => [name, motion.at(body, point)]));
+    const place = ({ name, body, point }) => [name, motion.at(body, point)];
+    return Object.fromEntries(motion.points.map(place));
 })()"""
 FIRST_POINTS = POINTS.replace("motion.at(body, point)", "motion.at(body, point, { i: 0, f: 0 })")
 COUNTED = """(() => {

@@ -140,7 +140,8 @@ def test_a_cantilever_truss_by_equilibrium(desk: Desk, tmp_path: Path) -> None:
     shown = desk.js(
         f"""(() => {{
             const {{ mesh }} = studio.pictures.page.motion;
-            return mesh.components(mesh.nodes.indexOf({names[2, 0]!r})).find((c) => c.name === "uy").value;
+            const moved = mesh.components(mesh.nodes.indexOf({names[2, 0]!r}));
+            return moved.find((c) => c.name === "uy").value;
         }})()"""
     )
     assert shown == pytest.approx(tip, rel=1e-5)

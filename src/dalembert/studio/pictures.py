@@ -137,8 +137,8 @@ def _page_of(
         structural = isinstance(model, StructuralModel)
         still = undeformed_payload(model, error) if structural else position_payload(model)
         facts |= {"moving": list(getattr(error, "nodes", ()))}
-        problems = problems_of(_located(error), text, path)
-        return Picture(_render(still), (*notes, *problems), summary, facts)
+        reasons = problems_of(_located(error), text, path)
+        return Picture(_render(still), (*notes, *reasons), summary, facts)
     wrong_choices: list[Problem] = []
     choices: dict[str, Any] = {}
     try:

@@ -6,6 +6,9 @@
 import { readout } from "./overlay.js";
 import { circle } from "./structure_plan.js";
 
+/** Upper limit of free nodes whose names are shown. */
+const NAMED = 6;
+
 /** @param {CanvasRenderingContext2D} ctx @param {Structure} structure */
 export function drawStructure(ctx, structure) {
   const { page, plan, tool, places, now, drag, selection } = structure;
@@ -28,7 +31,7 @@ export function drawStructure(ctx, structure) {
     ctx.stroke();
   };
   ctx.save();
-  ctx.font = "12px system-ui, sans-serif";
+  [ctx.font, ctx.textAlign, ctx.textBaseline] = ["12px system-ui, sans-serif", "left", "alphabetic"];
   const pictured = new Set([...(page.motion.mesh?.elements ?? []), ...Object.keys(structure.picturedMeshes ?? {})]);
   const spotOf = (/** @type {Spot} */ p) => structure.shifted(p);
   [ctx.strokeStyle, ctx.lineWidth] = [colour("--muted"), 2];
@@ -98,7 +101,10 @@ function drawMoving(ctx, { page, moving }, screen, colour) {
     ctx.beginPath();
     ctx.arc(x, y, 9, 0, 2 * Math.PI);
     ctx.stroke();
-    if (moving.length <= 6) ctx.fillText(`${name} moves freely`, x + 13, y + 15);
+    if (moving.length > NAMED) return;
+    const text = `${name} moves freely`, fits = x + 16 + ctx.measureText(text).width < ctx.canvas.clientWidth;
+    ctx.textAlign = fits ? "left" : "right";
+    ctx.fillText(text, fits ? x + 13 : x - 13, y + 17);
   });
   [ctx.strokeStyle, ctx.lineWidth] = [colour("--accent"), 1.6];
 }
