@@ -134,8 +134,10 @@ def _page_of(
     except DalembertError as error:
         if live:
             raise
-        structural = isinstance(model, StructuralModel)
-        still = undeformed_payload(model, error) if structural else position_payload(model)
+        if isinstance(model, StructuralModel):
+            still = undeformed_payload(model, error)
+        else:
+            still = position_payload(model)
         facts |= {"moving": list(getattr(error, "nodes", ()))}
         reasons = problems_of(_located(error), text, path)
         return Picture(_render(still), (*notes, *reasons), summary, facts)
