@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import copy
 from typing import Any, Self
 
@@ -222,6 +223,12 @@ class UnsolvedPart(SolverFailure):
 class SingularityError(AnalysisError):
     """The equations have no unique solution at this position.
 
+    Parameters
+    ----------
+    message : str
+    nodes : names of the nodes of a structure that move without strain
+    motion : (n,) displacements of this motion, of any size; empty if it is not known
+
     Examples
     --------
     >>> import dalembert as da
@@ -235,8 +242,14 @@ class SingularityError(AnalysisError):
     ...     result = da.solve_statics(loose.build())
     ... except da.SingularityError as error:
     ...     print(str(error).partition(" without")[0])
+    ...     print(error.nodes)
     the structure is a mechanism: b can move
+    ('b',)
     """
+
+    def __init__(self, message: str, nodes: Sequence[str] = (), motion: Any = ()):
+        super().__init__(message)
+        self.nodes, self.motion = tuple(nodes), motion
 
 
 class BudgetError(DalembertError):

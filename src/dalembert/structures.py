@@ -15,6 +15,7 @@ from dalembert.elements.fem.space_frame import SpaceFrame, TimoshenkoSpaceFrame
 from dalembert.elements.fem.truss import Truss
 from dalembert.elements.sections import Material, Section, circle, i_section, rectangle, tube
 from dalembert.model.meshes.generators import box_mesh, line_mesh, rectangle_mesh
+from dalembert.model.meshes.polygon import polygon_mesh
 from dalembert.model.structure import Structure
 from dalembert.text.wording import no_attribute
 
@@ -45,6 +46,7 @@ __all__ = [
     "circle",
     "i_section",
     "line_mesh",
+    "polygon_mesh",
     "rectangle",
     "rectangle_mesh",
     "tube",

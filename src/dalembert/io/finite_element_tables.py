@@ -74,6 +74,37 @@ NodeNames = Annotated[
     PlainValidator(_names),
     WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}),
 ]
+Vertex = Annotated[
+    Any,
+    PlainValidator(lambda value: _vertex(value)),
+    WithJsonSchema(_VALUES | {"minItems": 2, "maxItems": 2}),
+]
+_OUTLINE = {"type": "array", "items": _VALUES | {"minItems": 2, "maxItems": 2}, "minItems": 3}
+Outline = Annotated[
+    Any,
+    PlainValidator(lambda value: [_vertex(place) for place in _listed(value)]),
+    WithJsonSchema(_OUTLINE),
+]
+Hole = Annotated[
+    Any,
+    PlainValidator(lambda value: _hole(value)),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                _OUTLINE,
+                {
+                    "type": "object",
+                    "properties": {
+                        "center": _VALUES | {"minItems": 2, "maxItems": 2},
+                        "radius": _VALUE,
+                    },
+                    "required": ["center", "radius"],
+                    "additionalProperties": False,
+                },
+            ]
+        }
+    ),
+]
 Named: Any = dict[str, Number]
 Coordinates: Any = list[Number]
 Places: Any = list[Place]
@@ -190,6 +221,41 @@ class LineTable(Record):
     count: Integer = Field(description="number of lines")
 
 
+def _hole(value: Any) -> Any:
+    if isinstance(value, dict):
+        return CircleTable.model_validate(value)
+    return [_vertex(place) for place in _listed(value)]
+
+
+def _vertex(value: Any) -> list[float | str]:
+    if not isinstance(value, list) or len(value) != 2:
+        raise ValueError(f"expected two coordinates, got {short_repr(value)}")
+    return [number_or_formula(v) for v in value]
+
+
+def _listed(value: Any) -> list[Any]:
+    if not isinstance(value, list) or len(value) < 3:
+        raise ValueError(f"expected at least three vertices, got {short_repr(value)}")
+    return value
+
+
+class CircleTable(Record):
+    """A circular hole."""
+
+    center: Vertex = Field(description="place of the centre [m]")
+    radius: Entry = Field(description="[m]")
+
+
+class PolygonTable(Record):
+    """A region with a polygonal outline and holes, divided into triangles."""
+
+    vertices: Outline = Field(description="places of the vertices of the outline, in order [m]")
+    size: Number = Field(description="length of the edges of triangles [m]")
+    holes: list[Hole] = Field(
+        default=[], description="lists of vertices, or circles with center and radius [m]"
+    )
+
+
 class MeshSource(Record):
     """Source of the points and cells of a mesh; exactly one is given."""
 
@@ -201,6 +267,7 @@ class MeshSource(Record):
     rectangle: RectangleTable = None  # type: ignore[assignment]
     box: BoxTable = None  # type: ignore[assignment]
     line: LineTable = None  # type: ignore[assignment]
+    polygon: PolygonTable = None  # type: ignore[assignment]
 
 
 def element_table(name: str, cls: type[StructuralElement]) -> type[BaseModel]:

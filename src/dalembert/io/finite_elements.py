@@ -113,6 +113,7 @@ class FiniteElements:
             ),
             "box": lambda: box_mesh(table.box.size, table.box.counts, shape),
             "line": lambda: line_mesh(table.line.start, table.line.end, table.line.count),
+            "polygon": lambda: self.polygon(table.polygon, shape),
         }
         keys = [key for key in makers if getattr(table, key) is not None]
         if len(keys) != 1:
@@ -130,6 +131,22 @@ class FiniteElements:
         points = [[self.formulas.read(x) for x in coordinates] for coordinates in table.points]
         flat = _array([x for coordinates in points for x in coordinates])
         return flat.reshape(len(points), -1), {shape: np.array(table.cells)}
+
+    def polygon(self, table: Any, shape: str) -> Any:
+        """Triangles of a region; numbers of its boundary may be formulas."""
+        from dalembert.model.meshes.polygon import polygon_mesh  # few files have regions
+
+        def places(rows: Any) -> list[Any]:
+            return [[self.formulas.read(x) for x in row] for row in rows]
+
+        holes = [
+            places(hole)
+            if isinstance(hole, list)
+            else (*places([hole.center]), self.formulas.read(hole.radius))
+            for hole in table.holes
+        ]
+        outline, known = places(table.vertices), self.system.parameters
+        return polygon_mesh(outline, table.size, holes, shape, known)
 
     def directed(
         self, table: Any, directions: dict[str, str], section: str, k: int

@@ -177,6 +177,7 @@ class Result(CacheOwner, Protocol):
         responses: Sequence[PageResponse] = (),
         designs: PageDesigns | None = None,
         units: Sequence[str] = (),
+        max_bytes: int | None = None,
     ) -> dict[str, Any]:
         """Payload of a live page, or the page with the reason why it is not live.
 
@@ -187,10 +188,12 @@ class Result(CacheOwner, Protocol):
         responses : that it lists, by default the maxima of the plotted measures
         designs : designs of its table
         units : preferred units of the responses; each applies to its dimension
+        max_bytes : upper limit of the size of its module if ``live`` is not given; by default that
+            of pages that are sent to others
         """
         from dalembert.results.files.live_page import live_page
 
-        return live_page(self, page, live, responses, designs, units)
+        return live_page(self, page, live, responses, designs, units, max_bytes)
 
     def page_times(self, page: dict[str, Any], responses: Sequence[PageResponse]) -> np.ndarray:
         """Instants, or numbers of states, that a live page with these responses computes."""

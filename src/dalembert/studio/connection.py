@@ -16,7 +16,13 @@ from dalembert.files import read_text
 from dalembert.io.example_files import example_folder
 from dalembert.studio.drawing_edits import apply
 from dalembert.studio.preview import analysis_fields, section_operation
-from dalembert.studio.session import MAX_TEXT, UNTITLED_SPATIAL, Session, failure
+from dalembert.studio.session import (
+    MAX_TEXT,
+    UNTITLED_SPATIAL,
+    UNTITLED_STRUCTURE,
+    Session,
+    failure,
+)
 from dalembert.studio.text_edits import TextEdits
 
 
@@ -177,6 +183,8 @@ class Connection:
             self.session.open(None, text, example_folder())
         elif request.get("dimension") == 3:
             self.session.open(None, UNTITLED_SPATIAL)
+        elif request.get("structure") is True:
+            self.session.open(None, UNTITLED_STRUCTURE)
         else:
             target = Path(path).expanduser() if isinstance(path, str) and path else None
             self.session.open(target)

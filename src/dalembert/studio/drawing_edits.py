@@ -7,10 +7,14 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from dalembert.errors import ModelError
+from dalembert.studio.list_edits import append_entry, remove_entry, remove_from_lists
 from dalembert.studio.section_edits import set_section
 from dalembert.studio.text_edits import TextEdits
 
-ELEMENTS = ("bodies", "beams", "joints", "drivers", "forces", "blocks")
+ELEMENTS = (
+    *("bodies", "beams", "joints", "drivers", "forces", "blocks"),
+    *("nodes", "elements", "meshes"),
+)
 """Sections of elements, which refer to each other."""
 MAX_OPERATIONS = 500
 """Upper limit of the operations of one change."""
@@ -31,7 +35,8 @@ def apply(text: str, operations: Any) -> str:
         name is ``to``, and an entry may be ``missing`` if another operation removes it.
         ``parameter`` has ``name`` and ``value``, ``extract`` has ``keys``, or the character ``at``
         in the text. ``section`` has ``section`` and ``fields``: the new values of its keys, null
-        for a removed one.
+        for a removed one. ``append`` has ``section``, a list of tables such as ``supports``, and
+        ``fields``; ``remove_entry`` has ``section`` and ``index``.
 
     Raises
     ------
@@ -68,8 +73,9 @@ def _text(operation: Mapping[str, Any], key: str) -> str:
 
 def _add(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
     fields = operation.get("fields")
-    if not isinstance(fields, dict):
-        raise ModelError("the operation add needs the table 'fields'")
+    place = _text(operation, "section") == "nodes"
+    if not isinstance(fields, list if place else dict):
+        raise ModelError(f"the operation add needs the {'list' if place else 'table'} 'fields'")
     name = operation.get("name") or edits.free_name(_text(operation, "base"))
     edits.add(_text(operation, "section"), str(name), fields)
     if "as" in operation:
@@ -87,9 +93,10 @@ def _remove(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) 
     section, name = _text(operation, "section"), _text(operation, "name")
     if operation.get("missing") is True and name not in edits.data.get(section, {}):
         return  # removed with an element of the same change
-    for dependent in dependents(edits.data, section, name):
-        edits.remove(*dependent)
-    edits.remove(section, name)
+    removed = [*dependents(edits.data, section, name), (section, name)]
+    for entry in removed:
+        edits.remove(*entry)
+    remove_from_lists(edits, {name for _, name in removed})
 
 
 def _rename(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
@@ -117,6 +124,20 @@ def _section(edits: TextEdits, operation: dict[str, Any], names: dict[str, str])
     set_section(edits, _text(operation, "section"), fields)
 
 
+def _append(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    fields = operation.get("fields")
+    if not isinstance(fields, dict):
+        raise ModelError("the operation append needs the table 'fields'")
+    append_entry(edits, _text(operation, "section"), fields)
+
+
+def _remove_entry(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    index = operation.get("index")
+    if not isinstance(index, int) or isinstance(index, bool):
+        raise ModelError("the operation remove_entry needs the number 'index'")
+    remove_entry(edits, _text(operation, "section"), index)
+
+
 OPERATIONS: dict[str, Callable[[TextEdits, dict[str, Any], dict[str, str]], None]] = {
     "add": _add,
     "set": _set,
@@ -125,6 +146,8 @@ OPERATIONS: dict[str, Callable[[TextEdits, dict[str, Any], dict[str, str]], None
     "parameter": _parameter,
     "extract": _extract,
     "section": _section,
+    "append": _append,
+    "remove_entry": _remove_entry,
 }
 
 

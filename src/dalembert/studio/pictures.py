@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from dalembert.analysis.explore import usual_analysis
 from dalembert.errors import AssemblyError, DalembertError
 from dalembert.io.analyses import make_analysis
+from dalembert.io.messages import key_path
 from dalembert.io.model_file import ModelFile, check_model_data
 from dalembert.io.reading import parse_document
 from dalembert.io.report import live_responses, report_choices
@@ -18,13 +19,18 @@ from dalembert.model.assembled.model import StructuralModel
 from dalembert.report.page import render_page
 from dalembert.results.files.assembly_report import assembly_payload, position_payload
 from dalembert.results.result import Result
+from dalembert.results.structural.free_motion import undeformed_payload
 from dalembert.studio.drawn_numbers import Keys, with_drawn_parameters
 from dalembert.studio.fixes import Fix, fixes_of
+from dalembert.studio.loose_nodes import parts_of, without_loose_nodes
 
-EMBEDDED = "header.top, #footer, #panels { display: none } body { padding: 0.5rem }"
-"""Style of a page in the studio, which has its own heading."""
-PARTS = ("bodies", "beams", "include")
-"""Sections of the bodies of a mechanism; without any, the picture is blank."""
+EMBEDDED = """header.top, #footer, #panels { display: none } body { padding: 0.5rem }
+#ghosts { order: 99 } #ghosts[hidden] { display: inline-flex !important; visibility: hidden }"""
+"""Style of a page in the studio, which has its own heading; while something is dragged, no button
+appears that would move the drawing."""
+DRAWN = 1_500_000
+"""Upper limit of the size of a module that computes what is dragged [bytes]."""
+LOOSE = "is not connected to any element, and not in the picture; connect or remove it"
 BLANK: dict[str, Any] = {"format": 1, "time": [], "scene": {}}
 SPACE: dict[str, Any] = {"kind": "spatial", "scene": {"dimension": 3}}
 """What a blank picture of a spatial mechanism has in addition."""
@@ -93,11 +99,14 @@ def picture_of(text: str, path: Path, live: bool) -> Picture:
 
 def _picture_of(text: str, path: Path, live: bool) -> Picture:
     data = parse_document(path, text)
-    if data.get("kind") != "structure" and not any(data.get(section) for section in PARTS):
+    data, loose = without_loose_nodes(data)
+    if not any(data.get(section) for section in parts_of(data)):
         blank = BLANK | {"title": path.stem} | (SPACE if _is_spatial(data) else {})
         return Picture(_render(blank), summary="nothing is drawn yet")
     if not live:
-        return _page_of(data, {}, text, path, live)
+        picture = _page_of(data, {}, text, path, live)
+        notes = (_problem(f"nodes.{name}: {LOOSE}", toml_places(text), text) for name in loose)
+        return replace(picture, problems=(*picture.problems, *notes))
     drawn, places = with_drawn_parameters(data)
     try:
         return _page_of(drawn, places, text, path, live)
@@ -123,10 +132,15 @@ def _page_of(
     try:
         result = result_of(file, model)
     except DalembertError as error:
-        if live or isinstance(model, StructuralModel):
+        if live:
             raise
-        still = _render(position_payload(model))
-        return Picture(still, (*notes, *problems_of(error, text, path)), summary, facts)
+        if isinstance(model, StructuralModel):
+            still = undeformed_payload(model, error)
+        else:
+            still = position_payload(model)
+        facts |= {"moving": list(getattr(error, "nodes", ()))}
+        reasons = problems_of(_located(error), text, path)
+        return Picture(_render(still), (*notes, *reasons), summary, facts)
     wrong_choices: list[Problem] = []
     choices: dict[str, Any] = {}
     try:
@@ -144,9 +158,9 @@ def _page_of(
         if row["name"] in places:
             row["drawn"] = places[row["name"]]
     responses = live_responses(file, model, page, result)
-    page = result.live_page(
-        page, file.document.report.live, responses, units=choices.get("units", ())
-    )
+    stated = file.document.report.live
+    size = DRAWN if places else None
+    page = result.live_page(page, stated, responses, units=choices.get("units", ()), max_bytes=size)
     is_live = "code" in page.get("live", {})
     return Picture(_render(page) if is_live else "", problems, summary, facts, is_live)
 
@@ -158,6 +172,17 @@ def result_of(file: ModelFile, model: Any) -> Result:
     with file.located("analysis"):
         result: Result = analysis.run(model, progress=False)
     return result
+
+
+def _located(error: DalembertError) -> DalembertError:
+    """An error at the first node that moves without strain, or as it is."""
+    nodes = getattr(error, "nodes", ())
+    if not nodes:
+        return error
+    owner = nodes[0].partition("[")[0]
+    mesh = owner.removesuffix("_nodes")
+    place = key_path("nodes", owner) if owner == mesh else key_path("meshes", mesh)
+    return DalembertError(f"{place}: {error}")
 
 
 def _diagnosis(model: Any) -> tuple[str, dict[str, Any], tuple[Problem, ...]]:

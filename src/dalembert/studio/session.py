@@ -26,6 +26,8 @@ UNTITLED = 'format = 1\nname = "untitled"\ngravity = [0.0, -9.81]\n'
 """Text of a new model."""
 UNTITLED_SPATIAL = UNTITLED.replace("[0.0, -9.81]", "[0.0, 0.0, -9.81]")
 """Text of a new spatial model."""
+UNTITLED_STRUCTURE = 'format = 1\nkind = "structure"\nname = "untitled"\n'
+"""Text of a new structure."""
 RESTORED = "unsaved changes were restored; undo returns to the file"
 MAX_TEXT = 2_000_000
 """Upper limit of the length of a text [characters]."""

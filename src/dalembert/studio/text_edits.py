@@ -17,8 +17,9 @@ from dalembert.studio.toml_values import NAME, as_toml, in_unit, is_number, with
 from dalembert.studio.uses import VALUES, uses_of
 
 ORDER = (
-    *("parameters", "derived", "inputs", "outputs", "ground"),
-    *("bodies", "beams", "joints", "drivers", "forces", "blocks", "analysis"),
+    *("parameters", "derived", "inputs", "outputs", "ground", "nodes", "elements", "meshes"),
+    *("bodies", "beams", "joints", "drivers", "forces", "blocks"),
+    *("supports", "loads", "line_loads", "tractions", "analysis"),
 )
 """Order of the sections of a file, for new ones."""
 
@@ -37,9 +38,10 @@ class TextEdits:
     """
 
     def __init__(self, text: str):
-        self._set(text)
+        self.set_text(text)
 
-    def _set(self, text: str) -> None:
+    def set_text(self, text: str) -> None:
+        """Replace the whole text, which is valid TOML."""
         try:
             self.data: dict[str, Any] = tomllib.loads(text)
         except (tomllib.TOMLDecodeError, RecursionError) as error:
@@ -73,7 +75,7 @@ class TextEdits:
         numbered = (f"{base or 'J'}{k}" for k in range(1, len(names) + 2))
         return next(name for name in (*letters, *numbered) if name not in names)
 
-    def add(self, section: str, name: str, fields: Mapping[str, Any]) -> None:
+    def add(self, section: str, name: str, fields: Mapping[str, Any] | list[Any]) -> None:
         """Add an entry at the end of a section, in the style of its other entries.
 
         Raises
@@ -87,21 +89,20 @@ class TextEdits:
             raise ModelError("entries cannot be added to this section", section)
         if name in self.names():
             raise ModelError("the name is already used; choose another", key_path(section, name))
-        inline = self._is_inline(section)
+        inline = isinstance(fields, list) or self._is_inline(section)
         if inline:
-            entry = f"{name} = {as_toml(dict(fields))}\n"
-        else:
+            entry = f"{name} = {as_toml(fields)}\n"
+        elif isinstance(fields, Mapping):
             rows = "".join(f"{key} = {as_toml(value)}\n" for key, value in fields.items())
             entry = f"[{section}.{name}]\n{rows}"
-        at = self._end_of(section, inline)
-        before = self.text[:at].rstrip("\n")
-        after = self.text[at:].lstrip("\n")
         heading = f"[{section}]\n" if inline and section not in self.data else ""
-        gap = "\n" if inline and not heading else "\n\n"
-        joined = (
-            before + (gap if before else "") + heading + entry + ("\n" + after if after else "")
-        )
-        self._set(joined)
+        self.insert(section, inline, heading + entry, "\n" if inline and not heading else "\n\n")
+
+    def insert(self, section: str, inline: bool, lines: str, gap: str) -> None:
+        """Insert lines at the end of a section, behind a gap; ``inline`` as in ``end_of``."""
+        at = self.end_of(section, inline)
+        before, after = self.text[:at].rstrip("\n"), self.text[at:].lstrip("\n")
+        self.set_text(before + (gap if before else "") + lines + ("\n" + after if after else ""))
 
     def _is_inline(self, section: str) -> bool:
         """Whether the entries of a section are written in one line each."""
@@ -113,7 +114,7 @@ class TextEdits:
             for keys, place in self.places.items()
         )
 
-    def _end_of(self, section: str, inline: bool) -> int:
+    def end_of(self, section: str, inline: bool) -> int:
         """Character behind a section, or where it begins if it is new.
 
         Parameters
@@ -127,16 +128,16 @@ class TextEdits:
             and (not inline or (len(keys) == 2 and place.value > place.start) or len(keys) == 1)
         ]
         if ends:
-            return self._line_end(max(ends))
+            return self.line_end(max(ends))
         rank = ORDER.index(section)
         former = [
             place.end
             for keys, place in self.places.items()
             if keys[0] in ORDER[:rank] or (len(keys) == 1 and place.value > place.start)
         ]
-        return self._line_end(max(former)) if former else len(self.text)
+        return self.line_end(max(former)) if former else len(self.text)
 
-    def _line_end(self, at: int) -> int:
+    def line_end(self, at: int) -> int:
         """Character behind the line of a place."""
         end = self.text.find("\n", at)
         return len(self.text) if end < 0 else end + 1
@@ -149,21 +150,21 @@ class TextEdits:
         ModelError
             There is none.
         """
-        ranges = self._ranges((section, name))
+        ranges = self.ranges((section, name))
         if not ranges:
             raise ModelError("there is no such entry", key_path(section, name))
         text = self.text
         for start, end in sorted(ranges, reverse=True):
             text = text[:start] + text[end:]
-        self._set(text)
+        self.set_text(text)
         if not self.data.get(section, True):  # an empty table of a section
             place = self.places.get((section,))
             if place is not None and place.value == place.start:
-                end = self._line_end(place.end)
-                self._set(self.text[: place.start] + self.text[end:])
+                end = self.line_end(place.end)
+                self.set_text(self.text[: place.start] + self.text[end:])
 
-    def _ranges(self, entry: Keys) -> list[tuple[int, int]]:
-        """Ranges of whole lines that an entry occupies."""
+    def ranges(self, entry: Keys) -> list[tuple[int, int]]:
+        """Ranges of characters of the whole lines that an entry occupies."""
         ranges = []
         for keys, place in self.places.items():
             if keys[: len(entry)] != entry:
@@ -172,7 +173,7 @@ class TextEdits:
                 ranges.append((place.start, self._end_of_table(place.end)))
             elif keys == entry:
                 start = self.text.rfind("\n", 0, place.start) + 1
-                ranges.append((start, self._line_end(place.end)))
+                ranges.append((start, self.line_end(place.end)))
         return ranges
 
     def _end_of_table(self, at: int) -> int:
@@ -228,14 +229,14 @@ class TextEdits:
     def append(self, lines: str) -> None:
         """Add lines at the end of the text."""
         before = self.text.rstrip("\n")
-        self._set(f"{before}\n\n{lines}" if before else lines)
+        self.set_text(f"{before}\n\n{lines}" if before else lines)
 
     def replace(self, keys: Keys, value: Any) -> None:
         """Replace a value as it is written, formulas included."""
         self._replace(self.places[keys], value)
 
     def _replace(self, place: Place, value: Any) -> None:
-        self._set(self.text[: place.value] + as_toml(value) + self.text[place.end :])
+        self.set_text(self.text[: place.value] + as_toml(value) + self.text[place.end :])
 
     def set_parameter(self, name: str, value: float) -> None:
         """Give a parameter or input a value in SI units, written in its own unit.
@@ -288,13 +289,13 @@ class TextEdits:
             inner = self.text[table.value : table.end].rstrip("}").rstrip()
             comma = "" if inner == "{" else ","
             new = f"{inner}{comma} {path[-1]} = {as_toml(value)} }}"
-            self._set(self.text[: table.value] + new + self.text[table.end :])
+            self.set_text(self.text[: table.value] + new + self.text[table.end :])
             return
-        at = self._line_end(table.end)
+        at = self.line_end(table.end)
         own = [p.end for k, p in self.places.items() if k[:-1] == path[:-1] and p.value > p.start]
-        at = self._line_end(max(own)) if own else at
+        at = self.line_end(max(own)) if own else at
         before = self.text[:at] if self.text[:at].endswith("\n") else self.text[:at] + "\n"
-        self._set(f"{before}{path[-1]} = {as_toml(value)}\n{self.text[at:]}")
+        self.set_text(f"{before}{path[-1]} = {as_toml(value)}\n{self.text[at:]}")
 
     def rename(self, section: str, old: str, new: str) -> None:
         """Give an entry another name, in references and formulas too.
@@ -313,4 +314,4 @@ class TextEdits:
         text = self.text
         for start, end in sorted(uses_of(text, self.places, section, old), reverse=True):
             text = text[:start] + new + text[end:]
-        self._set(text)
+        self.set_text(text)

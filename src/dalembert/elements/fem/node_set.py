@@ -112,10 +112,19 @@ class Nodes(NodeLike):
         return self[mask]
 
     def nearest(self, *place: float) -> Nodes:
-        """The node nearest to a point [m]."""
+        """The node nearest to a point [m].
+
+        Raises
+        ------
+        ModelError
+            Another number of coordinates, or coordinates of nodes that are formulas.
+        """
         if len(place) != self.dimension:
             raise ModelError(f"a place has {self.dimension} coordinates; got {place}", self.name)
-        return self[int(np.argmin(np.linalg.norm(self.positions - np.array(place), axis=1)))]
+        away = np.linalg.norm(self.positions - np.array(place), axis=1)
+        if np.isnan(away).any():
+            raise ModelError("coordinates are formulas; choose a node by its group", self.name)
+        return self[int(np.argmin(away))]
 
     # in a mechanism --------------------------------------------------------------------------
     @property

@@ -71,7 +71,7 @@ class MeshData:
 
 
 def mesh_data(source: Any, name: str) -> MeshData:
-    """The mesh in a file, a ``meshio.Mesh``, or arrays ``(points, cells)``.
+    """The mesh in a file, a ``meshio.Mesh``, arrays ``(points, cells)``, or a ``MeshData``.
 
     Raises
     ------
@@ -84,6 +84,8 @@ def mesh_data(source: Any, name: str) -> MeshData:
     """
     if isinstance(source, (str, Path)):
         return _from_meshio(_read(Path(source)), name)
+    if isinstance(source, MeshData):
+        return _checked(source, name)
     if isinstance(source, tuple) and len(source) == 2:
         return _from_arrays(*source, name)
     if hasattr(source, "points") and hasattr(source, "cells"):

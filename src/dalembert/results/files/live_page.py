@@ -30,6 +30,7 @@ def live_page(
     responses: Sequence[PageResponse] = (),
     designs: PageDesigns | None = None,
     units: Sequence[str] = (),
+    max_bytes: int | None = None,
 ) -> dict[str, Any]:
     """A page with its live part, or with the reason why it has none.
 
@@ -42,8 +43,9 @@ def live_page(
     responses : responses that the page lists
     designs : designs of its table
     units : preferred units of the responses
+    max_bytes : upper limit of the size of a module that is not requested by ``live``
     """
-    model = result.model
+    model, limit = result.model, max_bytes or MAX_BYTES
     bounded = any(np.isfinite(parameter.bounds).all() for parameter in model.parameters.values())
     bounded = bounded or (designs is not None and bool(designs.ranges))
     bounded = bounded or any("drawn" in row for row in page.get("parameters", ()))
@@ -72,10 +74,10 @@ def live_page(
         functions = functions.with_limits(*model.value_limits())
         functions = functions.with_numbers([sx for _, sx in sources.numbers], p)
         size = functions.source.smallest_size
-        if live is None and size > MAX_BYTES:
+        if live is None and size > limit:
             raise UnsupportedError(_too_large(f"at least {size / 1e3:.0f} kB"))
         size = len(functions.module.code)
-        if live is None and size > MAX_BYTES:
+        if live is None and size > limit:
             raise UnsupportedError(_too_large(f"{size / 1e3:.0f} kB"))
     except UnsupportedError as error:
         return page | {"live": {"reason": str(error)}}

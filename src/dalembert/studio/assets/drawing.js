@@ -54,7 +54,7 @@ export class Drawing {
   /** Whether the picture is a planar mechanism that can be drawn on. */
   get possible() {
     const view = this.page?.scene.view;
-    return Boolean(view && "s" in view && !this.page?.motion.mesh && !this.page?.motion.swings);
+    return Boolean(view && "s" in view && !this.page?.motion.mesh && !this.page?.motion.swings && /** @type {unknown} */ (this.document?.kind) !== "structure");
   }
 
   /** @param {string} name */

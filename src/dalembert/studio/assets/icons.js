@@ -3,6 +3,11 @@
 /** @type {Record<string, string>} */
 const PATHS = {
   select: "M5 3l11 7-5 1 3 5-2 1-3-5-4 4z",
+  round: "M3 16L5 4l12 2-1 11zM10 10.5m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0",
+  hole: "M3 16L5 4l12 2-1 11zM8 13l1-5 5 2z",
+  roller: "M10 4l-4 7h8zM3 17h14M7 14m-1.5 0a1.5 1.5 0 1 0 3 0a1.5 1.5 0 1 0-3 0M13 14m-1.5 0a1.5 1.5 0 1 0 3 0a1.5 1.5 0 1 0-3 0",
+  clamp: "M4 3v14M4 10h13M4 5l-3 2M4 9l-3 2M4 13l-3 2M4 17l-3 2",
+  displacement: "M4 14h12M10 14V4M7 7l3-3 3 3M4 14l-2 3M8 14l-2 3M12 14l-2 3M16 14l-2 3",
   mirror: "M10 2v3M10 8v4M10 15v3M3 6l4 4-4 4zM17 6l-4 4 4 4z",
   bar: "M5 15L15 5M5 15m-2 0a2 2 0 1 0 4 0a2 2 0 1 0-4 0M15 5m-2 0a2 2 0 1 0 4 0a2 2 0 1 0-4 0",
   plate: "M3 16L6 4l11 4-4 9z",

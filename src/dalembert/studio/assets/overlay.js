@@ -10,10 +10,10 @@ import { elementPlaces, namedPlaces } from "./snapping.js";
 /** @typedef {{ x: number, y: number }} Spot */
 
 /** Number with four digits. @param {number} value */
-const short = (value) => String(Number(value.toPrecision(4)));
+export const short = (value) => String(Number(value.toPrecision(4)));
 
 /** Length and angle of a line. @param {Spot} from @param {Spot} to */
-const measured = (from, to) => `${short(Math.hypot(to.x - from.x, to.y - from.y))} m < ${short((Math.atan2(to.y - from.y, to.x - from.x) * 180) / Math.PI)}°`;
+export const measured = (from, to) => `${short(Math.hypot(to.x - from.x, to.y - from.y))} m < ${short((Math.atan2(to.y - from.y, to.x - from.x) * 180) / Math.PI)}°`;
 
 /** @param {CanvasRenderingContext2D} ctx @param {Drawing} drawing */
 export function drawOverlay(ctx, drawing) {
@@ -72,7 +72,7 @@ export function drawOverlay(ctx, drawing) {
 }
 
 /** Lines of text in a box beside the pointer. @param {CanvasRenderingContext2D} ctx @param {[number, number]} at @param {string[]} lines @param {(name: string) => string} colour */
-function readout(ctx, [x, y], lines, colour) {
+export function readout(ctx, [x, y], lines, colour) {
   const rows = lines.filter(Boolean), width = Math.max(...rows.map((row) => ctx.measureText(row).width)) + 16, height = 17 * rows.length + 8;
   const left = Math.min(x + 14, ctx.canvas.clientWidth - width - 4), top = Math.max(4, y - 14 - height);
   ctx.beginPath();

@@ -3,6 +3,7 @@
 import { showSheet } from "./dialogs.js";
 import { button, el } from "./dom.js";
 import { keyName } from "./palette.js";
+import { STRUCTURE_TOOLS } from "./structure_tools.js";
 import { TOOLS } from "./tools.js";
 
 /** @typedef {[string, string][]} Rows keys and their meaning */
@@ -10,6 +11,7 @@ import { TOOLS } from "./tools.js";
 /** @param {string} modifier @returns {[string, Rows][]} */
 const groups = (modifier) => [
   ["Tools", TOOLS.flatMap(({ key, title }) => (key ? [[keyName(key), title]] : []))],
+  ["Structures", STRUCTURE_TOOLS.map(({ key, title }) => [keyName(key), title])],
   ["Drawing", [["Arrows", "move the crosshair by a step of the grid, with Shift by a tenth"], ["Enter", "click at the crosshair; finish a plate"], ["Esc", "give up what is being drawn; select"], ["Delete", "remove the selected element"], ["Alt", "hold: no snapping"]]],
   ["File", [[`${modifier}S`, "save"], [`${modifier}Shift+S`, "save as"], [`${modifier}O`, "open"], [`${modifier}Z`, "undo"], [`${modifier}Y`, "redo"]]],
   ["Text", [[`${modifier}E`, "turn the number at the cursor into a parameter"], [`${modifier}F`, "search"], [`${modifier}Space`, "complete"], ["Tab", "next part of the page"]]],

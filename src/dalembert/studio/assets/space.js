@@ -10,6 +10,7 @@
 /** @import { Document } from "./types.d.ts" */
 
 import { ModelTree } from "./model_tree.js";
+import { valuesAfter } from "./preview.js";
 import { sectionOf } from "./selection.js";
 import { AXES } from "./space_math.js";
 import { grip, handleAt, handles, pulled } from "./space_gizmo.js";
@@ -17,7 +18,7 @@ import { answer } from "./space_keys.js";
 import { drawOver } from "./space_overlay.js";
 import { SpacePalette } from "./space_palette.js";
 import { settleAtStart, spaceSnap } from "./space_places.js";
-import { Poses } from "./space_poses.js";
+import { Poses, stillPoses } from "./space_poses.js";
 import { axesOf, moved, poseOf, rotates } from "./space_targets.js";
 import { SPACE_TOOLS } from "./space_tools.js";
 
@@ -50,6 +51,8 @@ export class Space {
     this.hover = null;
     /** @type {Grip | null} */
     this.held = null;
+    /** Poses and parameters when the gizmo was taken. @type {{ poses: Poses, values: number[] } | null} */
+    this.still = null;
     /** Pixel of the last press. @type {Pixel | null} */
     this.pressed = null;
     /** Characters typed as coordinates of the next place. */
@@ -167,6 +170,8 @@ export class Space {
     const page = this.boundPage, { pose } = this, handle = page && pose && this.resting && event.button === 0 ? handleAt(page, pose, this.handles, at) : null;
     if (!page || !pose || !handle) return false;
     this.held = grip(page, pose, handle, at);
+    page.scene.view.fitted = false;  // the drawing stays below the pointer
+    this.still = this.poses && { poses: stillPoses(this.poses), values: [...(page.design?.values ?? [])] };
     page.scene.canvas.setPointerCapture?.(event.pointerId);
     this.refresh();
     return true;
@@ -253,21 +258,34 @@ export class Space {
   /** Show the held body where it is dragged to. */
   preview() {
     const { held, poses, selected } = this;
-    if (held && poses && selected?.section === "bodies" && !selected.part) poses.moved.set(selected.name, held.after);
+    if (held && poses && selected && !this.compute(held, selected) && selected.section === "bodies" && !selected.part) poses.moved.set(selected.name, held.after);
     this.refresh();
+  }
+
+  /** Let a live page compute the assembled position; returns whether it can. @param {Grip} held @param {Choice} selected */
+  compute(held, selected) {
+    const { still, document, boundPage } = this, design = boundPage?.design;
+    if (!still || !document || !boundPage || !design || design.parameters.length !== still.values.length) return false;
+    try {
+      const next = valuesAfter(boundPage, document, still.values, moved(still.poses, document, selected, held.before, held.after));
+      if (next) design.replace(next, "drawing");
+      return next !== null;
+    } catch {
+      return false;  // the reason is shown when it is released
+    }
   }
 
   /** Write a movement into the text. @param {Grip} held */
   release(held) {
-    const { poses, document, selected } = this;
-    [this.held, this.pressed] = [null, null];
+    const { document, selected } = this, computed = selected !== null && this.compute(held, selected), poses = this.poses && (this.still?.poses ?? this.poses);
+    [this.held, this.pressed, this.still] = [null, null, null];
     this.pictures.held = false;
     if (poses && document && selected) {
       poses.moved.clear();
       try {
         const operations = moved(poses, document, selected, held.before, held.after);
         if (operations.length) {
-          if (selected.section === "bodies" && !selected.part) poses.moved.set(selected.name, held.after);
+          if (!computed && selected.section === "bodies" && !selected.part) poses.moved.set(selected.name, held.after);
           this.send({ label: `${held.handle.kind === "turn" ? "rotate" : "move"} ${selected.key ?? selected.name}`, operations });
         }
       } catch (error) {
@@ -280,6 +298,8 @@ export class Space {
   /** A change was refused: the picture shows the text again. */
   revert() {
     this.poses?.moved.clear();
+    if (this.still) this.boundPage?.design?.replace(this.still.values, "drawing");
+    this.still = null;
     this.held = null;
     this.pictures.held = false;
     this.refresh();

@@ -30,3 +30,11 @@ export class Poses {
     return pose ? { p: pose.p.toArray(), q: [pose.q.w, pose.q.x, pose.q.y, pose.q.z] } : null;
   }
 }
+
+/** Poses and points as they are now, which a computed preview does not change. @param {Poses} poses @returns {Poses} */
+export function stillPoses(poses) {
+  const { page } = poses, { motion } = page, names = [...new Set(["ground", ...motion.bodies.map((/** @type {any} */ body) => body.name)])];
+  const own = new Map(names.map((name) => [name, poses.of(name)])), places = motion.points.map((/** @type {any} */ { body, point }) => ({ body, point, at: motion.at(body, point) }));
+  const still = Object.assign(Object.create(motion), { at: (/** @type {any} */ body, /** @type {any} */ point) => places.find((/** @type {any} */ one) => one.body === body && one.point === point)?.at ?? motion.at(body, point) });
+  return Object.assign(Object.create(poses), { of: (/** @type {string} */ name) => own.get(name) ?? null, page: { ...page, motion: still } });
+}

@@ -20,6 +20,7 @@ import { Properties } from "./properties.js";
 import { Sheets } from "./sheets.js";
 import { showShortcuts } from "./shortcuts.js";
 import { Space } from "./space.js";
+import { Structure } from "./structure.js";
 
 /** Time for which a notice is shown [ms]. */
 const SHOWN = 6000;
@@ -89,6 +90,7 @@ class Studio {
     /** The guided first build. @type {Guide | undefined} */
     this.guide = new Guide(byId("canvas"), () => ({ ...this.file, document: this.known, tool: this.drawing.tool.name }));
     this.space = new Space(this.pictures, this.drawing.actions, byId("canvas"));
+    this.structure = new Structure(this.pictures, this.drawing.actions, byId("canvas"), () => this.completion);
     this.sheets = new Sheets(byId("sheets"), byId("writing"), [{ name: "text", title: "Text", node: byId("text") }, { name: "model", title: "Model", node: this.space.tree.node }]);
     /** Requests of other parts by the kind of their answer. @type {Record<string, (message: any) => void>} */
     this.handlers = { export: (message) => this.exports.receive(message) };
@@ -100,7 +102,7 @@ class Studio {
   }
 
   bind() {
-    for (const drawn of [this.space, this.drawing]) document.addEventListener("keydown", (event) => drawn.key(event));
+    for (const drawn of [this.space, this.structure, this.drawing]) document.addEventListener("keydown", (event) => drawn.key(event));
     document.addEventListener("keydown", (event) => this.key(event));
     this.pictures.onShow.push(() => this.pictures.frame?.contentWindow?.addEventListener("keydown", (event) => this.key(event)));
     byId("cancel").addEventListener("click", () => this.request("cancel"));
@@ -151,6 +153,7 @@ class Studio {
       case "picture":
         if (!message.live) {
           this.described = message;
+          this.structure.describe(message.facts?.moving ?? []);
           this.working();
         }
         this.insight.describe(message);
@@ -178,6 +181,7 @@ class Studio {
     this.file = file;
     this.drawing.document = file.document;
     this.space.show(file.document ?? this.known);
+    this.structure.show(file.document ?? this.known);
     this.properties.show();
     this.known = file.document ?? this.known;
     if (this.unsent !== null) {
@@ -270,8 +274,9 @@ class Studio {
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     let waiting;
     let written = [...design.values];
-    design.onChange.on(() => {
+    design.onChange.on((/** @type {string} */ origin) => {
       clearTimeout(waiting);
+      if (origin === "drawing") return;  // written when it is released
       waiting = setTimeout(() => {
         if (this.pictures.page?.design !== design) return;
         const operations = design.parameters.flatMap((/** @type {{ name: string, drawn?: unknown }} */ { name, drawn }, /** @type {number} */ k) => (drawn || design.values[k] === written[k] ? [] : [{ op: "parameter", name, value: design.values[k] }]));

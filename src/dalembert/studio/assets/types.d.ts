@@ -9,7 +9,7 @@ export interface TextMessage { kind: "text"; revision: number; text: string | nu
 export type Document = Record<string, Record<string, any> | undefined>;
 /** A picture; `page` is its address, empty if there is none. */
 export interface PictureMessage { kind: "picture"; number: number; revision: number; live: boolean; page: string; problems?: Problem[]; summary?: string; facts?: Facts }
-export interface Facts { degrees_of_freedom?: number; free?: number; redundant?: number; redundancies?: string[] }
+export interface Facts { moving?: string[]; degrees_of_freedom?: number; free?: number; redundant?: number; redundancies?: string[] }
 export interface NoticeMessage { kind: "notice" | "failure"; text: string }
 export interface ConflictMessage { kind: "conflict"; text: string; path: string }
 export interface Example { example: string; name: string; description: string }

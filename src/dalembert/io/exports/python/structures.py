@@ -99,9 +99,30 @@ class StructureCode:
             if source is not None:
                 sizes = literal(tuple(source.size)), literal(tuple(source.counts))
                 return call(f"structures.{key}_mesh", *sizes, quoted(shape))
+        if entry.polygon is not None:
+            return self.polygon(entry.polygon, shape)
         line = entry.line
         ends = literal(tuple(line.start)), literal(tuple(line.end))
         return call("structures.line_mesh", *ends, literal(line.count))
+
+    def polygon(self, region: Any, shape: str) -> Any:
+        """Triangles of a region with a polygonal outline and holes."""
+
+        def places(rows: Any) -> Any:
+            written = [vector(self.formulas.write(x, text=False) for x in row) for row in rows]
+            return Code("[", written, "]")
+
+        def hole(entry: Any) -> Any:
+            if isinstance(entry, list):
+                return places(entry)
+            center = vector(self.formulas.write(x, text=False) for x in entry.center)
+            return vector([center, self.formulas.write(entry.radius, text=False)])
+
+        arguments: list[Any] = [places(region.vertices), literal(region.size)]
+        keywords: dict[str, Any] = {"kind": quoted(shape), "parameters": "system.parameters"}
+        if region.holes:
+            keywords = {"holes": Code("[", [hole(h) for h in region.holes], "]")} | keywords
+        return call("structures.polygon_mesh", *arguments, **keywords)
 
     # conditions ------------------------------------------------------------------------------
     def conditions(self, gravity_is_written: bool) -> Statements:

@@ -67,9 +67,13 @@ def refuse_motion(motion: np.ndarray, degrees: Numbering, free: np.ndarray) -> N
         list(dict.fromkeys(names))
         for names in zip(*(degrees.place(int(k)) for k in moved), strict=True)
     )
+    whole = np.zeros(len(degrees))
+    whole[free] = motion
     raise SingularityError(
         f"the structure is a mechanism: {', '.join(nodes[:8])} can move without significant strain "
-        f"({', '.join(directions)}); support them or add elements"
+        f"({', '.join(directions)}); support them or add elements",
+        nodes,
+        whole,
     )
 
 

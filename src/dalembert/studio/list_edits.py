@@ -1,0 +1,110 @@
+"""Lists of tables of a model file, such as ``[[supports]]``: entries added and removed."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import TYPE_CHECKING, Any
+
+from dalembert.errors import ModelError
+from dalembert.io.messages import key_path
+from dalembert.studio.toml_values import NAME, as_toml
+
+if TYPE_CHECKING:
+    from dalembert.studio.text_edits import TextEdits
+
+LISTS = {
+    "supports": "nodes",
+    "loads": "nodes",
+    "line_loads": "elements",
+    "tractions": "nodes",
+}
+"""Lists that the drawing changes, and the key of the names of their parts."""
+REFERENCES = ("nodes", "elements")
+"""Keys of names of nodes, elements and meshes in these and other lists."""
+OTHERS = ("temperatures", "initial")
+"""Further lists that refer to nodes and elements."""
+
+
+def append_entry(edits: TextEdits, section: str, fields: Mapping[str, Any]) -> None:
+    """Add a table at the end of a list, in the style of its other tables.
+
+    Parameters
+    ----------
+    edits : of the text
+    section : such as ``supports``
+    fields : key → value
+
+    Raises
+    ------
+    ModelError
+        Another section, or an invalid key or value.
+    """
+    if section not in LISTS:
+        raise ModelError("tables cannot be added to this section", section)
+    for key in fields:
+        if not NAME.fullmatch(str(key)):
+            raise ModelError(f"{str(key)[:60]!r} is no key", section)
+    place = edits.places.get((section,))
+    if place is None:
+        rows = "".join(f"{key} = {as_toml(value)}\n" for key, value in fields.items())
+        edits.insert(section, False, f"[[{section}]]\n{rows}", "\n\n")
+        return
+    entries = edits.data[section]
+    if not isinstance(entries, list):
+        raise ModelError("is no list of tables", section)
+    ends = [edits.places[section, k].end for k in range(len(entries))]
+    at = ends[-1] if ends else place.value + 1
+    text = (", " if ends else "") + as_toml(dict(fields))
+    edits.set_text(edits.text[:at] + text + edits.text[at:])
+
+
+def remove_entry(edits: TextEdits, section: str, index: int) -> None:
+    """Remove a table of a list.
+
+    Raises
+    ------
+    ModelError
+        There is none of this number.
+    """
+    entries = edits.data.get(section)
+    if section not in (*LISTS, *OTHERS) or not isinstance(entries, list):
+        raise ModelError("tables cannot be removed from this section", section)
+    if not 0 <= index < len(entries):
+        raise ModelError("there is no such table", key_path(section, index))
+    text, place = edits.text, edits.places.get((section,))
+    if place is None:
+        ranges = edits.ranges((section, index))
+        for start, end in sorted(ranges, reverse=True):
+            text = text[:start] + text[end:]
+        edits.set_text(text)
+        return
+    own = edits.places[section, index]
+    if index + 1 < len(entries):
+        start, end = own.start, edits.places[section, index + 1].start
+    else:
+        start = edits.places[section, index - 1].end if index else own.start
+        end = own.end
+    edits.set_text(text[:start] + text[end:])
+
+
+def remove_from_lists(edits: TextEdits, names: Collection[str]) -> None:
+    """Remove nodes, elements and meshes from lists; tables of these only are removed.
+
+    Parameters
+    ----------
+    edits : of the text
+    names : of the removed parts
+    """
+    for section in (*LISTS, *OTHERS):
+        entries = edits.data.get(section)
+        for index in reversed(range(len(entries) if isinstance(entries, list) else 0)):
+            entry = edits.data[section][index]
+            for key in REFERENCES if isinstance(entry, dict) else ():
+                old = entry.get(key, [])
+                listed = old if isinstance(old, list) else [old]
+                kept = [name for name in listed if str(name).partition(".")[0] not in names]
+                if listed and not kept:
+                    remove_entry(edits, section, index)
+                    break
+                if kept != listed:
+                    edits.replace((section, index, key), kept[0] if len(kept) == 1 else kept)
