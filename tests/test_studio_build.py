@@ -7,17 +7,16 @@ import time
 from pathlib import Path
 
 import numpy as np
-from browser import browser  # noqa: F401
 from studio_build import FREE, build
+from studio_desk import Desk
 from studio_runs import Studio
-from test_studio_page import Desk, desk  # noqa: F401
 
 import dalembert as da
 from dalembert.errors import DalembertError
 
 
 def test_a_four_bar_is_drawn_optimised_and_saved(
-    desk: tuple[Desk, Studio],  # noqa: F811
+    desk: tuple[Desk, Studio],
     tmp_path: Path,
 ) -> None:
     visit, _ = desk

@@ -14,7 +14,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 from dalembert.studio.child import MEMORY, TIME, begin_child, memory_of
-from dalembert.studio.pictures import Picture, Problem, picture_of
+from dalembert.studio.pictures import Picture, picture_of
+from dalembert.studio.problems import Problem
 
 GRACE = 1.5
 """Time after which outdated work is cancelled; earlier its process is worth more [s]."""

@@ -23,7 +23,7 @@ from dalembert.io.reading import parse_document
 from dalembert.io.report import report_choices
 from dalembert.report.page import render_page
 from dalembert.studio.candidates import cards
-from dalembert.studio.pictures import Problem, problems_of
+from dalembert.studio.problems import Problem, problems_of
 
 SECTIONS = tuple(RUNS)
 """Sections of design tasks."""
