@@ -48,7 +48,7 @@ class PictureFeed:
         """Start the building processes; call inside the event loop."""
         for kind in KINDS:
             show = in_loop(partial(self.show, kind))
-            self._builders[kind] = BuildingProcess(kind == "live", show)
+            self._builders[kind] = BuildingProcess(kind, show)
 
     def build(self, text: str, path: Path, revision: int) -> None:
         """Make pictures of a text, in place of those that are being made.

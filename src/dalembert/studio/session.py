@@ -12,6 +12,7 @@ from typing import Any
 
 from dalembert.errors import DalembertError, FileError
 from dalembert.io.reading import parse_document
+from dalembert.studio.assembly_feed import AssemblyFeed
 from dalembert.studio.draft import Draft
 from dalembert.studio.event_loop import in_loop
 from dalembert.studio.export_process import Exports
@@ -59,6 +60,7 @@ class Session:
         self._tasks: set[asyncio.Task[None]] = set()
         self.tasks = Tasks()
         self.preview = Preview()
+        self.assemblies = AssemblyFeed(self.broadcast)
         self.pictures = PictureFeed(
             self.broadcast, lambda problems: self.preview.in_text(problems, self.draft.text)
         )
@@ -122,6 +124,7 @@ class Session:
     def close(self) -> None:
         """End the processes; a draft with unsaved changes remains in the journal."""
         self.pictures.close()
+        self.assemblies.close()
         self.exports.close()
         self.tasks.close()
         self.journal.close()
@@ -145,6 +148,12 @@ class Session:
         """Make pictures of the present text, with the analysis of the preview."""
         text = self.preview.apply(self.draft.text)
         self.pictures.build(text, self.place, self.draft.revision)
+        self.assemblies.build(self.draft.text, self.place, self.draft.revision)
+
+    def show_assemblies(self, shown: bool) -> None:
+        """Search the other configurations after every change, or no longer."""
+        self.assemblies.shown = shown
+        self.assemblies.build(self.draft.text, self.place, self.draft.revision)
 
     def show_analysis(self, fields: dict[str, Any] | None) -> None:
         """Show another analysis than that of the text; None shows that of the text."""
@@ -204,9 +213,8 @@ class Session:
         await send(self.state())
         if self.recovered is not None:
             await send({"kind": "notice", "text": RESTORED})
-        for message in self.pictures.present():
-            await send(message)
-        for message in (*self.tasks.messages(), self.preview.message()):
+        shown = (*self.pictures.present(), *self.assemblies.present(), *self.tasks.messages())
+        for message in (*shown, self.preview.message()):
             await send(message)
 
     def detach(self, send: Send) -> None:

@@ -5,6 +5,7 @@
 
 import { AnalysisSheet } from "./analysis.js";
 import { DesignSheet } from "./design.js";
+import { Ghosts } from "./ghosts.js";
 import { OverlayBar } from "./overlay_bar.js";
 import { SynthesisSheet } from "./synthesis.js";
 import { drawTargets } from "./targets.js";
@@ -12,7 +13,16 @@ import { ResultPanel } from "./tasks.js";
 
 /** Add the sheets to the studio. @param {StudioPage} studio */
 export function addInsight(studio) {
-  const overlays = new OverlayBar(studio.pictures);
+  const ghosts = new Ghosts(studio.pictures, {
+    request: (kind, more) => void studio.request(kind, more),
+    edit: (label, operations) => void studio.edit(label, operations),
+    refuse: (text) => studio.say(text, true),
+    rest: () => studio.drawing.rest(),
+    document: () => studio.file.document,
+    revision: () => studio.file.revision,
+    selects: () => studio.drawing.tool.name === "select",
+  });
+  const overlays = new OverlayBar(studio.pictures, ghosts, () => studio.drawing.selection);
   let marked = -1;
   const result = new ResultPanel((task, values) => studio.edit(`adopt ${task.section}`, Object.entries(values).map(([name, value]) => ({ op: "parameter", name, value }))));
   const shared = {
@@ -36,6 +46,7 @@ export function addInsight(studio) {
   studio.sheets.add({ name: "design", title: "Design", node: design.node, onShow: () => design.render() });
   studio.sheets.add({ name: "synthesis", title: "Synthesis", node: synthesis.node });
   studio.onDocument.push((document) => { analysis.show(document); design.show(document); synthesis.show(document); });
+  studio.handlers.assemblies = (message) => ghosts.receive(message);
   studio.handlers.preview = (message) => analysis.receive(message);
   studio.handlers.task = (/** @type {TaskMessage} */ task) => {
     design.receive(task);
@@ -47,5 +58,5 @@ export function addInsight(studio) {
       if (page.scene.view && "s" in page.scene.view) drawTargets(ctx, page, studio.known, colour, marked);
     });
   });
-  return { analysis, design, synthesis, overlays, result, describe: (/** @type {PictureMessage} */ message) => analysis.describe(message) };
+  return { analysis, design, synthesis, overlays, ghosts, result, describe: (/** @type {PictureMessage} */ message) => analysis.describe(message) };
 }
