@@ -141,9 +141,9 @@ def test_sliders_write_their_values_into_the_text(desk: tuple[Desk, Studio]) -> 
     assert visit.text == text
 
 
-def test_files_and_examples_are_opened(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
-    visit, _ = desk
-    (tmp_path / "beside.toml").write_text(UNTITLED.replace("untitled", "beside"))
+def test_files_and_examples_are_opened(desk: tuple[Desk, Studio]) -> None:
+    visit, studio = desk
+    (studio.folder / "beside.toml").write_text(UNTITLED.replace("untitled", "beside"))
     visit.draw("b", (0, 0), (0.5, 0))
     for value, name in (("beside.toml", "beside"), ("example: slider_crank", "slider")):
         visit.page.click("text=Open…")

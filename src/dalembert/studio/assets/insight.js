@@ -8,6 +8,7 @@ import { DesignSheet } from "./design.js";
 import { Ghosts } from "./ghosts.js";
 import { OverlayBar } from "./overlay_bar.js";
 import { SynthesisSheet } from "./synthesis.js";
+import { TargetDrag } from "./target_drag.js";
 import { drawTargets } from "./targets.js";
 import { ResultPanel } from "./tasks.js";
 
@@ -23,6 +24,7 @@ export function addInsight(studio) {
     selects: () => studio.drawing.tool.name === "select",
   });
   const overlays = new OverlayBar(studio.pictures, ghosts, () => studio.drawing.selection);
+  const drag = new TargetDrag(studio.pictures, { edit: (label, operations) => void studio.edit(label, operations), document: () => studio.known, selects: () => studio.drawing.tool.name === "select" });
   let marked = -1;
   const result = new ResultPanel((task, values) => studio.edit(`adopt ${task.section}`, Object.entries(values).map(([name, value]) => ({ op: "parameter", name, value }))));
   const shared = {
@@ -55,7 +57,7 @@ export function addInsight(studio) {
   studio.pictures.onShow.push((page) => {
     page.scene.overlays.push((/** @type {{ ctx: CanvasRenderingContext2D }} */ { ctx }) => {
       const colour = getComputedStyle(document.documentElement).getPropertyValue("--error").trim();
-      if (page.scene.view && "s" in page.scene.view) drawTargets(ctx, page, studio.known, colour, marked);
+      if (page.scene.view && "s" in page.scene.view) drawTargets(ctx, page, drag.document, colour, marked);
     });
   });
   return { analysis, design, synthesis, overlays, ghosts, result, describe: (/** @type {PictureMessage} */ message) => analysis.describe(message) };
