@@ -56,8 +56,8 @@ class Desk(Visit):
     def settle(self, revision: int | None = None) -> None:
         """Wait until the picture is that of a revision of the text, by default the present one."""
         wanted = self.revision if revision is None else revision
-        self.until(f"studio.described?.revision >= {wanted}", 30)
-        self.until("studio.pictures.shown === studio.described?.number", 30)
+        self.until(f"studio.described?.revision >= {wanted}", 90)
+        self.until("studio.pictures.shown === studio.described?.number", 90)
 
     def place(self, *place: float) -> tuple[float, float]:
         return tuple(self.page.evaluate(PIXEL, list(place)))  # type: ignore[return-value]

@@ -4,6 +4,7 @@
 /** @import { PictureMessage, TaskMessage } from "./types.d.ts" */
 
 import { AnalysisSheet } from "./analysis.js";
+import { ContactSheet } from "./contact_sheet.js";
 import { DesignSheet } from "./design.js";
 import { Ghosts } from "./ghosts.js";
 import { OverlayBar } from "./overlay_bar.js";
@@ -43,11 +44,12 @@ export function addInsight(studio) {
     },
     mark: (/** @type {number} */ entry) => { marked = entry; studio.pictures.page?.scene.invalidate(); },
   };
-  const analysis = new AnalysisSheet(shared, [overlays.node]), design = new DesignSheet(shared), synthesis = new SynthesisSheet(shared);
+  const analysis = new AnalysisSheet(shared, [overlays.node]), design = new DesignSheet(shared), synthesis = new SynthesisSheet(shared), contacts = new ContactSheet(shared);
   studio.sheets.add({ name: "analysis", title: "Analysis", node: analysis.node });
   studio.sheets.add({ name: "design", title: "Design", node: design.node, onShow: () => design.render() });
   studio.sheets.add({ name: "synthesis", title: "Synthesis", node: synthesis.node });
-  studio.onDocument.push((document) => { analysis.show(document); design.show(document); synthesis.show(document); });
+  studio.sheets.add({ name: "contacts", title: "Contacts", node: contacts.node });
+  studio.onDocument.push((document) => { if (document) contacts.show(document); analysis.show(document); design.show(document); synthesis.show(document); });
   studio.handlers.assemblies = (message) => ghosts.receive(message);
   studio.handlers.preview = (message) => analysis.receive(message);
   studio.handlers.task = (/** @type {TaskMessage} */ task) => {

@@ -6,6 +6,7 @@
 /** @import { Change } from "./operations.js" */
 /** @import { Document } from "./types.d.ts" */
 
+import { SHAPE_TOOLS } from "./contact_shapes.js";
 import { transform } from "./editing.js";
 import { actuator, contact, damper, hydraulic, linearMotor, rope, stop, stroke, torque, torsionSpring } from "./new_forces.js";
 import { beam, cam, gears, guide, link, mass, point, rack, slot, weld } from "./new_joints.js";
@@ -17,7 +18,7 @@ import { reflection } from "./transforms.js";
  * With `onBody` the first place may be on a body, with `all` every place.
  * @typedef {{ name: string, key: string, group: string, title: string, hint: string[], clicks: number, onBody?: boolean | "all", make: (places: Place[], drawing: Drawing) => Change | null }} Tool */
 
-export const GROUPS = ["Select", "Bodies", "Joints", "Forces", "Drives", "Targets"];
+export const GROUPS = ["Select", "Bodies", "Joints", "Forces", "Contacts", "Drives", "Targets"];
 
 /** A tool that needs the picture and the document. @param {(page: Page, document: Document, places: Place[]) => Change | null} make @returns {Tool["make"]} */
 const using = (make) => (places, { page, document }) => page && document && make(page, document, places);
@@ -51,7 +52,8 @@ export const TOOLS = [
   { name: "hydraulic", key: "J", group: "Forces", title: "Hydraulic cylinder", hint: [A_POINT, "click the other end"], clicks: 2, onBody: "all", make: ([from, to]) => hydraulic(from, to) },
   { name: "rope", key: "z", group: "Forces", title: "Rope", hint: ["click the points it runs through, on bodies or the ground; Enter ends it"], clicks: 0, onBody: "all", make: (places) => rope(places) },
   { name: "stop", key: "x", group: "Forces", title: "Stop", hint: ["click a pin, a slider or a guide"], clicks: 1, make: using((page, document, [place]) => stop(place, page, document)) },
-  { name: "contact", key: "C", group: "Forces", title: "Contact", hint: ["click a body", "click another body, or the height of the floor"], clicks: 2, onBody: "all", make: using((_, document, [first, second]) => contact(first, second, document)) },
+  { name: "contact", key: "C", group: "Contacts", title: "Contact of two bodies", hint: ["click a body", "click another body, or the height of the floor"], clicks: 2, onBody: "all", make: using((_, document, [first, second]) => contact(first, second, document)) },
+  ...SHAPE_TOOLS,
   { name: "motor", key: "m", group: "Drives", title: "Motor", hint: [A_JOINT], clicks: 1, make: using((page, document, [place]) => motor(place, page, document)) },
   { name: "drive", key: "n", group: "Drives", title: "Linear motor", hint: ["click a slider or a guide"], clicks: 1, make: using((_, document, [place]) => linearMotor(place, document)) },
   { name: "stroke", key: "N", group: "Drives", title: "Length drive", hint: [A_POINT, "click the other end"], clicks: 2, onBody: "all", make: ([from, to]) => stroke(from, to) },
