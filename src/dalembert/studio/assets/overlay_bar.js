@@ -10,9 +10,10 @@ import { OVERLAYS, drawOverlays } from "./overlays.js";
 const PLOTS = { Power: /\.power$|^input_power$/, Energies: /^(kinetic_energy|potential_energy|energy|input_energy|dissipated_energy)$/ };
 
 export class OverlayBar {
-  /** @param {Pictures} pictures @param {Ghosts} ghosts @param {() => Set<string>} selected */
-  constructor(pictures, ghosts, selected) {
+  /** @param {Pictures} pictures @param {Ghosts} ghosts @param {() => Set<string>} selected @param {() => boolean} draws whether digits belong to what is drawn */
+  constructor(pictures, ghosts, selected, draws) {
     this.selected = selected;
+    this.draws = draws;
     this.pictures = pictures;
     this.ghosts = ghosts;
     /** Names of the drawn overlays. @type {Set<string>} */
@@ -44,7 +45,7 @@ export class OverlayBar {
   /** @param {KeyboardEvent} event */
   key(event) {
     const typing = /** @type {HTMLElement} */ (event.target)?.closest?.("input, select, textarea, .cm-editor, dialog");
-    if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (typing || this.draws() || event.ctrlKey || event.metaKey || event.altKey) return;
     const overlay = OVERLAYS.find(({ key }) => key === event.key);
     if (overlay) this.toggle(overlay.name);
     else if (event.key === "8") this.toggleReactions();
