@@ -28,7 +28,7 @@ PERIOD = 0.25
 """Time between checks of the limits of the process [s]."""
 
 
-KINDS = {
+KINDS: dict[str, Callable[[str, Path], Picture]] = {
     "still": partial(picture_of, live=False),
     "live": partial(picture_of, live=True),
     "assemblies": assemblies_of,

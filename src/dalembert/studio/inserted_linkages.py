@@ -84,7 +84,7 @@ def mechanism_operations(motion: Any) -> list[dict[str, Any]] | None:
             local = (_at_start(motion, point) - complex(x, y)) * turn
             points[name] = [_short(local.real), _short(local.imag)]
         size = _short(max((abs(complex(*place)) for place in points.values()), default=1.0))
-        fields = {"mass": size, "inertia": _short(size**3 / 3)}
+        fields: dict[str, Any] = {"mass": size, "inertia": _short(size**3 / 3)}
         fields |= {"position": [_short(x), _short(y)], "angle": _short(angle), "points": points}
         operations.append(_added("bodies", body.name, fields))
     for element in model.closure.description.constraints:

@@ -20,6 +20,7 @@ export class ContactSheet {
   show(document) {
     const found = collisionsOf(document), tools = el("div", { class: "chips" }, [["circle", "Circle"], ["capsule", "Capsule"], ["polygon", "Polygon"], ["halfplane", "Half plane"]].map(([tool, title]) => button(title, () => this.actions.draw(tool))));
     const focused = /** @type {HTMLInputElement | null} */ (this.node.querySelector(":focus"))?.name;
+    if (Array.isArray(document?.gravity) && document.gravity.length === 3) return this.node.replaceChildren(el("p", { class: "muted" }, "Shapes of contacts of spatial models are written in the text."));
     this.node.replaceChildren(el("p", { class: "muted" }, "Shapes are attached to bodies by clicks. Bodies with shapes touch each other; groups of shapes may have their own friction and restitution."), tools, ...(found ? [this.element(...found)] : []));
     if (focused) /** @type {HTMLElement | null} */ (this.node.querySelector(`[name="${CSS.escape(focused)}"]`))?.focus();
   }

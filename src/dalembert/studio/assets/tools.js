@@ -52,7 +52,7 @@ export const TOOLS = [
   { name: "hydraulic", key: "J", group: "Forces", title: "Hydraulic cylinder", hint: [A_POINT, "click the other end"], clicks: 2, onBody: "all", make: ([from, to]) => hydraulic(from, to) },
   { name: "rope", key: "z", group: "Forces", title: "Rope", hint: ["click the points it runs through, on bodies or the ground; Enter ends it"], clicks: 0, onBody: "all", make: (places) => rope(places) },
   { name: "stop", key: "x", group: "Forces", title: "Stop", hint: ["click a pin, a slider or a guide"], clicks: 1, make: using((page, document, [place]) => stop(place, page, document)) },
-  { name: "contact", key: "C", group: "Contacts", title: "Contact of two bodies", hint: ["click a body", "click another body, or the height of the floor"], clicks: 2, onBody: "all", make: using((_, document, [first, second]) => contact(first, second, document)) },
+  { name: "contact", key: "C", group: "Contacts", title: "Contact", hint: ["click a body", "click another body, or the height of the floor"], clicks: 2, onBody: "all", make: using((_, document, [first, second]) => contact(first, second, document)) },
   ...SHAPE_TOOLS,
   { name: "motor", key: "m", group: "Drives", title: "Motor", hint: [A_JOINT], clicks: 1, make: using((page, document, [place]) => motor(place, page, document)) },
   { name: "drive", key: "n", group: "Drives", title: "Linear motor", hint: ["click a slider or a guide"], clicks: 1, make: using((_, document, [place]) => linearMotor(place, document)) },
