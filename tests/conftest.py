@@ -15,6 +15,7 @@ os.environ.setdefault(  # kept for the next run of the tests
 import pytest
 from browser import browser, show  # noqa: F401
 from hypothesis import settings
+from studio_desk import desk, studio_server  # noqa: F401
 from thorough import mark_products
 
 from dalembert.io import json_schema

@@ -13,8 +13,8 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+from studio_desk import LOOK, Desk
 from studio_runs import running_studio
-from test_studio_page import LOOK, Desk
 
 from dalembert.files import atomic_path
 

@@ -20,10 +20,12 @@ class Studio:
     ----------
     address : of its page, with the token
     process : of the server
+    folder : in which it runs
     """
 
     address: str
     process: subprocess.Popen[str]
+    folder: Path
 
     @property
     def host(self) -> str:
@@ -52,7 +54,7 @@ def running_studio(folder: Path, *arguments: Any) -> Iterator[Studio]:
     try:
         line = process.stdout.readline()
         assert line.startswith("studio: http://127.0.0.1:"), line + process.stdout.read()
-        yield Studio(line.split()[1], process)
+        yield Studio(line.split()[1], process, folder)
     finally:
         process.terminate()
         try:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from browser import browser  # noqa: F401
+from studio_desk import Desk
 from studio_runs import Studio
-from test_studio_page import Desk, desk  # noqa: F401
 
 Desks = tuple[Desk, Studio]
 CHECKS = (Path(__file__).parent / "studio_access.js").read_text("utf-8")
@@ -18,7 +17,7 @@ def check(visit: Desk, name: str) -> list[str]:
     return list(visit.page.evaluate(f"() => {CHECKS.partition(chr(10))[2].strip()}.{name}()"))
 
 
-def test_a_bar_is_drawn_moved_and_removed_by_the_keyboard(desk: Desks) -> None:  # noqa: F811
+def test_a_bar_is_drawn_moved_and_removed_by_the_keyboard(desk: Desks) -> None:
     visit, _ = desk
     keys = visit.page.keyboard
     visit.js("document.getElementById('canvas').focus()")
@@ -30,7 +29,7 @@ def test_a_bar_is_drawn_moved_and_removed_by_the_keyboard(desk: Desks) -> None: 
         keys.press("ArrowUp")
     assert visit.js("!document.querySelector('.crosshair').hidden")
     keys.press("Enter")
-    visit.settle(1)
+    visit.settle(visit.base + 1)
     bar = visit.js("studio.file.document.bodies.bar1")
     end = visit.js("studio.crosshair.at")
     assert bar["length"] == pytest.approx(end[1] - start[1])
@@ -41,17 +40,17 @@ def test_a_bar_is_drawn_moved_and_removed_by_the_keyboard(desk: Desks) -> None: 
     keys.press("Enter")  # grasps the end
     keys.press("ArrowRight")
     keys.press("Enter")
-    visit.settle(2)
+    visit.settle(visit.base + 2)
     moved = visit.js("studio.file.document.bodies.bar1")
     assert moved["length"] == pytest.approx(
         ((end[1] - start[1]) ** 2 + (visit.js("studio.crosshair.at")[0] - end[0]) ** 2) ** 0.5
     )
     keys.press("Delete")
-    visit.settle(3)
+    visit.settle(visit.base + 3)
     assert "bar1" not in visit.text
 
 
-def test_the_guide_leads_through_a_four_bar(desk: Desks, tmp_path: Path) -> None:  # noqa: F811
+def test_the_guide_leads_through_a_four_bar(desk: Desks, tmp_path: Path) -> None:
     visit, _ = desk
     assert "in two minutes" in visit.page.inner_text(".guide")
     visit.page.click(".guide >> text=Show me")
@@ -80,7 +79,7 @@ def test_the_guide_leads_through_a_four_bar(desk: Desks, tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
-def test_contrast_and_names(desk: Desks, theme: str) -> None:  # noqa: F811
+def test_contrast_and_names(desk: Desks, theme: str) -> None:
     visit, _ = desk
     visit.js(f"studio.setTheme('{theme}')")
     visit.page.emulate_media(reduced_motion="reduce")
@@ -95,7 +94,7 @@ def test_contrast_and_names(desk: Desks, theme: str) -> None:  # noqa: F811
         assert not visit.js("document.getElementById('sheet').open")
 
 
-def test_the_keyboard_reaches_all_parts_and_is_not_caught(desk: Desks) -> None:  # noqa: F811
+def test_the_keyboard_reaches_all_parts_and_is_not_caught(desk: Desks) -> None:
     visit, _ = desk
     visit.js("document.activeElement.blur()")
     seen = []
@@ -111,7 +110,7 @@ def test_the_keyboard_reaches_all_parts_and_is_not_caught(desk: Desks) -> None: 
     assert (seen.count("actions") > 5 and "BODY" in seen) or seen[-1] != seen[-20]
 
 
-def test_a_phone_shows_the_picture_and_its_sliders(desk: Desks) -> None:  # noqa: F811
+def test_a_phone_shows_the_picture_and_its_sliders(desk: Desks) -> None:
     visit, _ = desk
     visit.draw("b", (0, 0), (0.5, 0))
     visit.draw("o", (0, 0))
@@ -128,7 +127,7 @@ def test_a_phone_shows_the_picture_and_its_sliders(desk: Desks) -> None:  # noqa
     assert slider.first.bounding_box()["width"] > 60  # type: ignore[index]
 
 
-def test_a_fix_is_a_button(desk: Desks) -> None:  # noqa: F811
+def test_a_fix_is_a_button(desk: Desks) -> None:
     visit, _ = desk
     visit.draw("b", (0, 0), (0.5, 0))
     text = visit.text
@@ -140,7 +139,7 @@ def test_a_fix_is_a_button(desk: Desks) -> None:  # noqa: F811
     assert visit.text == text
 
 
-def test_print_shows_the_picture_alone(desk: Desks) -> None:  # noqa: F811
+def test_print_shows_the_picture_alone(desk: Desks) -> None:
     visit, _ = desk
     visit.draw("b", (0, 0), (0.5, 0))
     visit.page.emulate_media(media="print")

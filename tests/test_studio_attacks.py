@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browser import browser  # noqa: F401
 from studio_runs import Studio, running_studio
 from test_studio_server import FOUR_BAR, get, page, receive, send
 
@@ -266,7 +265,7 @@ def test_a_killed_building_process_is_started_again(studio: Studio) -> None:
 MARKUP = "<img src=x onerror=window.hacked=1>"
 
 
-def test_names_are_shown_as_text(browser: Any, tmp_path: Path) -> None:  # noqa: F811
+def test_names_are_shown_as_text(browser: Any, tmp_path: Path) -> None:
     path = tmp_path / f"{MARKUP}&lt;b&gt;.toml"
     path.write_text(
         f'format = 1\nname = "{MARKUP}"\ndescription = "{MARKUP}</script>"\n'

@@ -4,27 +4,25 @@ from __future__ import annotations
 
 import itertools
 import time
-from pathlib import Path
 
 import numpy as np
-from browser import browser  # noqa: F401
 from studio_build import FREE, build
+from studio_desk import Desk
 from studio_runs import Studio
-from test_studio_page import Desk, desk  # noqa: F401
 
 import dalembert as da
 from dalembert.errors import DalembertError
 
 
 def test_a_four_bar_is_drawn_optimised_and_saved(
-    desk: tuple[Desk, Studio],  # noqa: F811
-    tmp_path: Path,
+    desk: tuple[Desk, Studio],
 ) -> None:
-    visit, _ = desk
+    visit, studio = desk
+    path = studio.folder / "four_bar.toml"
     begin = time.monotonic()
-    build(visit, tmp_path / "four_bar.toml")
+    build(visit, path)
     assert time.monotonic() - begin < 120  # two minutes
-    model = da.load_model(tmp_path / "four_bar.toml").build()
+    model = da.load_model(path).build()
     assert model.diagnosis.degrees_of_freedom == 1
     names = [f"{bar}_length" for bar in FREE]
     bounds = [model.parameters[name].bounds for name in names]

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import browser  # noqa: F401
+from studio_desk import Desk
 from studio_runs import Studio
-from test_studio_page import Desk, desk  # noqa: F401
-from test_studio_tools import CRANK, HEADER, errors, start
+from test_studio_tools import CRANK, HEADER
 
 import dalembert as da
 from dalembert.io import load_model_file
@@ -51,7 +50,7 @@ def change(visit: Desk, script: str) -> str:
     revision = visit.js("studio.file.revision")
     visit.js(script)
     visit.settle(revision + 1)
-    assert not errors(visit), errors(visit)
+    assert not visit.errors_shown(), visit.errors_shown()
     return visit.text
 
 
@@ -68,12 +67,12 @@ MAPS = {
 
 
 def test_a_transformed_mechanism_moves_as_the_original(
-    desk: tuple[Desk, Studio],  # noqa: F811
+    desk: tuple[Desk, Studio],
     tmp_path: Path,
 ) -> None:
     visit, _ = desk
     original = points(MECHANISM, tmp_path / "a.toml", POINTS)
-    start(visit, MECHANISM)
+    visit.show(MECHANISM)
     visit.js(
         """(async () => {
             const load = name => import(new URL(`assets/${name}.js`, location));
@@ -96,11 +95,11 @@ def test_a_transformed_mechanism_moves_as_the_original(
 
 
 def test_a_copy_has_the_joints_between_its_parts(
-    desk: tuple[Desk, Studio],  # noqa: F811
+    desk: tuple[Desk, Studio],
     tmp_path: Path,
 ) -> None:
     visit, _ = desk
-    start(visit, MECHANISM)
+    visit.show(MECHANISM)
     visit.page.locator("#palette button").first.focus()
     visit.page.keyboard.press("Control+a")
     visit.press("Control+d")
@@ -118,11 +117,11 @@ def test_a_copy_has_the_joints_between_its_parts(
 
 
 def test_bodies_are_dragged_and_their_neighbours_follow(
-    desk: tuple[Desk, Studio],  # noqa: F811
+    desk: tuple[Desk, Studio],
 ) -> None:
     visit, _ = desk
     text = CRANK + 'B = { type = "Revolute", connect = ["crank.end", "rod.start"] }\n'
-    start(visit, text)
+    visit.show(text)
     visit.page.locator("#palette button").first.focus()
     visit.page.keyboard.press("v")
     visit.page.mouse.move(*visit.place(0.6, 0.2))
@@ -139,9 +138,9 @@ def test_bodies_are_dragged_and_their_neighbours_follow(
     assert visit.text == text
 
 
-def test_selection_properties_and_names(desk: tuple[Desk, Studio]) -> None:  # noqa: F811
+def test_selection_properties_and_names(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
-    start(visit, CRANK)
+    visit.show(CRANK)
     page = visit.page
     page.locator("#palette button").first.focus()
     page.keyboard.press("v")

@@ -169,7 +169,7 @@ LONG = BAR.replace("duration = 0.4\nstep = 0.02", "duration = 2e4\nstep = 1e-3\n
 )
 def test_endless_builds_are_stopped(options: dict, message: str, tmp_path: Path) -> None:
     pictures: list[Picture] = []
-    builder = BuildingProcess(False, lambda number, picture: pictures.append(picture), **options)
+    builder = BuildingProcess("still", lambda number, picture: pictures.append(picture), **options)
     builder.request(Request(1, LONG, tmp_path / "long.toml"))
     end = time.monotonic() + 20
     while not pictures and time.monotonic() < end:
@@ -182,7 +182,7 @@ def test_endless_builds_are_stopped(options: dict, message: str, tmp_path: Path)
 
 def test_what_a_build_prints_is_not_shown(capfd: Any, tmp_path: Path) -> None:
     pictures: list[Picture] = []
-    builder = BuildingProcess(False, lambda number, picture: pictures.append(picture))
+    builder = BuildingProcess("still", lambda number, picture: pictures.append(picture))
     builder.request(Request(1, "x" * 5 + "[" * 100_000, tmp_path / "deep.toml"))
     end = time.monotonic() + 20
     while not pictures and time.monotonic() < end:

@@ -6,8 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from dalembert.errors import FileError, ModelError
+from dalembert.remedies import Rename, remedies_in
 from dalembert.studio.pictures import picture_of
-from dalembert.text.wording import nearest, suggestion_in, unknown
+from dalembert.studio.preview import Preview
+from dalembert.text.wording import misspelt, unknown
 
 TEXT = """\
 format = 1
@@ -37,7 +40,22 @@ ERRORS = {
     "format": ("format = 1\n", "", "Insert format = 1"),
     "missing": ("length = 0.5\n", "", "Insert length = 1.0"),
     "inline": (', connect = ["ground", "crank.start"]', "", None),
-    "unit": ("length = 0.5", 'length = "5 kg"', None),
+    "unit": ("length = 0.5", 'length = "5 kg"', "Write 5 m"),
+    "unit in a formula": ("length = 0.5", 'length = "2*5 lb"', "Write 5 m"),
+    "unit of a parameter": ("l1 = 0.3", 'l1 = "0.3 kg"', "Write 0.3 m"),
+    "unit of a bound": (
+        "l1 = 0.3",
+        'l1 = { value = "0.3 m", bounds = [0.1, "2 kg"] }',
+        "Write 2 m",
+    ),
+    "missing unit": ("length = 0.5", 'length = "3.0 + 2 mm"', "Write 3 m"),
+    "misspelt unit": ("length = 0.5", 'length = "5 mmm"', "Write mm"),
+    "speed as a law": (
+        "[joints]",
+        '[drivers]\nm = { type = "RotationalDriver", connect = ["ground", "crank"], '
+        'law = "0.1 + 60 rpm" }\n[joints]',
+        "Write 60 rpm*t",
+    ),
 }
 """Kind of error → part of the text, its replacement, and the title of its fix."""
 
@@ -60,7 +78,103 @@ def test_fixes(kind: str, tmp_path: Path) -> None:
             assert [p.message for p in after if p.level == "error"] == []
 
 
-def test_suggestions_are_those_of_messages() -> None:
-    assert suggestion_in(unknown("body", "crnk", ["crank", "rod"])) == ("crnk", "crank")
-    assert suggestion_in(f"unknown key{nearest('lenght', ['length'])}; known") == ("", "length")
-    assert suggestion_in(unknown("body", "zzz", ["crank"])) is None
+PARALLEL = (
+    "format = 1\ngravity = [0.0, -9.81]\n[bodies]\n"
+    + "".join(
+        f'b{k} = {{ type = "Bar", length = 0.5, mass = 1, angle = 1.0, position = [{x}, 0] }}\n'
+        for k, x in ((1, 0), (2, 1), (3, 2))
+    )
+    + 'c = { type = "Bar", length = 2, mass = 1, points = { M = [0, 0] } }\n[joints]\n'
+    + "".join(
+        f'O{k} = {{ type = "Revolute", connect = [{{ body = "ground", at = [{k - 1}, 0] }}, '
+        f'"b{k}.start"] }}\nA{k} = {{ type = "Revolute", connect = ["b{k}.end", "c.{end}"] }}\n'
+        for k, end in ((1, "start"), (2, "M"), (3, "end"))
+    )
+)
+"""Two parallelograms of one coupler, in which one equation is redundant."""
+SPATIAL = """\
+format = 1
+gravity = [0.0, 0.0, -9.81]
+[bodies]
+crank = { type = "Bar", length = 0.2, radius = 0.01, density = 1, position = [0.1, 0, 0] }
+coupler = { type = "Bar", length = 0.5, radius = 0.01, density = 1, position = [0.45, 0, 0] }
+slider = { type = "Box", size = [0.1, 0.1, 0.1], density = 1, position = [0.7, 0, 0] }
+[joints.O]
+type = "Revolute"
+connect = [
+  { body = "ground", at = [0, 0, 0], axis = [0, 0, 1] },
+  { body = "crank", at = [-0.1, 0, 0], axis = [0, 0, 1] },
+]
+[joints.A]
+type = "Revolute"
+connect = [
+  { body = "crank", at = [0.1, 0, 0], axis = [0, 0, 1] },
+  { body = "coupler", at = [-0.25, 0, 0], axis = [0, 0, 1] },
+]
+[joints.B]
+type = "Revolute"
+connect = [
+  { body = "coupler", at = [0.25, 0, 0], axis = [0, 0, 1] },
+  { body = "slider", at = [0, 0, 0], axis = [0, 0, 1] },
+]
+[joints.P]
+type = "Prismatic"
+connect = [
+  { body = "ground", at = [0, 0, 0], axis = [1, 0, 0] },
+  { body = "slider", at = [0, 0, 0], axis = [1, 0, 0] },
+]
+"""
+"""A slider-crank in space: three equations are redundant."""
+
+
+@pytest.mark.parametrize(("text", "freedom", "redundant"), [(PARALLEL, 1, 1), (SPATIAL, 1, 3)])
+def test_a_redundant_constraint_is_freed(
+    text: str, freedom: int, redundant: int, tmp_path: Path
+) -> None:
+    """Every remedy keeps the degrees of freedom, and repeated ones leave nothing redundant."""
+    picture = picture_of(text, tmp_path / "model.toml", False)
+    assert (picture.facts["degrees_of_freedom"], picture.facts["redundant"]) == (freedom, redundant)
+    fixes = [fix for problem in picture.problems for fix in problem.fixes]
+    assert fixes
+    for fix in fixes:
+        mended = text[: fix.start] + fix.insert + text[fix.end :]
+        after = picture_of(mended, tmp_path / "model.toml", False)
+        assert after.facts["degrees_of_freedom"] == freedom
+        assert after.facts["redundant"] < redundant
+    while fixes:
+        text = text[: fixes[0].start] + fixes[0].insert + text[fixes[0].end :]
+        picture = picture_of(text, tmp_path / "model.toml", False)
+        fixes = [fix for problem in picture.problems for fix in problem.fixes]
+    assert picture.facts["redundant"] == 0
+
+
+def test_remedies_of_a_text_with_a_preview_are_at_their_places(tmp_path: Path) -> None:
+    text = PARALLEL.replace("[bodies]", '[analysis]\ntype = "Kinematics"\nduration = 2\n[bodies]')
+    preview = Preview()
+    preview.set({"type": "Dynamics", "duration": 0.5, "outputs": 30})
+    shown = preview.apply(text)
+    picture = picture_of(shown, tmp_path / "model.toml", False)
+    problems = list(preview.in_text(picture.problems, text))
+    (fix, *_) = [fix for problem in problems for fix in problem.fixes]
+    mended = text[: fix.start] + fix.insert + text[fix.end :]
+    assert picture_of(mended, tmp_path / "model.toml", False).facts["redundant"] == 0
+
+
+def test_messages_carry_their_remedies() -> None:
+    def names(message: str) -> list[tuple[str, str]]:
+        error = ModelError(message, "joints.A")
+        return [(r.wrong, r.right) for r in remedies_in(error) if isinstance(r, Rename)]
+
+    assert names(unknown("body", "crnk", ["crank", "rod"])) == [("crnk", "crank")]
+    assert names(misspelt("unknown key", "lenght", ["length"], "", is_key=True)) == [("", "length")]
+    assert names(unknown("body", "zzz", ["crank"])) == []
+
+    def read() -> None:
+        try:
+            raise ModelError(unknown("body", "crnk", ["crank"]))
+        except ModelError as error:
+            raise FileError(f"x.toml: {error}") from None
+
+    with pytest.raises(FileError) as caught:
+        read()
+    assert [getattr(r, "right", "") for r in remedies_in(caught.value)] == ["crank"]

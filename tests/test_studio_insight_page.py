@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import Visit
-from studio_runs import Studio, running_studio
+from studio_desk import Desk, opened, reset
+from studio_runs import Studio
 
 import dalembert as da
 
@@ -56,40 +56,13 @@ def four_bar_text() -> str:
     )
 
 
-class Desk(Visit):
-    """Page of a studio."""
-
-    @property
-    def text(self) -> str:
-        return str(self.js("studio.editor.text"))
-
-    def settle(self) -> None:
-        """Wait until the picture is that of the present text."""
-        self.until("studio.described?.revision === studio.file.revision", 30)
-        self.until("studio.pictures.shown === studio.described?.number", 30)
-
-
 @pytest.fixture
-def desk(browser: Any, tmp_path: Path) -> Iterator[tuple[Desk, Studio]]:
-    """A studio with a four-bar."""
+def desk(browser: Any, studio_server: Studio, tmp_path: Path) -> Iterator[tuple[Desk, Studio]]:
+    """A page with a four-bar."""
     (tmp_path / "model.toml").write_text(four_bar_text())
-    with running_studio(tmp_path, "model.toml") as studio:
-        page = browser.new_page(viewport={"width": 1500, "height": 900}, reduced_motion="reduce")
-        visit = Desk(page)
-        page.on("console", lambda m: visit.console.append(m.text))
-        page.on("pageerror", lambda e: visit.errors.append(str(e)))
-        page.goto(studio.address)
-        visit.until("window.studio?.pictures.shown >= 1", 60)
-        yield visit, studio
-        assert (visit.console, visit.errors) == ([], [])
-        page.close()
-
-
-TWIST = """(() => {
-    const { motion } = studio.pictures.page;
-    motion.setTime(motion.time[40]);
-    return Object.fromEntries(Object.entries(module).map(([k, f]) => [k, f(motion)]));
-})()"""
+    reset(studio_server, path=str(tmp_path / "model.toml"))
+    with opened(browser, studio_server, "0", (1500, 900)) as visit:
+        yield visit, studio_server
 
 
 def test_an_analysis_is_shown_and_written(desk: tuple[Desk, Studio]) -> None:

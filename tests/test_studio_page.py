@@ -5,30 +5,15 @@ from __future__ import annotations
 import json
 import math
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from browser import Visit
-from studio_runs import Studio, running_studio
+from studio_desk import UNTITLED, Desk
+from studio_runs import Studio
 
 import dalembert as da
 from dalembert.io import load_model_file
-
-UNTITLED = 'format = 1\nname = "untitled"\ngravity = [0.0, -9.81]\n'
-PIXEL = """([x, y]) => {
-    const { canvas, view } = studio.pictures.page.scene, [u, v] = view.screen([x, y]);
-    const inner = canvas.getBoundingClientRect();
-    const outer = studio.pictures.frame.getBoundingClientRect();
-    return [u + inner.left + outer.left, v + inner.top + outer.top];
-}"""
-"""Position of a place of the drawing on the screen."""
-LOOK = """(() => {
-    const { view } = studio.pictures.page.scene;
-    Object.assign(view, { x: 0.5, y: 0.3, s: 400, fitted: false });
-    view.onChange();
-})()"""
 
 FOUR_BAR = (
     ("b", (0, 0), (0.1, 0.3)),
@@ -39,68 +24,6 @@ FOUR_BAR = (
     ("m", (0, 0)),
 )
 """Keys of tools and places: three bars, two pins at the ground and a motor."""
-
-
-class Desk(Visit):
-    """Page of a studio that is worked on with the mouse and the keyboard."""
-
-    @property
-    def text(self) -> str:
-        return self.js("studio.editor.text")
-
-    @property
-    def shown(self) -> int:
-        """Number of the picture."""
-        return int((self.js("document.documentElement.dataset.picture") or "0").split()[0])
-
-    def settle(self, revision: int) -> None:
-        """Wait until the picture is that of a revision of the text."""
-        self.until(f"studio.described?.revision >= {revision}", 20)
-        self.until("studio.pictures.shown === studio.described?.number", 20)
-
-    def place(self, x: float, y: float) -> tuple[float, float]:
-        return tuple(self.page.evaluate(PIXEL, [x, y]))  # type: ignore[return-value]
-
-    def click(self, x: float, y: float) -> None:
-        self.page.mouse.move(*self.place(x, y))
-        self.page.mouse.down()
-        self.page.mouse.up()
-
-    def draw(self, key: str, *places: tuple[float, float]) -> None:
-        """Use a tool, chosen by its key."""
-        revision = self.js("studio.file.revision")
-        self.page.locator("#palette button").first.focus()
-        self.page.keyboard.press(key)
-        for place in places:
-            self.click(*place)
-        self.settle(revision + 1)
-
-    def press(self, keys: str) -> None:
-        revision = self.js("studio.file.revision")
-        self.page.keyboard.press(keys)
-        self.settle(revision + 1)
-
-
-@pytest.fixture
-def desk(browser: Any, tmp_path: Path) -> Iterator[tuple[Desk, Studio]]:
-    """An empty studio."""
-    with running_studio(tmp_path) as studio:
-        page = browser.new_page(viewport={"width": 1400, "height": 850}, reduced_motion="reduce")
-        visit = Desk(page)
-        page.on(
-            "request",
-            lambda r: (
-                r.url.startswith((studio.address, "data:", "blob:")) or visit.requests.append(r.url)
-            ),
-        )
-        page.on("console", lambda m: visit.console.append(m.text))
-        page.on("pageerror", lambda e: visit.errors.append(str(e)))
-        page.goto(studio.address)
-        visit.until("window.studio?.pictures.shown >= 1", 60)
-        visit.js(LOOK)
-        yield visit, studio
-        assert (visit.requests, visit.console, visit.errors) == ([], [], [])
-        page.close()
 
 
 def test_a_four_bar_is_drawn_moved_and_saved(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
@@ -116,7 +39,7 @@ def test_a_four_bar_is_drawn_moved_and_saved(desk: tuple[Desk, Studio], tmp_path
     visit.page.mouse.down()
     visit.page.mouse.move(*visit.place(0.85, 0.45), steps=4)
     visit.page.mouse.up()
-    visit.settle(len(texts))
+    visit.settle(visit.base + len(texts))
     texts.append(visit.text)
 
     visit.page.keyboard.press("Control+s")
@@ -218,9 +141,9 @@ def test_sliders_write_their_values_into_the_text(desk: tuple[Desk, Studio]) -> 
     assert visit.text == text
 
 
-def test_files_and_examples_are_opened(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
-    visit, _ = desk
-    (tmp_path / "beside.toml").write_text(UNTITLED.replace("untitled", "beside"))
+def test_files_and_examples_are_opened(desk: tuple[Desk, Studio]) -> None:
+    visit, studio = desk
+    (studio.folder / "beside.toml").write_text(UNTITLED.replace("untitled", "beside"))
     visit.draw("b", (0, 0), (0.5, 0))
     for value, name in (("beside.toml", "beside"), ("example: slider_crank", "slider")):
         visit.page.click("text=Open…")
@@ -266,7 +189,7 @@ def test_completion(desk: tuple[Desk, Studio]) -> None:
     visit.page.click(".cm-content")
     visit.page.keyboard.press("Control+a")
     visit.page.keyboard.insert_text(text)
-    visit.settle(1)
+    visit.settle(visit.base + 1)
     visit.until("studio.completion !== null")
     for end, offered in COMPLETED.items():
         whole = end if end == "gra" else f"{text}{end}"

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import browser  # noqa: F401
 from PIL import Image
+from studio_desk import Desk
 from studio_runs import Studio
-from test_studio_page import Desk, desk  # noqa: F401
 
 PLACED = "[studio.photo.placed.x, studio.photo.placed.y, studio.photo.placed.scale]"
 
@@ -25,7 +24,7 @@ def colour(visit: Desk, x: float, y: float) -> np.ndarray:
     return mean
 
 
-def test_a_photo_is_scaled_moved_and_stored(desk: tuple[Desk, Studio], tmp_path: Path) -> None:  # noqa: F811
+def test_a_photo_is_scaled_moved_and_stored(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     visit, _ = desk
     file = tmp_path / "photo.png"
     image = Image.new("RGB", (400, 300), (20, 60, 220))

@@ -10,21 +10,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import DRIVER, Visit
 from scipy.spatial.transform import Rotation
-from studio_runs import running_studio
+from studio_desk import Desk, opened, reset
+from studio_runs import Studio
 
 import dalembert as da
 from dalembert.io import load_model_file
 from dalembert.studio.drawing_edits import apply
 
-PIXEL = """(place) => {
-    const { canvas, view } = studio.pictures.page.scene, [u, v] = view.screen(place);
-    const inner = canvas.getBoundingClientRect();
-    const outer = studio.pictures.frame.getBoundingClientRect();
-    return [u + inner.left + outer.left, v + inner.top + outer.top];
-}"""
-"""Position of a place in space on the screen."""
 LOOK = """(() => {
     const { view } = studio.pictures.page.scene, { position } = view.camera;
     const { target } = view.controls;
@@ -62,29 +55,8 @@ position = [-0.2, 0.0, 0.1]
 """
 
 
-class Desk(Visit):
+class SpaceDesk(Desk):
     """Page of a studio with a spatial model."""
-
-    @property
-    def text(self) -> str:
-        return self.js("studio.editor.text")
-
-    @property
-    def document(self) -> dict[str, Any]:
-        return self.js("studio.file.document")
-
-    def settle(self, revision: int) -> None:
-        """Wait until the picture of a revision of the text is shown."""
-        self.until(f"studio.described?.revision >= {revision}", 30)
-        self.until("studio.pictures.shown === studio.described?.number", 30)
-
-    def place(self, *place: float) -> tuple[float, float]:
-        return tuple(self.page.evaluate(PIXEL, list(place)))  # type: ignore[return-value]
-
-    def click(self, *place: float) -> None:
-        self.page.mouse.move(*self.place(*place))
-        self.page.mouse.down()
-        self.page.mouse.up()
 
     def changed(self, act: Any) -> None:
         """Carry out a change and wait for its picture."""
@@ -114,33 +86,24 @@ class Desk(Visit):
         return self.place(*self.page.evaluate(HANDLE, [kind, axis, corner]))
 
     def show(self, text: str) -> None:
-        """Replace the text."""
-        if self.text != text:
-            send = "(text) => { studio.editor.show(text); studio.sendText(text); }"
-            self.changed(lambda: self.page.evaluate(send, text))
+        """Replace the text and look at it from a fixed place."""
+        super().show(text)
         self.js(LOOK)
 
 
 @pytest.fixture(scope="module")
-def desk(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    """A studio with a new spatial model."""
-    with running_studio(tmp_path_factory.mktemp("studio")) as studio:
-        page = browser.new_page(viewport={"width": 1300, "height": 800}, reduced_motion="reduce")
-        visit = Desk(page)
-        page.on("console", lambda m: DRIVER in m.text or visit.console.append(m.text))
-        page.on("pageerror", lambda e: visit.errors.append(str(e)))
-        page.goto(studio.address)
-        visit.until("window.studio?.pictures.shown >= 1", 60)
-        page.click("text=Open…")
-        page.click("text=New spatial model")
+def desk(browser: Any, studio_server: Studio) -> Iterator[SpaceDesk]:
+    """A page with a new spatial model."""
+    reset(studio_server)
+    with opened(browser, studio_server, "0", (1300, 800), SpaceDesk) as visit:
+        visit.page.click("text=Open…")
+        visit.page.click("text=New spatial model")
         visit.until("document.documentElement.dataset.space === 'true'", 20)
         visit.js(LOOK)
         yield visit
-        assert (visit.console, visit.errors) == ([], [])
-        page.close()
 
 
-def test_an_rssr_four_bar_is_drawn(desk: Desk, tmp_path: Path) -> None:
+def test_an_rssr_four_bar_is_drawn(desk: SpaceDesk, tmp_path: Path) -> None:
     """Its motion satisfies the equations of the loop, with the drawn dimensions."""
     texts = [desk.text]
     desk.draw("r", (0, 0, 0), (0.2, 0, 0))
@@ -170,7 +133,7 @@ def test_an_rssr_four_bar_is_drawn(desk: Desk, tmp_path: Path) -> None:
     assert desk.text == texts[0]
 
 
-def test_the_gizmo_moves_and_rotates_a_body(desk: Desk) -> None:
+def test_the_gizmo_moves_and_rotates_a_body(desk: SpaceDesk) -> None:
     """Other text stays byte for byte, formulas too; each drag is one step of undo."""
     desk.show(BOXES)
     desk.page.keyboard.press("v")
@@ -214,7 +177,7 @@ def test_the_gizmo_moves_and_rotates_a_body(desk: Desk) -> None:
     assert desk.js("studio.space.poses.moved.size") == 0
 
 
-def test_the_tree_selects_hides_and_edits(desk: Desk) -> None:
+def test_the_tree_selects_hides_and_edits(desk: SpaceDesk) -> None:
     desk.show(BOXES)
     desk.page.click("#tab-model")
     desk.page.click("#model .name[data-name=two]")
@@ -241,7 +204,7 @@ ANGLES = """async ([q, sequence]) => {
 
 
 @pytest.mark.parametrize("sequence", SEQUENCES)
-def test_angles_of_a_rotation(desk: Desk, sequence: str) -> None:
+def test_angles_of_a_rotation(desk: SpaceDesk, sequence: str) -> None:
     """Those of SciPy, for rotations about body axes in any order."""
     for rotation in Rotation.random(5, rng=np.random.default_rng(4)):
         x, y, z, w = rotation.as_quat()
@@ -274,7 +237,7 @@ JOINT = """async (kind) => {
 }"""
 
 
-def test_joints_of_every_kind(desk: Desk, tmp_path: Path) -> None:
+def test_joints_of_every_kind(desk: SpaceDesk, tmp_path: Path) -> None:
     """Where they are drawn, they hold at the drawn position, and leave the free motion."""
     desk.show(BOXES)
     kinds = desk.js("[...document.querySelectorAll('#joint-kind option')].map((o) => o.value)")
@@ -304,7 +267,7 @@ ROTATED = """async ([document, after]) => {
 
 @pytest.mark.parametrize("form", FORMS)
 def test_a_rotation_is_written_in_the_form_of_the_file(
-    desk: Desk, form: str, tmp_path: Path
+    desk: SpaceDesk, form: str, tmp_path: Path
 ) -> None:
     desk.show(BOXES)
     text = BOXES.replace('rotation = { type = "bryant", x = 0.0, y = 0.1, z = 0.0 }', form)
@@ -330,7 +293,7 @@ MOVED = """async ([choice, shift]) => {
 }"""
 
 
-def test_a_joint_moves_in_both_bodies(desk: Desk, tmp_path: Path) -> None:
+def test_a_joint_moves_in_both_bodies(desk: SpaceDesk, tmp_path: Path) -> None:
     """The joint of two bodies is elsewhere, and the bodies stay."""
     desk.show(BOXES)
     text = apply(BOXES, desk.page.evaluate(JOINT, "Revolute"))

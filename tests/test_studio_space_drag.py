@@ -7,8 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import browser  # noqa: F401
-from test_studio_space import Desk, desk  # noqa: F401
+from test_studio_space import SpaceDesk, desk  # noqa: F401
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 TIP = '{ section: "bodies", name: "rocker", part: "points", key: "tip" }'
@@ -25,7 +24,7 @@ COUNTED = """(() => {
 
 
 @pytest.mark.usefixtures("desk")
-def test_a_drag_keeps_the_loop_closed(desk: Desk) -> None:  # noqa: F811
+def test_a_drag_keeps_the_loop_closed(desk: SpaceDesk) -> None:  # noqa: F811
     text = (EXAMPLES / "rssr_four_bar.toml").read_text("utf-8")
     desk.show(text)
     desk.until("studio.pictures.live", 60)

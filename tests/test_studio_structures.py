@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 from browser import browser  # noqa: F401
+from studio_desk import Desk
 from studio_runs import running_studio
-from test_studio_page import Desk
 
 import dalembert as da
 from dalembert.io import load_model_file

@@ -13,8 +13,9 @@ from test_studio_server import page, receive, send
 
 from dalembert.errors import ModelError
 from dalembert.studio.drawing_edits import apply
-from dalembert.studio.pictures import Problem, picture_of
+from dalembert.studio.pictures import picture_of
 from dalembert.studio.preview import Preview, analysis_fields
+from dalembert.studio.problems import Problem
 from dalembert.studio.task_process import TaskState
 from dalembert.studio.tasks import Tasks
 
@@ -33,7 +34,7 @@ def wait(state: TaskState, until: str, seconds: float = 30.0) -> None:
 
 
 def test_a_stopped_task_keeps_its_result_and_a_killed_one_is_reported() -> None:
-    tasks = Tasks(lambda number: None)
+    tasks = Tasks()
     state = tasks.start("synthesis", SLOW, EXAMPLES / "x.toml", 7)
     with pytest.raises(ModelError, match="stop it first"):
         tasks.start("synthesis", SLOW, EXAMPLES / "x.toml", 7)
@@ -51,7 +52,7 @@ def test_a_stopped_task_keeps_its_result_and_a_killed_one_is_reported() -> None:
 
 
 def test_wrong_tasks_are_reported_at_their_places() -> None:
-    tasks = Tasks(lambda number: None)
+    tasks = Tasks()
     with pytest.raises(ModelError, match="no task"):
         tasks.start("system", "", EXAMPLES / "x.toml", 0)
     text = (EXAMPLES / "four_bar.toml").read_text().replace('minimize = "peak"', 'minimize = "pea"')

@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browser import browser  # noqa: F401
+from studio_desk import Desk
 from studio_runs import Studio
-from test_studio_page import Desk, desk  # noqa: F401
 
 from dalembert.io import load_model_file
 
@@ -54,27 +53,14 @@ TOOLS: dict[str, tuple[str, list[tuple[float, float]], str, str, dict[str, Any]]
 """Key of a tool → start, clicks, and the section, name and fields of the new entry."""
 
 
-def start(visit: Desk, text: str) -> None:
-    """Replace the text, and wait for its picture."""
-    if visit.text == text:
-        return
-    revision = visit.js("studio.file.revision")
-    visit.page.evaluate("text => { studio.editor.show(text); studio.sendText(text); }", text)
-    visit.settle(revision + 1)
-
-
-def errors(visit: Desk) -> list[str]:
-    return visit.page.locator("#problems .error").all_inner_texts()
-
-
 def test_each_tool_draws_a_model(
-    desk: tuple[Desk, Studio],  # noqa: F811
+    desk: tuple[Desk, Studio],
     tmp_path: Path,
 ) -> None:
     visit, _ = desk
     receive = "studio.pictures.receive"
     for base in (CRANK, GUIDED):
-        start(visit, base)
+        visit.show(base)
         visit.js(f"{receive} = () => {{}}")  # the picture stays
         for key, (text, clicks, section, name, fields) in TOOLS.items():
             if text != base:
@@ -108,43 +94,43 @@ def use(visit: Desk, key: str, clicks: list[tuple[float, float]]) -> str:
     return visit.text
 
 
-def test_gears_ropes_and_contacts(desk: tuple[Desk, Studio]) -> None:  # noqa: F811
+def test_gears_ropes_and_contacts(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     pinned = '{ body = "ground", at = [0.8, 0.2] }'
     two = CRANK + f'B = {{ type = "Revolute", connect = [{pinned}, "rod.end"] }}\n'
-    start(visit, two)
+    visit.show(two)
     visit.draw("g", (0.0, 0.2), (0.8, 0.2), (0.5, 0.2))
     gears = visit.js("studio.file.document.joints.gears1")
     assert (gears["radius_i"], gears["radius_j"]) == pytest.approx((0.5, 0.3))
     assert visit.page.inner_text("#summary") == "1 degree of freedom"
-    start(visit, CRANK)
+    visit.show(CRANK)
     visit.page.locator("#palette button").first.focus()
     visit.page.keyboard.press("z")
     for place in ((0.1, 0.5), (0.4, 0.2), (0.5, 0.5)):
         visit.click(*place)
     visit.press("Enter")
     assert len(visit.js("studio.file.document.forces.rope1.points")) == 3
-    assert not errors(visit)
+    assert not visit.errors_shown()
     ball = "[bodies]\nball = { type = 'Particle', mass = 1, position = [0.5, 0.4] }\n"
-    start(visit, HEADER + ball)
+    visit.show(HEADER + ball)
     visit.draw("C", (0.5, 0.4), (0.5, 0.2))
     assert visit.js("studio.file.document.forces.contact1.shape_i.type") == "HalfPlane"
-    assert not errors(visit), errors(visit)
+    assert not visit.errors_shown(), visit.errors_shown()
 
 
-def test_redundant_joints_are_named(desk: tuple[Desk, Studio]) -> None:  # noqa: F811
+def test_redundant_joints_are_named(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     pins = "".join(
         f'{name} = {{ type = "Revolute", connect = [{{ body = "ground", at = [{x}, 0.2] }}, '
         f'"{end}"] }}\n'
         for name, x, end in (("B", 0.4, "crank.end"), ("C", 0.4, "rod.start"))
     )
-    start(visit, CRANK + pins)
+    visit.show(CRANK + pins)
     assert "redundant constraint" in visit.page.inner_text("#freedom")
     assert "follows from" in visit.js("studio.drawing.status")
 
 
-def test_numbers_are_typed_while_drawing(desk: tuple[Desk, Studio]) -> None:  # noqa: F811
+def test_numbers_are_typed_while_drawing(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     cases = {
         "300 mm<30": {"length": 0.3, "angle": 0.5235987756},
@@ -152,7 +138,7 @@ def test_numbers_are_typed_while_drawing(desk: tuple[Desk, Studio]) -> None:  # 
         "0.3,0.4": {"length": 0.3605551275, "angle": 0.5880026035},
     }
     for typed, fields in cases.items():
-        start(visit, HEADER)
+        visit.show(HEADER)
         visit.page.locator("#palette button").first.focus()
         visit.page.keyboard.press("b")
         visit.click(0, 0.2)
@@ -164,14 +150,14 @@ def test_numbers_are_typed_while_drawing(desk: tuple[Desk, Studio]) -> None:  # 
 
 
 def test_places_snap_to_lengths_lines_and_outlines(
-    desk: tuple[Desk, Studio],  # noqa: F811
+    desk: tuple[Desk, Studio],
     tmp_path: Path,
 ) -> None:
     visit, _ = desk
     text = HEADER + (
         '[bodies]\nrod = { type = "Bar", length = 0.337, mass = 1, position = [0.1685, 0.113] }\n'
     )
-    start(visit, text)
+    visit.show(text)
     snap = """([x, y, from]) => {
         const { page } = studio.pictures;
         return snapping.snap(page, page.scene.view.screen([x, y]), { from });

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from copy import copy
 from typing import Any, Self
 
+from dalembert.remedies import Remedy, remedies_in
+
 LONGEST, BEGIN, END = 2000, 1400, 400
 """Upper limit of the length of a message; characters kept at both ends of a longer one."""
 
@@ -20,6 +22,11 @@ def brief(message: str) -> str:
 class DalembertError(Exception):
     """Base of all errors raised on purpose.
 
+    Attributes
+    ----------
+    remedies : tuple
+        Changes of the input that the message proposes, for programs that offer them.
+
     Examples
     --------
     >>> import dalembert as da
@@ -33,7 +40,10 @@ class DalembertError(Exception):
     ModelError
     """
 
+    remedies: tuple[Remedy, ...] = ()
+
     def __init__(self, message: str = "", *more: Any):
+        self.remedies = self.remedies or remedies_in(message)
         super().__init__(brief(str(message)), *more)
 
 
@@ -60,6 +70,7 @@ class ModelError(DalembertError):
 
     def __init__(self, message: str, entity: str | None = None):
         self.entity = entity
+        self.remedies = remedies_in(message)
         self.message = message = brief(message)
         super().__init__(f"{entity}: {message}" if entity else message)
 

@@ -10,7 +10,10 @@ from typing import TYPE_CHECKING, Any
 from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.equilibrium.statics import Statics
 from dalembert.analysis.kinematics.kinematics import Kinematics
+from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
+from dalembert.elements.contact.collisions import Collisions
 from dalembert.errors import ModelError
+from dalembert.integrators.contact.schemes import MoreauJean
 from dalembert.packages import optional_package
 from dalembert.report.page import render_page
 from dalembert.report.scripts import asset
@@ -28,13 +31,19 @@ DURATION = 3.0
 """Duration of a motion without an analysis [s]."""
 OUTPUTS = 151
 """Instants of this motion."""
+STEP = 1e-2
+"""Step of this motion with contacts among many shapes [s]; two between outputs."""
 
 
 def usual_analysis(model: ParametricModel) -> Analysis[Any, Any]:
     """Analysis of a model for which none is stated: a motion of 3 s, or statics of a structure."""
     if model.kind == "structure":
         return Statics()
-    kind: Any = Dynamics if model.diagnosis.free > 0 else Kinematics  # type: ignore[attr-defined]
+    mechanism: Any = model
+    if any(isinstance(e, Collisions) for e in mechanism.closure.description.elements.values()):
+        integrator = MoreauJean()  # its contact forces at rest do not alternate
+        return Nonsmooth(duration=DURATION, step=STEP, outputs=OUTPUTS, integrator=integrator)
+    kind: Any = Dynamics if mechanism.diagnosis.free > 0 else Kinematics
     analysis: Analysis[Any, Any] = kind(duration=DURATION, outputs=OUTPUTS)
     return analysis
 

@@ -11,7 +11,7 @@ import numpy as np
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.symbolic.formulas.parameter import Parameter
 from dalembert.text.arguments import CheckedArguments
-from dalembert.text.wording import nearest
+from dalembert.text.wording import misspelt
 from dalembert.units.measured import check_measured, measured
 
 
@@ -249,8 +249,7 @@ def _refuse_names(parameters: Mapping[str, Parameter], names: list[str]) -> None
     for k, name in enumerate(names):
         if name not in parameters:
             listed = ", ".join(parameters) or "none"
-            raise ModelError(
-                f"unknown parameter {name!r} to vary{nearest(name, parameters)} (known: {listed})"
-            )
+            before = f"unknown parameter {name!r} to vary"
+            raise ModelError(misspelt(before, name, parameters, f" (known: {listed})"))
         if name in names[:k]:
             raise ModelError(f"parameter {name!r} is listed twice in vary; name it once")

@@ -18,7 +18,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from dalembert.io.messages import UnknownKey
 from dalembert.io.values import short_repr
-from dalembert.text.wording import nearest
+from dalembert.text.wording import misspelt
 
 PLAIN = "plain"
 
@@ -108,7 +108,7 @@ def one_of(
             raise ValueError(f"type {name} is {misplaced[name]}; known here: {kinds}")
         elif not isinstance(name, str) or name not in tables:
             raise ValueError(
-                f"unknown type {short_repr(name)}{nearest(name, tables)}; known: {kinds}"
+                misspelt(f"unknown type {short_repr(name)}", name, tables, f"; known: {kinds}")
             )
         return value
 

@@ -11,7 +11,8 @@ from pydantic import ValidationError
 
 from dalembert.errors import ModelError
 from dalembert.io.values import short_repr
-from dalembert.text.wording import nearest
+from dalembert.remedies import Advice, Insert, Remedy, at_place, remedies_in
+from dalembert.text.wording import misspelt
 
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
@@ -27,7 +28,10 @@ class UnknownKey(ValueError):
         names = list(names)
         self.key = key
         super().__init__(
-            reason or f"unknown key{nearest(key, names)}; known here: {', '.join(names) or 'none'}"
+            reason
+            or misspelt(
+                "unknown key", key, names, f"; known here: {', '.join(names) or 'none'}", True
+            )
         )
 
 
@@ -50,9 +54,11 @@ def explain(error: ValidationError, data: dict, source: Path | str) -> ModelErro
         f"{key_path(*_location(item, data)) or 'the file'}: {_description(item)}"
         for item in details
     ]
+    remedies = [remedy for item in details for remedy in _remedies(item, data)]
     if len(lines) > MAX_LINES:
         lines[MAX_LINES:] = [f"… and {len(lines) - MAX_LINES} more"]
-    return ModelError(lines[0] if len(lines) == 1 else "\n  ".join(["", *lines]), str(source))
+    text = lines[0] if len(lines) == 1 else "\n  ".join(["", *lines])
+    return ModelError(Advice(text, remedies), str(source))
 
 
 def _location(item: ErrorDetails, data: Any) -> list[str | int]:
@@ -68,6 +74,12 @@ def _location(item: ErrorDetails, data: Any) -> list[str | int]:
         where.append(key)
     cause = item.get("ctx", {}).get("error")
     return [*where, cause.key] if isinstance(cause, UnknownKey) else where
+
+
+def _remedies(item: ErrorDetails, data: Any) -> tuple[Remedy, ...]:
+    cause = item.get("ctx", {}).get("error")
+    found = (Insert(),) if item["type"] == "missing" else remedies_in(cause)
+    return at_place(key_path(*_location(item, data)), found)
 
 
 def _description(item: ErrorDetails) -> str:

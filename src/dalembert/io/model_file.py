@@ -22,9 +22,10 @@ from dalembert.io.values import in_own_unit, short_repr
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.graph.model import Model
 from dalembert.model.system import System
+from dalembert.remedies import Advice, Insert, remedies_in
 from dalembert.symbolic.formulas.declared import check_free
 from dalembert.symbolic.formulas.inputs import is_formula
-from dalembert.text.wording import nearest, visible
+from dalembert.text.wording import misspelt, visible
 
 KINDS = ("mechanism", "structure")
 """Values of ``kind`` in a file."""
@@ -94,7 +95,7 @@ class ModelFile:
             if name not in known:
                 listed = ", ".join(known) or "none"
                 raise ModelError(
-                    f"unknown parameter{nearest(name, known)}; the file has: {listed}",
+                    misspelt("unknown parameter", name, known, f"; the file has: {listed}", True),
                     f"{self.path}: {key_path('parameters', name)}",
                 )
             entries = sections[known[name]]
@@ -147,37 +148,39 @@ def check_model_data(data: dict[str, Any], path: Path) -> ModelFile:
     except ValidationError as error:
         explained = explain(error, data, path)
         raise ModelError(
-            explained.message + _other_dimension(data, schema), explained.entity
+            _with_dimension(explained.message, data, schema), explained.entity
         ) from None
     _check_names(document, path)
     return ModelFile(path, document)
 
 
-def _other_dimension(data: dict[str, Any], schema: type) -> str:
-    """Hint for a file without a dimension that is valid with another one."""
+def _with_dimension(message: str, data: dict[str, Any], schema: type) -> str:
+    """A message with a hint for a file without a dimension that is valid with another one."""
     if "dimension" in data or not issubclass(schema, Document):
-        return ""
+        return message
     for dimension in SPACES:
         try:
             document_of(dimension).model_validate(data)
         except ValidationError:
             continue
-        return f"\n  as dimension = {dimension} it is valid; write that if it is intended"
-    return ""
+        hint = f"\n  as dimension = {dimension} it is valid; write that if it is intended"
+        insert = Insert(key="dimension", value=dimension)
+        return Advice(message + hint, [*remedies_in(message), insert])
+    return message
 
 
 def _document_type(data: dict[str, Any], path: Path) -> type[Document] | type[StructureDocument]:
     """Document type for the ``kind`` and ``dimension`` of a file."""
     kind = data.get("kind", "mechanism")
     if not isinstance(kind, str) or kind not in KINDS:
-        kinds, suggestion = ", ".join(KINDS), nearest(kind, KINDS)
-        raise ModelError(
-            f"unknown kind {short_repr(kind)}{suggestion}; known: {kinds}", f"{path}: kind"
-        )
+        known = f"; known: {', '.join(KINDS)}"
+        message = misspelt(f"unknown kind {short_repr(kind)}", kind, KINDS, known)
+        raise ModelError(message, f"{path}: kind")
     elastic = {"nodes", "elements", "meshes"} & set(data)
     moving = {"bodies", "beams", "joints", "drivers", "forces"} & set(data)
     if "kind" not in data and elastic and not moving:
-        raise ModelError('nodes and elements make a structure; add kind = "structure"', str(path))
+        text = 'nodes and elements make a structure; add kind = "structure"'
+        raise ModelError(Advice(text, [Insert(key="kind", value="structure")]), str(path))
     if kind == "structure":
         return StructureDocument
     gravity: Any = data.get("gravity")

@@ -14,7 +14,7 @@ from dalembert.io.documents import Document
 from dalembert.io.formulas import Formulas
 from dalembert.io.orientations import FrameTable, read_frame
 from dalembert.model.system import System
-from dalembert.text.wording import listed, nearest, unknown
+from dalembert.text.wording import listed, misspelt, unknown
 
 N = TypeVar("N")
 
@@ -60,10 +60,8 @@ class References:
         """The node of this name."""
         if name not in nodes:
             reference, names = f"{prefix}{name}" if name else owner, [prefix + n for n in nodes]
-            raise ModelError(
-                f"unknown node {reference!r}{nearest(reference, names)}; nodes of {owner}: "
-                f"{listed(names)}"
-            )
+            nodes_of = f"; nodes of {owner}: {listed(names)}"
+            raise ModelError(misspelt(f"unknown node {reference!r}", reference, names, nodes_of))
         return nodes[name]
 
     def joint(self, name: str) -> Element:
@@ -110,9 +108,9 @@ class References:
         if name not in targets:
             candidates = [f"{owner}.{p}" for p in (*(() if frame else ("center",)), *targets)]
             listing = f"{listed(candidates)}{'' if targets else f'; name others in its {noun}s'}"
+            known = f"; {noun}s of {owner}: {listing}"
             raise ModelError(
-                f"unknown {noun} {reference!r}{nearest(reference, candidates)}; "
-                f"{noun}s of {owner}: {listing}"
+                misspelt(f"unknown {noun} {reference!r}", reference, candidates, known)
             )
         return targets[name]
 

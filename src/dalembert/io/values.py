@@ -12,7 +12,7 @@ from typing import Annotated, Any, TypeGuard
 from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema
 
 from dalembert.errors import ExpressionError
-from dalembert.text.wording import nearest
+from dalembert.text.wording import misspelt
 from dalembert.units.measured import Measured, measured
 
 
@@ -244,8 +244,8 @@ def one_name(choices: str | Iterable[str]) -> Any:
 
     def check(value: object) -> str:
         if not isinstance(value, str) or value not in names():
-            near, listed = nearest(value, names()), ", ".join(names())
-            raise ValueError(f"unknown name {short_repr(value)}{near}; known: {listed}")
+            known = f"; known: {', '.join(names())}"
+            raise ValueError(misspelt(f"unknown name {short_repr(value)}", value, names(), known))
         return value
 
     return Annotated[str, BeforeValidator(check), JsonSchema(lambda: {"enum": names()})]

@@ -10,11 +10,14 @@ import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 
+from dalembert.studio.assemblies import assemblies_of
 from dalembert.studio.child import MEMORY, TIME, begin_child, memory_of
-from dalembert.studio.pictures import Picture, Problem, picture_of
+from dalembert.studio.pictures import Picture, picture_of
+from dalembert.studio.problems import Problem
 
 GRACE = 1.5
 """Time after which outdated work is cancelled; earlier its process is worth more [s]."""
@@ -23,6 +26,14 @@ CANCELLED = "building was stopped; change the model to build it again"
 SMALLER = "use a shorter duration, fewer outputs or a coarser mesh"
 PERIOD = 0.25
 """Time between checks of the limits of the process [s]."""
+
+
+KINDS: dict[str, Callable[[str, Path], Picture]] = {
+    "still": partial(picture_of, live=False),
+    "live": partial(picture_of, live=True),
+    "assemblies": assemblies_of,
+}
+"""Kind of pictures of a process → makes one of a text and the path of its file."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +56,7 @@ class BuildingProcess:
 
     Parameters
     ----------
-    live : whether the pictures compute
+    kind : of the pictures, of ``KINDS``
     receive : called in a thread with the number of the request and its picture
     memory : upper limit of the memory of the process [bytes]
     time : upper limit of the time for one picture [s]
@@ -53,12 +64,12 @@ class BuildingProcess:
 
     def __init__(
         self,
-        live: bool,
+        kind: str,
         receive: Callable[[int, Picture], None],
         memory: float = MEMORY,
         time: float = TIME,
     ):
-        self.live = live
+        self.kind = kind
         self.receive = receive
         self.memory, self.time = memory, time
         self._reason = FRESH
@@ -77,7 +88,7 @@ class BuildingProcess:
     def _start(self) -> None:
         context = multiprocessing.get_context("spawn")
         self._connection, other = context.Pipe()
-        self._process = context.Process(target=work, args=(other, self.live), daemon=True)
+        self._process = context.Process(target=work, args=(other, self.kind), daemon=True)
         self._process.start()
         other.close()
 
@@ -166,19 +177,19 @@ class BuildingProcess:
         self._working = None
 
 
-def work(connection: Connection, live: bool) -> None:
+def work(connection: Connection, kind: str) -> None:
     """Loop of the process: requests in, pictures out."""
     begin_child()
     warnings.simplefilter("ignore")
     with suppress(EOFError, OSError, KeyboardInterrupt):
         while True:
             request: Request = connection.recv()
-            connection.send(_picture(request, live))
+            connection.send(_picture(request, kind))
 
 
-def _picture(request: Request, live: bool) -> Picture:
+def _picture(request: Request, kind: str) -> Picture:
     try:
-        return picture_of(request.text, request.path, live)
+        return KINDS[kind](request.text, request.path)
     except Exception:
         message = f"internal error; please report it:\n{traceback.format_exc(limit=-3)}"
         return Picture(problems=(Problem("error", message),))

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from dalembert.design.synthesis.four_bar import FourBar
-from dalembert.design.synthesis.linkage import Linkage
-from dalembert.design.synthesis.slider_crank import SliderCrank
 from dalembert.design.synthesis.synthesis_result import Solution
+from dalembert.studio.inserted_linkages import linkage_operations, mechanism_operations
 
 FRAMES = 60
 """Instants of a card."""
@@ -21,12 +20,13 @@ LEAST_TRANSMISSION = math.radians(40)
 """Transmission angle below which a card has a mark [rad]."""
 
 
-def cards(result: Any) -> Iterator[dict[str, Any]]:
+def cards(result: Any, is_own: bool = False) -> Iterator[dict[str, Any]]:
     """Cards of the candidates of a synthesis, sorted by their errors.
 
     Parameters
     ----------
     result : of ``synthesize`` or ``synthesize_mechanism``
+    is_own : whether the mechanism is that of the file, so that candidates are its parameters
 
     Returns
     -------
@@ -48,7 +48,7 @@ def cards(result: Any) -> Iterator[dict[str, Any]]:
         if isinstance(solution, Solution):
             card |= _linkage_card(solution)
         else:
-            card |= _mechanism_card(solution)
+            card |= _mechanism_card(solution, is_own)
         yield card
 
 
@@ -59,6 +59,8 @@ def _marks(solution: Any) -> Iterator[str]:
     transmission = solution.criteria().get("transmission")
     if transmission is not None and transmission[1] < math.degrees(LEAST_TRANSMISSION):
         yield f"transmission angle {transmission[1]:.0f}°"
+    if isinstance(solution, Solution) and _on_two_circuits(solution):
+        yield "circuit defect"
     steps = np.diff(np.asarray(solution.crank_angles, dtype=float))
     if len(steps) > 1:
         turns = np.mod(steps, 2 * math.pi)
@@ -66,6 +68,15 @@ def _marks(solution: Any) -> Iterator[str]:
             np.all(turns > 0) and np.sum(turns) < 2 * math.pi
         ):
             yield "order of the entries"
+
+
+def _on_two_circuits(solution: Solution) -> bool:
+    """Whether the linkage cannot move from one entry to another without being taken apart."""
+    linkage, theta = solution.linkage, np.asarray(solution.crank_angles, dtype=float)
+    phi, output = linkage.loop(linkage.numbers, linkage.branch, theta)
+    circuits = type(linkage).circuits(linkage.numbers, theta, phi, output)
+    finite = circuits[np.isfinite(circuits)]
+    return bool(finite.size) and bool(np.ptp(finite))
 
 
 def _linkage_card(solution: Solution) -> dict[str, Any]:
@@ -88,8 +99,8 @@ def _linkage_card(solution: Solution) -> dict[str, Any]:
     }
 
 
-def _mechanism_card(solution: Any) -> dict[str, Any]:
-    """Card of a mechanism of the file, whose dimensions are parameters."""
+def _mechanism_card(solution: Any, is_own: bool) -> dict[str, Any]:
+    """Card of a mechanism whose dimensions are parameters."""
     motion = solution.motion
     steps = np.linspace(0, len(motion.time) - 1, FRAMES).astype(int)
     lines = []
@@ -102,68 +113,14 @@ def _mechanism_card(solution: Any) -> dict[str, Any]:
         if len(places) > 1:
             lines.append(_rounded(np.array(places).transpose(1, 0, 2)))
     curve = _rounded(solution.curve()) if "x" in solution.measures else []
-    return {"curve": curve, "lines": lines, "parameters": dict(solution.parameters)}
+    card: dict[str, Any] = {"curve": curve, "lines": lines}
+    if is_own:
+        return card | {"parameters": dict(solution.parameters)}
+    operations = mechanism_operations(motion)
+    return card | ({"operations": operations} if operations is not None else {})
 
 
 def _rounded(values: np.ndarray) -> list[Any]:
     return [
         [float(f"{v:.5g}") for v in row] if np.ndim(row) == 1 else _rounded(row) for row in values
     ]
-
-
-def linkage_operations(linkage: Linkage, start: float) -> Iterator[dict[str, Any]]:
-    """Operations that add a linkage to a model file, as ``drawing_edits`` carries them out.
-
-    Parameters
-    ----------
-    linkage : four-bar or slider-crank
-    start : angle of its crank [rad]
-    """
-    q = linkage.numbers
-    phi, output = (float(value) for value in linkage.loop(q, linkage.branch, np.array(start)))
-
-    def add(section: str, name: str, **fields: Any) -> dict[str, Any]:
-        entry = {"op": "add", "section": section, "base": name, "as": f"${name}"}
-        return entry | {"fields": fields}
-
-    def bar(name: str, length: float, angle: float, **fields: Any) -> dict[str, Any]:
-        sizes = {"length": _short(length), "mass": _short(length), "angle": _short(angle)}
-        return add("bodies", name, type="Bar", **sizes, **fields)
-
-    def revolute(name: str, *ends: Any) -> dict[str, Any]:
-        return add("joints", name, type="Revolute", connect=list(ends))
-
-    yield bar("crank", q["crank"], start)
-    point = [_short(q["u"] - q["coupler"] / 2), _short(q["v"])]
-    yield bar("coupler", q["coupler"], phi, points={"P": point})
-    if isinstance(linkage, FourBar):
-        pivot = complex(q["x"], q["y"]) + q["ground"] * np.exp(1j * q["angle"])
-        yield bar("follower", q["follower"], output)
-        yield revolute("O", _ground(q["x"], q["y"]), "$crank.start")
-        yield revolute("A", "$crank.end", "$coupler.start")
-        yield revolute("B", "$coupler.end", "$follower.end")
-        yield revolute("C", _ground(pivot.real, pivot.imag), "$follower.start")
-    elif isinstance(linkage, SliderCrank):
-        direction = np.exp(1j * q["angle"])
-        place = complex(q["x"], q["y"]) + complex(output, q["offset"]) * direction
-        rail = complex(q["x"], q["y"]) + 1j * q["offset"] * direction
-        at = [_short(place.real), _short(place.imag)]
-        angle = _short(q["angle"])
-        yield add("bodies", "slider", mass=1.0, inertia=1.0, position=at, angle=angle)
-        yield revolute("O", _ground(q["x"], q["y"]), "$crank.start")
-        yield revolute("A", "$crank.end", "$coupler.start")
-        yield revolute("B", "$coupler.end", "$slider")
-        axis = [_short(direction.real), _short(direction.imag)]
-        ends = [_ground(rail.real, rail.imag), "$slider"]
-        yield add("joints", "rail", type="Prismatic", connect=ends, axis=axis, angle=angle)
-    law = f"{_short(start)} + 2*pi*t"
-    motor = {"connect": ["ground", "$crank"], "law": law}
-    yield add("drivers", "motor", type="RotationalDriver", **motor)
-
-
-def _ground(x: float, y: float) -> dict[str, Any]:
-    return {"body": "ground", "at": [_short(x), _short(y)]}
-
-
-def _short(value: float) -> float:
-    return float(f"{value:.12g}")

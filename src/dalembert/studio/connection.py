@@ -54,6 +54,7 @@ class Connection:
             "write_preview": self.write_preview,
             "start": lambda request: session.start_task(request.get("section")),
             "stop task": lambda _: session.tasks.stop(),
+            "assemblies": lambda request: session.show_assemblies(request.get("shown") is True),
             "files": lambda _: session.reply(self.send, session.files()),
             "export": self.export,
             "stop export": lambda _: session.exports.stop(),

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from dalembert.errors import ModelError
+from dalembert.studio.contact_edits import remove_group, without_shapes_of
 from dalembert.studio.list_edits import append_entry, remove_entry, remove_from_lists
 from dalembert.studio.section_edits import set_section
 from dalembert.studio.text_edits import TextEdits
@@ -33,6 +34,7 @@ def apply(text: str, operations: Any) -> str:
         name in later operations. ``set`` has ``keys`` and ``value``, which with ``written``
         replaces formulas too. ``remove`` and ``rename`` have ``section`` and ``name``; the new
         name is ``to``, and an entry may be ``missing`` if another operation removes it.
+        ``remove group`` has the ``name`` of collisions and the ``group``.
         ``parameter`` has ``name`` and ``value``, ``extract`` has ``keys``, or the character ``at``
         in the text. ``section`` has ``section`` and ``fields``: the new values of its keys, null
         for a removed one. ``append`` has ``section``, a list of tables such as ``supports``, and
@@ -93,6 +95,8 @@ def _remove(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) 
     section, name = _text(operation, "section"), _text(operation, "name")
     if operation.get("missing") is True and name not in edits.data.get(section, {}):
         return  # removed with an element of the same change
+    if section in ELEMENTS:
+        without_shapes_of(edits, _refers, name)
     removed = [*dependents(edits.data, section, name), (section, name)]
     for entry in removed:
         edits.remove(*entry)
@@ -138,10 +142,15 @@ def _remove_entry(edits: TextEdits, operation: dict[str, Any], names: dict[str, 
     remove_entry(edits, _text(operation, "section"), index)
 
 
+def _remove_group(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    remove_group(edits, _text(operation, "name"), _text(operation, "group"))
+
+
 OPERATIONS: dict[str, Callable[[TextEdits, dict[str, Any], dict[str, str]], None]] = {
     "add": _add,
     "set": _set,
     "remove": _remove,
+    "remove group": _remove_group,
     "rename": _rename,
     "parameter": _parameter,
     "extract": _extract,

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Callable, Iterable
-from contextlib import suppress
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from dalembert.studio.building import BuildingProcess, Request
-from dalembert.studio.pictures import Picture, Problem
+from dalembert.studio.event_loop import in_loop
+from dalembert.studio.pictures import Picture
+from dalembert.studio.problems import Problem
 
 KINDS = ("still", "live")
 """Kinds of pictures, in the order in which they are made."""
@@ -42,13 +43,12 @@ class PictureFeed:
         self._early: tuple[int, Picture] | None = None
         """A live picture that is made before the still one, and its number."""
         self._builders: dict[str, BuildingProcess] = {}
-        self._loop: asyncio.AbstractEventLoop | None = None
 
     def start(self) -> None:
         """Start the building processes; call inside the event loop."""
-        self._loop = asyncio.get_running_loop()
         for kind in KINDS:
-            self._builders[kind] = BuildingProcess(kind == "live", self._receiver(kind))
+            show = in_loop(partial(self.show, kind))
+            self._builders[kind] = BuildingProcess(kind, show)
 
     def build(self, text: str, path: Path, revision: int) -> None:
         """Make pictures of a text, in place of those that are being made.
@@ -77,14 +77,6 @@ class PictureFeed:
         """Messages about the pictures of the present text."""
         latest = (self._latest.get(kind) for kind in KINDS)
         return [message for message in latest if message and message["number"] == self.number]
-
-    def _receiver(self, kind: str) -> Callable[[int, Picture], None]:
-        def receive(number: int, picture: Picture) -> None:
-            assert self._loop is not None
-            with suppress(RuntimeError):  # the loop is closed
-                self._loop.call_soon_threadsafe(self.show, kind, number, picture)
-
-        return receive
 
     def show(self, kind: str, number: int, picture: Picture) -> None:
         """Send a picture to the pages, the still one before the live one."""

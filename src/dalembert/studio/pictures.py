@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -14,15 +13,14 @@ from dalembert.io.messages import key_path
 from dalembert.io.model_file import ModelFile, check_model_data
 from dalembert.io.reading import parse_document
 from dalembert.io.report import live_responses, report_choices
-from dalembert.io.toml_places import line_and_column, parse_keys, toml_places
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.report.page import render_page
 from dalembert.results.files.assembly_report import assembly_payload, position_payload
 from dalembert.results.result import Result
 from dalembert.results.structural.free_motion import undeformed_payload
 from dalembert.studio.drawn_numbers import Keys, with_drawn_parameters
-from dalembert.studio.fixes import Fix, fixes_of
 from dalembert.studio.loose_nodes import parts_of, without_loose_nodes
+from dalembert.studio.problems import Problem, notes_of, problems_of
 
 EMBEDDED = """header.top, #footer, #panels { display: none } body { padding: 0.5rem }
 #ghosts { order: 99 } #ghosts[hidden] { display: inline-flex !important; visibility: hidden }"""
@@ -34,29 +32,6 @@ LOOSE = "is not connected to any element, and not in the picture; connect or rem
 BLANK: dict[str, Any] = {"format": 1, "time": [], "scene": {}}
 SPACE: dict[str, Any] = {"kind": "spatial", "scene": {"dimension": 3}}
 """What a blank picture of a spatial mechanism has in addition."""
-PATH = re.compile(r'\s*((?:"(?:[^"\\]|\\.)*"|[A-Za-z0-9_-]+)(?:\.(?:"[^"]*"|[\w-]+)|\[\d+\])*): ')
-SYNTAX = re.compile(r"\(at line (\d+), column (\d+)\)|\(at end of document\)|: line (\d+): ")
-
-
-@dataclass(frozen=True)
-class Problem:
-    """An error or a warning at a place of the text.
-
-    Attributes
-    ----------
-    level : ``error``, ``warning`` or ``note``
-    message : text
-    start, end : characters of the place; None if it has no place
-    line : from 1 on; zero without a place
-    fixes : remedies as replacements in the text
-    """
-
-    level: str
-    message: str
-    start: int | None = None
-    end: int | None = None
-    line: int = 0
-    fixes: tuple[Fix, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -105,7 +80,8 @@ def _picture_of(text: str, path: Path, live: bool) -> Picture:
         return Picture(_render(blank), summary="nothing is drawn yet")
     if not live:
         picture = _page_of(data, {}, text, path, live)
-        notes = (_problem(f"nodes.{name}: {LOOSE}", toml_places(text), text) for name in loose)
+        errors = (DalembertError(f"nodes.{name}: {LOOSE}") for name in loose)
+        notes = (problem for error in errors for problem in problems_of(error, text, path))
         return replace(picture, problems=(*picture.problems, *notes))
     drawn, places = with_drawn_parameters(data)
     try:
@@ -128,7 +104,8 @@ def _page_of(
     """Picture of a model whose parameters at ``places`` are numbers of the drawing."""
     file = check_model_data(data, path)
     model = file.model()
-    summary, facts, notes = _diagnosis(model)
+    summary, facts = _diagnosis(model)
+    notes = () if live or isinstance(model, StructuralModel) else notes_of(model, text, path)
     try:
         result = result_of(file, model)
     except DalembertError as error:
@@ -185,11 +162,11 @@ def _located(error: DalembertError) -> DalembertError:
     return DalembertError(f"{place}: {error}")
 
 
-def _diagnosis(model: Any) -> tuple[str, dict[str, Any], tuple[Problem, ...]]:
-    """Summary, numbers and messages of a model."""
+def _diagnosis(model: Any) -> tuple[str, dict[str, Any]]:
+    """Summary and numbers of a model."""
     if isinstance(model, StructuralModel):
         elements = ", ".join(f"{block.count} {block.kind.cls.__name__}" for block in model.blocks)
-        return f"{len(model.degrees.nodes)} nodes; {elements}", {}, ()
+        return f"{len(model.degrees.nodes)} nodes; {elements}", {}
     diagnosis = model.diagnosis
     facts = {
         "degrees_of_freedom": diagnosis.degrees_of_freedom,
@@ -197,46 +174,7 @@ def _diagnosis(model: Any) -> tuple[str, dict[str, Any], tuple[Problem, ...]]:
         "redundant": len(diagnosis.redundancies),
         "redundancies": [str(item) for item in diagnosis.redundancies],
     }
-    notes = (Problem(level, message) for level, message in diagnosis.messages)
-    return diagnosis.summary, facts, tuple(notes)
-
-
-def problems_of(error: DalembertError, text: str, path: Path) -> list[Problem]:
-    """Problems of an error, with their places in the text.
-
-    Parameters
-    ----------
-    error : whose message names the file and key paths in it
-    """
-    message = str(error).replace(f"{path}: ", "").replace(f"{path}:", "")
-    syntax = SYNTAX.search(message)
-    if syntax:
-        line = int(syntax[1] or syntax[3] or text.count("\n") + 1)
-        column = int(syntax[2] or 1)
-        start = sum(len(row) + 1 for row in text.split("\n")[: line - 1]) + column - 1
-        start = min(start, len(text))
-        return [Problem("error", message, start, min(start + 1, len(text)), line)]
-    try:
-        places = toml_places(text)
-    except (ValueError, IndexError):
-        places = {}
-    lines = [line for line in message.split("\n") if line.strip()]
-    if not all(PATH.match(line) for line in lines):
-        lines = ["\n".join(lines)]
-    return [_problem(line.strip(), places, text) for line in lines]
-
-
-def _problem(message: str, places: dict[Any, Any], text: str) -> Problem:
-    match = PATH.match(message)
-    keys = parse_keys(match[1]) if match else ()
-    fixes = fixes_of(message, keys, places, text)
-    while keys and keys not in places:
-        keys = keys[:-1]
-    if not keys:
-        return Problem("error", message, fixes=fixes)
-    place = places[keys]
-    line = line_and_column(text, place.start)[0]
-    return Problem("error", message, place.start, place.end, line, fixes)
+    return diagnosis.summary, facts
 
 
 def _render(payload: dict[str, Any]) -> str:

@@ -13,7 +13,7 @@ from dalembert.io.fields import keyed_fields
 from dalembert.io.strategies import ANALYSES, STRUCTURAL_ANALYSES
 from dalembert.io.toml_places import line_and_column
 from dalembert.studio.drawing_edits import apply
-from dalembert.studio.pictures import Problem
+from dalembert.studio.problems import Problem
 from dalembert.text.wording import unknown
 
 TIMES = ("duration", "t_span", "outputs")
@@ -98,16 +98,28 @@ class Preview:
         tail = 0
         while tail < limit - head and shown[-1 - tail] == text[-1 - tail]:
             tail += 1
+
+        def moved(start: int, end: int) -> int | None:
+            """Distance by which a range is moved; None for one that the text does not have."""
+            if shown == text or end <= head:
+                return 0
+            return len(text) - len(shown) if start >= len(shown) - tail else None
+
         for problem in problems:
-            start, end = problem.start, problem.end
-            if shown == text or start is None or end is None or end <= head:
-                yield problem
-            elif start >= len(shown) - tail:
-                by = len(text) - len(shown)
-                line = line_and_column(text, start + by)[0]
-                yield replace(problem, start=start + by, end=end + by, line=line)
+            by = [moved(fix.start, fix.end) for fix in problem.fixes]
+            fixes = tuple(
+                replace(fix, start=fix.start + d, end=fix.end + d)
+                for fix, d in zip(problem.fixes, by, strict=True)
+                if d is not None
+            )
+            start, end, line = problem.start, problem.end, problem.line
+            d = None if start is None or end is None else moved(start, end)
+            if start is None or end is None or d is None:
+                start, end, line = None, None, 0
             else:
-                yield replace(problem, start=None, end=None, line=0)
+                start, end = start + d, end + d
+                line = line_and_column(text, start)[0]
+            yield replace(problem, start=start, end=end, line=line, fixes=fixes)
 
     def message(self) -> dict[str, Any]:
         """The keys as a message."""

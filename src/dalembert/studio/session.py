@@ -6,12 +6,15 @@ import asyncio
 import json
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from dalembert.errors import DalembertError, FileError
 from dalembert.io.reading import parse_document
+from dalembert.studio.assembly_feed import AssemblyFeed
 from dalembert.studio.draft import Draft
+from dalembert.studio.event_loop import in_loop
 from dalembert.studio.export_process import Exports
 from dalembert.studio.journal import Journal, Recovered, saving
 from dalembert.studio.listed_files import listed_files
@@ -57,16 +60,16 @@ class Session:
         self._parsed: tuple[str, dict[str, Any] | None] = ("", None)
         self._clients: list[Send] = []
         self._tasks: set[asyncio.Task[None]] = set()
-        self._loop: asyncio.AbstractEventLoop | None = None
-        self.tasks = Tasks(self._task_changed)
+        self.tasks = Tasks()
         self.preview = Preview()
+        self.assemblies = AssemblyFeed(self.broadcast)
         self.pictures = PictureFeed(
             self.broadcast, lambda problems: self.preview.in_text(problems, self.draft.text)
         )
 
     def start(self) -> None:
         """Start the building processes; call inside the event loop."""
-        self._loop = asyncio.get_running_loop()
+        self.tasks.report = in_loop(self._show_task)
         self.pictures.start()
         self.recovered = self._recover()
         if self.draft.path is not None:
@@ -116,19 +119,14 @@ class Session:
         FileError
             Unknown kind, or another export runs.
         """
-        loop = asyncio.get_running_loop()
-
-        def report(message: dict[str, Any]) -> None:
-            with suppress(RuntimeError):  # the loop is closed
-                loop.call_soon_threadsafe(self.reply, send, message)
-
-        path = self.place
-        number = self.exports.start(to, self.draft.text, path, share, report)
+        report = in_loop(partial(self.reply, send))
+        number = self.exports.start(to, self.draft.text, self.place, share, report)
         self.reply(send, {"kind": "export", "number": number, "state": "progress", "share": 0.0})
 
     def close(self) -> None:
         """End the processes; a draft with unsaved changes remains in the journal."""
         self.pictures.close()
+        self.assemblies.close()
         self.exports.close()
         self.tasks.close()
         self.journal.close()
@@ -152,6 +150,12 @@ class Session:
         """Make pictures of the present text, with the analysis of the preview."""
         text = self.preview.apply(self.draft.text)
         self.pictures.build(text, self.place, self.draft.revision)
+        self.assemblies.build(self.draft.text, self.place, self.draft.revision)
+
+    def show_assemblies(self, shown: bool) -> None:
+        """Search the other configurations after every change, or no longer."""
+        self.assemblies.shown = shown
+        self.assemblies.build(self.draft.text, self.place, self.draft.revision)
 
     def show_analysis(self, fields: dict[str, Any] | None) -> None:
         """Show another analysis than that of the text; None shows that of the text."""
@@ -171,15 +175,10 @@ class Session:
         state = self.tasks.start(section, draft.text, self.place, draft.revision)
         self.broadcast(state.message())
 
-    def _task_changed(self, number: int) -> None:
-        def show() -> None:
-            state = self.tasks.state(number)
-            if state is not None:
-                self.broadcast(state.message())
-
-        assert self._loop is not None
-        with suppress(RuntimeError):  # the loop is closed
-            self._loop.call_soon_threadsafe(show)
+    def _show_task(self, number: int) -> None:
+        state = self.tasks.state(number)
+        if state is not None:
+            self.broadcast(state.message())
 
     def state(self) -> dict[str, Any]:
         """The text and the state of its file, as a message."""
@@ -216,9 +215,8 @@ class Session:
         await send(self.state())
         if self.recovered is not None:
             await send({"kind": "notice", "text": RESTORED})
-        for message in self.pictures.present():
-            await send(message)
-        for message in (*self.tasks.messages(), self.preview.message()):
+        shown = (*self.pictures.present(), *self.assemblies.present(), *self.tasks.messages())
+        for message in (*shown, self.preview.message()):
             await send(message)
 
     def detach(self, send: Send) -> None:

@@ -18,12 +18,13 @@ import numpy as np
 from dalembert.errors import DalembertError
 from dalembert.interrupts import ctrl_c, defer_ctrl_c
 from dalembert.io.decisions.runs import RUNS
+from dalembert.io.decisions.synthesis import OWN
 from dalembert.io.model_file import check_model_data
 from dalembert.io.reading import parse_document
 from dalembert.io.report import report_choices
 from dalembert.report.page import render_page
 from dalembert.studio.candidates import cards
-from dalembert.studio.pictures import Problem, problems_of
+from dalembert.studio.problems import Problem, problems_of
 
 SECTIONS = tuple(RUNS)
 """Sections of design tasks."""
@@ -134,7 +135,9 @@ def _run(request: TaskRequest, send: Any) -> Outcome:
     defer_ctrl_c()
     views = report_choices(file, model) if has_model else {}
     page = render_page(decision.live_page(file.document.report.live, **views))
-    candidates = tuple(cards(decision)) if request.section == "synthesis" else ()
+    synthesis = getattr(file.document, "synthesis", None)
+    is_own = synthesis is not None and synthesis.linkage == OWN
+    candidates = tuple(cards(decision, is_own)) if request.section == "synthesis" else ()
     return Outcome(
         decision.ok,
         decision.interrupted,

@@ -12,15 +12,11 @@ from dalembert.studio.task_work import SECTIONS, TaskRequest
 
 
 class Tasks:
-    """Design tasks, each of the text with which it was started.
+    """Design tasks, each of the text with which it was started."""
 
-    Parameters
-    ----------
-    report : called in a thread with the number of a task whose state has changed
-    """
-
-    def __init__(self, report: Callable[[int], None]):
-        self._report = report
+    def __init__(self) -> None:
+        self.report: Callable[[int], None] = lambda number: None
+        """Called in a thread with the number of a task whose state has changed."""
         self._number = 0
         self._process: TaskProcess | None = None
         self.latest: dict[str, TaskState] = {}
@@ -53,7 +49,7 @@ class Tasks:
         number, state = self._number, TaskState(self._number, section, revision)
         self.latest[section] = state
         request = TaskRequest(section, text, path)
-        self._process = TaskProcess(request, state, lambda: self._report(number))
+        self._process = TaskProcess(request, state, lambda: self.report(number))
         return state
 
     def stop(self) -> None:

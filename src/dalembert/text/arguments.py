@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 from dalembert.errors import KeywordError
-from dalembert.text.wording import listed, nearest
+from dalembert.text.wording import listed, misspelt
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -28,7 +28,8 @@ def check_keywords(owner: str, keywords: Iterable[str], known: Iterable[str]) ->
     for name in keywords:
         if name not in names:
             raise KeywordError(
-                f"unknown keyword {name!r}{nearest(name, names)}; known: {listed(names)}", owner
+                misspelt(f"unknown keyword {name!r}", name, names, f"; known: {listed(names)}"),
+                owner,
             )
 
 

@@ -14,6 +14,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from dalembert.errors import ModelError
+from dalembert.remedies import Advice, Rename
 
 HIDDEN = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ud800-\udfff]"
@@ -101,33 +102,42 @@ def similar(
 def nearest(name: Any, known: Iterable[str]) -> str:
     """``(did you mean …?)`` with the nearest known name, if one is close; renamed ones first."""
     names = list(known)
-    if new := successor(name, names):
-        return f" (renamed: {new!r})"
-    return "".join(f" (did you mean {close!r}?)" for close in similar(name, names, 1, NEAREST))
+    right = _nearest(name, names)
+    if not right:
+        return ""
+    return f" (renamed: {right!r})" if successor(name, names) else f" (did you mean {right!r}?)"
 
 
-SUGGESTION = re.compile(r"\((?:did you mean|renamed:) '([^']+)'\??\)")
-UNKNOWN = re.compile(r"\b(?:unknown|no) [a-z ]+ '([^']+)'\s*$")
+def _nearest(name: Any, names: list[str]) -> str:
+    """The nearest known name, if one is close; empty otherwise."""
+    return successor(name, names) or next(iter(similar(name, names, 1, NEAREST)), "")
 
 
-def suggestion_in(message: str) -> tuple[str, str] | None:
-    """The unknown name of a message, and the name that ``nearest`` suggests in it.
+def misspelt(before: str, name: Any, known: Iterable[str], after: str, is_key: bool = False) -> str:
+    """A message about an unknown name, with the nearest known one between its parts.
+
+    Parameters
+    ----------
+    before, after : parts of the message
+    name : unknown name
+    known : names that may be meant
+    is_key : whether it is the key of its entry
 
     Returns
     -------
-    The unknown name is empty where the message is about its key; None without a suggestion
+    The message as ``Advice`` to write the nearest name
     """
-    match = SUGGESTION.search(message)
-    if match is None:
-        return None
-    named = UNKNOWN.search(message[: match.start()])
-    return named[1] if named else "", match[1]
+    names = list(known)
+    text = f"{before}{nearest(name, names)}{after}"
+    right = _nearest(name, names)
+    remedy = Rename(wrong="" if is_key else str(name), right=right)
+    return Advice(text, [remedy] if right else ())
 
 
 def unknown(kind: str, name: Any, known: Iterable[str]) -> str:
     """``unknown body 'crnk' (did you mean 'crank'?); known: ground, crank``."""
     names = list(known)
-    return f"unknown {kind} {name!r}{nearest(name, names)}; known: {listed(names)}"
+    return misspelt(f"unknown {kind} {name!r}", name, names, f"; known: {listed(names)}")
 
 
 def no_attribute(module: str, name: str, known: Iterable[str]) -> str:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from dalembert.errors import ExpressionError
+from dalembert.remedies import Advice, FitUnit, Rename
 from dalembert.units.unit import SYMBOL, UNIT, Unit, coherent_unit, unit
 
 NUMBER = r"(?<![\w.])(?>(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
@@ -96,7 +97,10 @@ class Amount:
         if term is None:
             return NotImplemented
         if not (self.is_plain and term.is_plain) and term.si != self.si:
-            raise ExpressionError(f"{self} and {term} cannot be added; give both units that fit")
+            plain, other = (self, term) if self.si == "1" else (term, self)
+            remedy = Rename(wrong=f"{plain.value:g}", right=f"{plain.value:g} {other.si}")
+            text = f"{self} and {term} cannot be added; give both units that fit"
+            raise ExpressionError(Advice(text, [remedy] if plain.si == "1" else ()))
         return Amount(operate(self.value, term.value), self.unit if term.si == "1" else term.unit)
 
     def _product(self, other: Any, sign: int, operate: Callable[[float, float], float]) -> Any:
@@ -206,7 +210,8 @@ def check_unit(symbol: str, expected: str, entity: str, subject: str) -> None:
     required = expected if expected not in ("", "1") else "a plain number"
     usual = SUGGESTED.get(expected.split("|")[0].strip())
     cure = f"; write it with a unit of that kind, such as {usual!r}" if usual else ""
-    raise ExpressionError(f"{subject} does not fit, expected {required}{cure}", entity)
+    text = f"{subject} does not fit, expected {required}{cure}"
+    raise ExpressionError(Advice(text, [FitUnit(expected=expected)]), entity)
 
 
 SUGGESTED: Mapping[str, str] = {

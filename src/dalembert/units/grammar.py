@@ -16,7 +16,8 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from dalembert.errors import ExpressionError, UnknownNameError
-from dalembert.text.wording import nearest, unknown
+from dalembert.remedies import Advice, remedies_in
+from dalembert.text.wording import misspelt, unknown
 from dalembert.units.amounts import Amount, with_names
 from dalembert.units.dimensions import Dimension, dimension_of
 
@@ -101,7 +102,7 @@ class Grammar:
 
     def fail(self, message: str) -> ExpressionError:
         text = self.text if len(self.text) <= 60 else self.text[:57] + "..."
-        return ExpressionError(f"in formula {text!r}: {message}")
+        return ExpressionError(Advice(f"in formula {text!r}: {message}", remedies_in(message)))
 
     def run(self) -> Any:
         """The value of the formula: a number, an amount, or the result of names and functions.
@@ -239,7 +240,7 @@ class Grammar:
         try:
             return function(*arguments)
         except ExpressionError as error:
-            raise self.fail(str(error)) from None
+            raise self.fail(error.message) from None
         except (ValueError, OverflowError):
             raise self.fail(f"{node.func.id} has no value there") from None
 
@@ -266,5 +267,5 @@ class Grammar:
             return value
         if name in CONSTANTS:
             return CONSTANTS[name]
-        fault = self.fail(f"unknown name {name!r}{nearest(name, self.known())}")
+        fault = self.fail(misspelt(f"unknown name {name!r}", name, self.known(), ""))
         raise UnknownNameError(fault.message, name)

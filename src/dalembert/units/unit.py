@@ -18,7 +18,7 @@ from types import MappingProxyType
 from typing import Any
 
 from dalembert.errors import ExpressionError
-from dalembert.text.wording import nearest
+from dalembert.text.wording import misspelt
 
 NEWTON = {"kg": 1, "m": 1, "s": -2}
 COHERENT: dict[str, dict[str, int]] = {
@@ -147,6 +147,10 @@ def coherent_unit(dimension: Mapping[str, float]) -> Unit:
     return Unit(name, 1.0, dimension, name)
 
 
+COMMON = "mm cm km um in ft deg rpm turn g t lbf kN MN MPa GPa bar psi ms min h Hz kHz kJ kW"
+"""Further units that messages suggest."""
+
+
 @functools.lru_cache(maxsize=1000)
 def _named(name: str) -> Unit:
     """A unit by its name."""
@@ -157,7 +161,8 @@ def _named(name: str) -> Unit:
         single = registry.Quantity(1.0, registry.parse_units(name)).to_base_units()
         double = registry.Quantity(2.0, registry.parse_units(name)).to_base_units()
     except Exception:  # pint raises many types
-        raise ExpressionError(f"unknown unit {name!r}{_nearest(name)}") from None
+        known = [*COHERENT, *COMMON.split()]
+        raise ExpressionError(misspelt(f"unknown unit {name!r}", name, known, "")) from None
     if not math.isclose(double.magnitude, 2 * single.magnitude):
         raise ExpressionError(f"{name} has an offset; temperatures are differences, write 'K'")
     dimension = {BASES.get(str(base), str(base)): n for base, n in single.unit_items()}
@@ -181,11 +186,6 @@ def _registry() -> Any:
     registry.load_definitions(text.splitlines())
     registry.default_system = "mks"
     return registry
-
-
-def _nearest(name: str) -> str:
-    common = "mm cm km um in ft deg rpm turn g t lbf kN MN MPa GPa bar psi ms min h Hz kHz kJ kW"
-    return nearest(name, [*COHERENT, *common.split()])
 
 
 def _without_angle(dimension: Mapping[str, float]) -> dict[str, float]:

@@ -16,6 +16,7 @@ from dalembert.elements.fem.between_bodies import BetweenBodies
 from dalembert.elements.fem.cell_functions import functions_of
 from dalembert.elements.fem.node_set import Nodes
 from dalembert.errors import ModelError
+from dalembert.remedies import Advice, Insert
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, as_sx
 
@@ -146,7 +147,8 @@ class Elements(ElasticElement):
         for field in self.cls.quantity_fields():
             meta, entity = field.metadata, f"{self.name}.{field.name}"
             if field.name not in numbers and field.default is dataclasses.MISSING:
-                raise ModelError(f"is missing; give {field.name} = … [{meta['unit']}]", entity)
+                text = f"is missing; give {field.name} = … [{meta['unit']}]"
+                raise ModelError(Advice(text, [Insert()]), entity)
             value = numbers.pop(field.name, field.default)
             shape = np.shape(value) if not isinstance(value, Expression) else ()
             if shape[:1] == (len(self),) and shape != (meta["size"],):

@@ -21,7 +21,7 @@ from dalembert.responses.events import AtEvent
 from dalembert.symbolic.formulas.expression import Expression, stack
 from dalembert.symbolic.formulas.parser import parse_formula
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.wording import nearest, unknown
+from dalembert.text.wording import misspelt, unknown
 
 ReadMeasure = Callable[[ParametricModel, str], Expression]
 """Measure of a model, from its name or formula."""
@@ -130,8 +130,12 @@ def _check_event(file: ModelFile, name: str, analysis: BaseModel | None, *where:
     events = getattr(analysis, "events", None) or {}
     if name not in events:
         raise file.located.error(
-            f"unknown event {name!r}{nearest(name, events)}; known in the events of its analysis: "
-            f"{', '.join(events) or 'none'}",
+            misspelt(
+                f"unknown event {name!r}",
+                name,
+                events,
+                f"; known in the events of its analysis: {', '.join(events) or 'none'}",
+            ),
             *where,
         )
 

@@ -12,7 +12,7 @@ import { drawOverlay } from "./overlay.js";
 import { stillPage, valuesAfter } from "./preview.js";
 import { bodiesAmong, sectionOf, within } from "./selection.js";
 import { SelectionKeys } from "./selection_keys.js";
-import { elementAt, inBody, placed, snap } from "./snapping.js";
+import { elementAt, inBody, placed, snap, typedAt } from "./snapping.js";
 import { TOOLS } from "./tools.js";
 import { shift } from "./transforms.js";
 import { BEGINS, TYPED, typedPlace } from "./typed_numbers.js";
@@ -103,7 +103,7 @@ export class Drawing {
     const page = /** @type {Page} */ (this.page), ignore = this.drag?.kind === "point" ? this.drag.from.names : [];
     const from = this.places.at(-1) ?? null, place = snap(page, at, { from, free: event.altKey, ignore });
     const typed = this.typed ? typedPlace(this.typed, from, place) : null;
-    if (typed) return { ...placed(typed.x, typed.y), how: "typed" };
+    if (typed) return typedAt(page, typed);
     if (!place.names.length && this.tool.onBody && (!this.places.length || this.tool.onBody === "all")) {
       const hit = elementAt(page, at);
       if (hit && this.document?.bodies?.[hit.name]) return { ...place, body: hit.name, local: inBody(page, hit.name, place.x, place.y), how: `on ${hit.name}` };
@@ -230,14 +230,14 @@ export class Drawing {
     if (this.tool.name === "select" || !this.page) return false;
     if (key === "Enter" && this.typed) {
       const place = typedPlace(this.typed, this.places.at(-1) ?? null, this.now);
-      if (place) this.put(placed(place.x, place.y));
+      if (place) this.put(typedAt(this.page, place));
       else this.actions.refuse(`${this.typed}: type a length 0.3, a length and an angle 0.3<45, or coordinates 0.1,0.2`);
     } else if (key === "Backspace" && this.typed) this.typed = this.typed.slice(0, -1);
     else if (key === "Escape" && this.typed) this.typed = "";
     else if (this.typed ? TYPED.test(key) : BEGINS.test(key)) this.typed += key;
     else return false;
     const place = this.typed ? typedPlace(this.typed, this.places.at(-1) ?? null, this.now) : null;
-    if (place) this.now = { ...placed(place.x, place.y), how: "typed" };
+    if (place) this.now = typedAt(this.page, place);
     return true;
   }
 

@@ -4,15 +4,28 @@
 /** @import { PictureMessage, TaskMessage } from "./types.d.ts" */
 
 import { AnalysisSheet } from "./analysis.js";
+import { ContactSheet } from "./contact_sheet.js";
 import { DesignSheet } from "./design.js";
+import { Ghosts } from "./ghosts.js";
 import { OverlayBar } from "./overlay_bar.js";
 import { SynthesisSheet } from "./synthesis.js";
+import { TargetDrag } from "./target_drag.js";
 import { drawTargets } from "./targets.js";
 import { ResultPanel } from "./tasks.js";
 
 /** Add the sheets to the studio. @param {StudioPage} studio */
 export function addInsight(studio) {
-  const overlays = new OverlayBar(studio.pictures);
+  const ghosts = new Ghosts(studio.pictures, {
+    request: (kind, more) => void studio.request(kind, more),
+    edit: (label, operations) => void studio.edit(label, operations),
+    refuse: (text) => studio.say(text, true),
+    rest: () => studio.drawing.rest(),
+    document: () => studio.file.document,
+    revision: () => studio.file.revision,
+    selects: () => studio.drawing.tool.name === "select",
+  });
+  const overlays = new OverlayBar(studio.pictures, ghosts, () => studio.drawing.selection, () => studio.drawing.possible && studio.drawing.tool.name !== "select");
+  const drag = new TargetDrag(studio.pictures, { edit: (label, operations) => void studio.edit(label, operations), document: () => studio.known, selects: () => studio.drawing.tool.name === "select" });
   let marked = -1;
   const result = new ResultPanel((task, values) => studio.edit(`adopt ${task.section}`, Object.entries(values).map(([name, value]) => ({ op: "parameter", name, value }))));
   const shared = {
@@ -31,11 +44,13 @@ export function addInsight(studio) {
     },
     mark: (/** @type {number} */ entry) => { marked = entry; studio.pictures.page?.scene.invalidate(); },
   };
-  const analysis = new AnalysisSheet(shared, [overlays.node]), design = new DesignSheet(shared), synthesis = new SynthesisSheet(shared);
+  const analysis = new AnalysisSheet(shared, [overlays.node]), design = new DesignSheet(shared), synthesis = new SynthesisSheet(shared), contacts = new ContactSheet(shared);
   studio.sheets.add({ name: "analysis", title: "Analysis", node: analysis.node });
   studio.sheets.add({ name: "design", title: "Design", node: design.node, onShow: () => design.render() });
   studio.sheets.add({ name: "synthesis", title: "Synthesis", node: synthesis.node });
-  studio.onDocument.push((document) => { analysis.show(document); design.show(document); synthesis.show(document); });
+  studio.sheets.add({ name: "contacts", title: "Contacts", node: contacts.node });
+  studio.onDocument.push((document) => { if (document) contacts.show(document); analysis.show(document); design.show(document); synthesis.show(document); });
+  studio.handlers.assemblies = (message) => ghosts.receive(message);
   studio.handlers.preview = (message) => analysis.receive(message);
   studio.handlers.task = (/** @type {TaskMessage} */ task) => {
     design.receive(task);
@@ -44,8 +59,8 @@ export function addInsight(studio) {
   studio.pictures.onShow.push((page) => {
     page.scene.overlays.push((/** @type {{ ctx: CanvasRenderingContext2D }} */ { ctx }) => {
       const colour = getComputedStyle(document.documentElement).getPropertyValue("--error").trim();
-      if (page.scene.view && "s" in page.scene.view) drawTargets(ctx, page, studio.known, colour, marked);
+      if (page.scene.view && "s" in page.scene.view) drawTargets(ctx, page, drag.document, colour, marked);
     });
   });
-  return { analysis, design, synthesis, overlays, result, describe: (/** @type {PictureMessage} */ message) => analysis.describe(message) };
+  return { analysis, design, synthesis, overlays, ghosts, result, describe: (/** @type {PictureMessage} */ message) => analysis.describe(message) };
 }

@@ -4,7 +4,7 @@
 /** @import { Page } from "./pictures.js" */
 /** @import { Document } from "./types.d.ts" */
 
-import { FINE, inBody, placeOf, rounded } from "./snapping.js";
+import { FINE, inBody, onOutline, placeOf, rounded } from "./snapping.js";
 import { neat } from "./transforms.js";
 
 /** Mass of a new bar per length [kg/m], and of a new plate per area [kg/m²]. */
@@ -56,11 +56,12 @@ export function plate(corners) {
   return { label: "add plate", operations: [{ op: "add", section: "bodies", base: "plate", as: "$plate", fields }, ...corners.flatMap((corner, k) => pinnedTo(corner, `$plate.P${k + 1}`))] };
 }
 
-/** Pin of two bodies, or of one to the ground. @param {Place} place @returns {Change | null} */
-export function pin(place) {
+/** Pin of two bodies, also where they cross, or of one to the ground. @param {Page} page @param {Place} place @returns {Change | null} */
+export function pin(page, place) {
   if (!place.body) return null;
-  const others = place.names.filter((name) => name.split(".")[0] !== place.body), own = reference(place, place.body);
-  const connect = others.length && !place.joint ? [own, others[0]] : [{ body: "ground", at: [neat(place.x), neat(place.y)] }, own];
+  const others = place.names.filter((name) => name.split(".")[0] !== place.body), own = reference(place, place.body), crossing = place.names.length ? null : onOutline(page, place.x, place.y, place.body);
+  const other = others.length && !place.joint ? others[0] : crossing?.body && page.motion.byName.get(crossing.body) ? { body: crossing.body, at: (inBody(page, crossing.body, place.x, place.y) ?? [0, 0]).map(neat) } : null;
+  const connect = other ? [own, other] : [{ body: "ground", at: [neat(place.x), neat(place.y)] }, own];
   return { label: "add pin", operations: [{ op: "add", section: "joints", base: "", fields: { type: "Revolute", connect } }] };
 }
 

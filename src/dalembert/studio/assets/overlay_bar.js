@@ -1,5 +1,6 @@
 // What is drawn over the picture of a planar mechanism, chosen by buttons and the keys 1 to 9.
 
+/** @import { Ghosts } from "./ghosts.js" */
 /** @import { Page, Pictures } from "./pictures.js" */
 
 import { button, el } from "./dom.js";
@@ -9,9 +10,12 @@ import { OVERLAYS, drawOverlays } from "./overlays.js";
 const PLOTS = { Power: /\.power$|^input_power$/, Energies: /^(kinetic_energy|potential_energy|energy|input_energy|dissipated_energy)$/ };
 
 export class OverlayBar {
-  /** @param {Pictures} pictures */
-  constructor(pictures) {
+  /** @param {Pictures} pictures @param {Ghosts} ghosts @param {() => Set<string>} selected @param {() => boolean} draws whether digits belong to what is drawn */
+  constructor(pictures, ghosts, selected, draws) {
+    this.selected = selected;
+    this.draws = draws;
     this.pictures = pictures;
+    this.ghosts = ghosts;
     /** Names of the drawn overlays. @type {Set<string>} */
     this.shown = new Set();
     /** Place under the pointer, and whether a button holds it. @type {[number, number] | null} */
@@ -19,8 +23,8 @@ export class OverlayBar {
     this.buttons = new Map(OVERLAYS.map(({ name, title, key, note }) => [name, button(`${title} `, () => this.toggle(name), { class: "pick", "aria-pressed": "false", title: `${note} (key ${key})`, "data-overlay": name })]));
     this.reactions = button("Joint reactions", () => this.toggleReactions(), { class: "pick", "aria-pressed": "false", title: "Reaction forces and moments at the joints (key 8)" });
     this.values = el("p", { class: "muted", role: "status" });
-    this.node = el("fieldset", { class: "overlays" }, el("legend", {}, "On the picture"), el("div", { class: "picks" }, [...this.buttons.values()], this.reactions),
-      el("div", { class: "picks" }, Object.keys(PLOTS).map((name) => button(`Plot: ${name.toLowerCase()}`, () => this.plot(name), { class: "pick" }))), this.values);
+    this.node = el("fieldset", { class: "overlays" }, el("legend", {}, "On the picture"), el("div", { class: "picks" }, [...this.buttons.values()], this.reactions, ghosts.button),
+      el("div", { class: "picks" }, Object.keys(PLOTS).map((name) => button(`Plot: ${name.toLowerCase()}`, () => this.plot(name), { class: "pick" }))), this.values, ghosts.node);
     document.addEventListener("keydown", (event) => this.key(event));
     pictures.onShow.push((page) => this.bind(page));
   }
@@ -41,10 +45,11 @@ export class OverlayBar {
   /** @param {KeyboardEvent} event */
   key(event) {
     const typing = /** @type {HTMLElement} */ (event.target)?.closest?.("input, select, textarea, .cm-editor, dialog");
-    if (typing || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (typing || this.draws() || event.ctrlKey || event.metaKey || event.altKey) return;
     const overlay = OVERLAYS.find(({ key }) => key === event.key);
     if (overlay) this.toggle(overlay.name);
     else if (event.key === "8") this.toggleReactions();
+    else if (event.key === "9") this.ghosts.toggle();
     else return;
     event.preventDefault();
     event.stopImmediatePropagation();
@@ -80,6 +85,6 @@ export class OverlayBar {
   /** @param {CanvasRenderingContext2D} ctx @param {Page} page */
   draw(ctx, page) {
     if (!this.shown.size || !("s" in page.scene.view) || page.motion.mesh || page.motion.swings) return;
-    drawOverlays(ctx, page, this.shown, this.pointer);
+    drawOverlays(ctx, page, this.shown, this.pointer, this.selected());
   }
 }

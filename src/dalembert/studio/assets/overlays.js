@@ -3,8 +3,9 @@
 /** @import { Page } from "./pictures.js" */
 /** @import { Twist, Vector } from "./plane_kinematics.js" */
 
-import { GROUND, accelerationAt, instantCentre, limitPositions, transmissions, twistOf, velocityAt } from "./plane_kinematics.js";
+import { GROUND, accelerationAt, crankAngle, deadCentres, instantCentre, transmissions, twistOf, velocityAt } from "./plane_kinematics.js";
 import { elementAt, inBody } from "./snapping.js";
+import { pathSizes, sweptOf } from "./swept.js";
 
 /** Length of the longest arrow [pixels], and the instants over which it is sought. */
 const ARROW = 90, SAMPLES = 60;
@@ -15,10 +16,10 @@ const BEYOND = 40;
 
 /** Pen of a picture: places in metres, colours of the theme. */
 class Pen {
-  /** @param {CanvasRenderingContext2D} ctx @param {Page} page @param {Vector | null} pointer [pixels] */
-  constructor(ctx, page, pointer) {
+  /** @param {CanvasRenderingContext2D} ctx @param {Page} page @param {Vector | null} pointer [pixels] @param {Set<string>} selected */
+  constructor(ctx, page, pointer, selected) {
     const style = getComputedStyle(document.documentElement), { motion, scene } = page;
-    this.ctx = ctx; this.page = page; this.motion = motion; this.scene = scene; this.pointer = pointer;
+    this.ctx = ctx; this.page = page; this.motion = motion; this.scene = scene; this.pointer = pointer; this.selected = selected;
     /** @param {string} name */
     this.colour = (name) => style.getPropertyValue(`--${name}`).trim();
     /** Bodies with a motion of their own. @type {{ body: any, twist: Twist }[]} */
@@ -147,8 +148,9 @@ export const OVERLAYS = [
     if (!target) return;
     const path = motion.frames(400).flatMap((/** @type {any} */ cursor) => { const place = motion.at(target.body, target.point, cursor); return place ? [pen.at(place)] : []; });
     pen.line(path, pen.colour("accent"), 2);
-    const [x, y] = pen.at(target.place);
+    const [x, y] = pen.at(target.place), { length, area } = pathSizes(motion, target.body, target.point);
     pen.line([[x - 3, y], [x + 3, y]], pen.colour("accent"), 6);
+    pen.text(`${Number(length.toPrecision(4))} m${area === null ? "" : `, encloses ${Number(area.toPrecision(4))} m²`}`, [x + 14, y + 6], pen.colour("accent"));
   } },
   { name: "velocity", title: "Velocities", key: "2", note: "Velocities of points", draw: (pen) => drawVectors(pen, "velocity", velocityAt, pen.colour("good"), "m/s") },
   { name: "acceleration", title: "Accelerations", key: "3", note: "Accelerations of points", draw: (pen) => drawVectors(pen, "acceleration", accelerationAt, pen.colour("warning"), "m/s²") },
@@ -163,16 +165,32 @@ export const OVERLAYS = [
       }
     });
   } },
-  { name: "limits", title: "Limit positions", key: "5", note: "Positions in which a rocker or slider turns back; there the linkage has a dead centre for this member as input", draw(pen) {
-    const { motion } = pen, positions = limitPositions(motion).slice(0, 8), bodies = pen.moving.map(({ body }) => body);
-    for (const { body, cursor } of positions) {
+  { name: "limits", title: "Dead centres", key: "5", note: "Limit positions, in which a rocker or slider turns back: both dead centres of the linkage for this member as input, with the angle of the crank and the ratio of the times between them", draw(pen) {
+    const { motion } = pen, positions = deadCentres(motion).slice(0, 8), bodies = pen.moving.map(({ body }) => body);
+    for (const { body, cursor, stroke } of positions) {
       for (const each of bodies) {
         const places = skeleton(pen, each, cursor).map((place) => pen.at(place));
         if (places.length > 1) pen.line(places, each === body ? pen.colour("error") : pen.colour("muted"), each === body ? 2.4 : 1.2, [5, 4]);
       }
       const pose = motion.pose(body, cursor);
-      if (pose) pen.text(`${body.name}: ${degrees(pose.a)}`, pen.at([pose.x, pose.y]), pen.colour("error"));
+      const own = positions.filter((other) => other.body === body), number = own.findIndex((other) => other.cursor === cursor) + 1, crank = crankAngle(motion, cursor), back = own[2 - number]?.stroke;
+      const ratio = own.length === 2 && number === 1 && stroke > 0 && back > 0 ? `, times 1 : ${Number((back / stroke).toPrecision(3))}` : "";
+      if (pose) pen.text(`${number}. ${body.name} ${degrees(pose.a)}${crank ? `, ${crank.name} ${degrees(crank.angle - 2 * Math.PI * Math.floor(crank.angle / (2 * Math.PI)))}` : ""}${ratio}`, pen.at([pose.x, pose.y]), pen.colour("error"));
     }
+  } },
+  { name: "swept", title: "Swept area", key: "7", note: "Area over which the body under the pointer, or the selected one, moves", draw(pen) {
+    const { motion, target } = pen, body = target?.body ?? motion.bodies.find((/** @type {any} */ item) => pen.selected.has(item.name)) ?? null;
+    if (!body) return;
+    const { ctx } = pen, shown = sweptOf(motion, body), path = new Path2D();
+    for (const polygon of shown.polygons) {
+      polygon.forEach((place, k) => (k ? path.lineTo(...pen.at(place)) : path.moveTo(...pen.at(place))));
+      path.closePath();
+    }
+    [ctx.fillStyle, ctx.globalAlpha] = [pen.colour("accent"), 0.18];
+    ctx.fill(path, "nonzero");
+    ctx.globalAlpha = 1;
+    const at = target?.place ?? [motion.pose(body)?.x ?? 0, motion.pose(body)?.y ?? 0];
+    pen.text(`${body.name} sweeps ${Number(shown.area.toPrecision(3))} m²`, [pen.at(/** @type {Vector} */ (at))[0] + 14, pen.at(/** @type {Vector} */ (at))[1] + 22], pen.colour("accent"));
   } },
   { name: "transmission", title: "Transmission angle", key: "6", note: "Angle between coupler and follower, with its minimum over the motion", draw(pen) {
     for (const { body, place, arms: [along, arm], angle } of transmissions(pen.motion)) {
@@ -189,10 +207,10 @@ export const OVERLAYS = [
   } },
 ];
 
-/** @param {CanvasRenderingContext2D} ctx @param {Page} page @param {Set<string>} shown @param {Vector | null} pointer */
-export function drawOverlays(ctx, page, shown, pointer) {
+/** @param {CanvasRenderingContext2D} ctx @param {Page} page @param {Set<string>} shown @param {Vector | null} pointer @param {Set<string>} selected */
+export function drawOverlays(ctx, page, shown, pointer, selected) {
   ctx.save();
-  const pen = new Pen(ctx, page, pointer);
+  const pen = new Pen(ctx, page, pointer, selected);
   for (const { name, draw } of OVERLAYS) if (shown.has(name)) draw(pen);
   ctx.restore();
 }

@@ -45,24 +45,65 @@ export function followers(motion) {
   return motion.bodies.filter((/** @type {any} */ body) => !body.of && !body.node && !moved.has(body) && groundJoint(motion, body));
 }
 
-/** Instants at which a follower turns back: its limit positions. @param {any} motion @returns {{ body: any, cursor: { i: number, f: number } }[]} */
+/** Velocity of the point of a body that slides along the ground. @param {any} motion @param {any} body @param {{ i: number, f: number }} cursor @returns {Vector | null} */
+function slidingVelocity(motion, body, cursor) {
+  const joint = groundJoint(motion, body), end = joint.body === body ? joint : joint.base, twist = twistOf(motion, body, cursor), place = motion.at(body, end.point, cursor);
+  return twist && place ? velocityAt(twist, place) : null;
+}
+
+/** Speed relative to its maximum below which a body rests, and the difference of equal poses relative to the range. */
+const REST = 1e-9, EQUAL = 1e-3;
+
+/** Instants at which a follower turns back: its limit positions, also at the start of a cycle. @param {any} motion @returns {{ body: any, cursor: { i: number, f: number } }[]} */
 export function limitPositions(motion) {
   return followers(motion).flatMap((body) => {
-    const slides = groundJoint(motion, body).description !== "revolute", limits = [];
-    let direction = /** @type {Vector | null} */ (null);
-    const speed = (/** @type {number} */ i) => {
-      const twist = twistOf(motion, body, { i, f: 0 }), size = twist ? Math.hypot(twist.vx, twist.vy) : 0;
-      if (!twist || !slides) return twist?.w ?? NaN;
-      if (!direction && size > 0) direction = [twist.vx / size, twist.vy / size];
-      return direction ? twist.vx * direction[0] + twist.vy * direction[1] : 0;
-    };
-    for (let i = 0, before = speed(0); i + 1 < motion.n; i++) {
-      const after = speed(i + 1);
-      if (before * after < 0) limits.push({ body, cursor: { i, f: before / (before - after) } });
-      before = after;
-    }
+    const slides = groundJoint(motion, body).description !== "revolute", limits = /** @type {{ body: any, cursor: { i: number, f: number } }[]} */ ([]);
+    const velocities = Array.from({ length: slides ? motion.n : 0 }, (_, i) => slidingVelocity(motion, body, { i, f: 0 }) ?? /** @type {Vector} */ ([NaN, NaN]));
+    const [u, v] = velocities.reduce((best, one) => (Math.hypot(...one) > Math.hypot(...best) ? one : best), /** @type {Vector} */ ([0, 0]));  // along the guide
+    const speeds = slides ? velocities.map(([x, y]) => x * u + y * v) : Array.from({ length: motion.n }, (_, i) => twistOf(motion, body, { i, f: 0 })?.w ?? NaN), most = Math.max(...speeds.map(Math.abs).filter(Number.isFinite), 0);
+    const signs = speeds.map((value) => (Math.abs(value) > REST * most ? Math.sign(value) : 0)), moving = signs.flatMap((sign, i) => (sign ? [i] : []));
+    if (!moving.length) return limits;
+    const first = moving[0], last = /** @type {number} */ (moving.at(-1));
+    if (first > 0 && signs[last] !== signs[first] && isCycle(motion, body)) limits.push({ body, cursor: { i: 0, f: 0 } });
+    moving.slice(1).forEach((i, k) => {
+      const before = moving[k];
+      if (signs[i] === signs[before]) return;
+      limits.push({ body, cursor: i === before + 1 ? { i: before, f: speeds[before] / (speeds[before] - speeds[i]) } : { i: before + 1, f: 0 } });
+    });
     return limits;
   });
+}
+
+/** Whether a body ends where it begins. @param {any} motion @param {any} body */
+function isCycle(motion, body) {
+  const [start, end] = [0, motion.n - 1].map((i) => motion.pose(body, { i, f: 0 })), range = rangeOf(motion, body);
+  return Boolean(start && end) && apart(start, end) < EQUAL * range;
+}
+
+/** @typedef {{ x: number, y: number, a: number }} Pose */
+
+/** Difference of two poses [m or rad], of the angle up to full turns. @param {Pose} p @param {Pose} q */
+const apart = (p, q) => Math.max(Math.hypot(p.x - q.x, p.y - q.y), Math.abs(Math.atan2(Math.sin(p.a - q.a), Math.cos(p.a - q.a))));
+
+/** Largest difference from the first pose. @param {any} motion @param {any} body */
+function rangeOf(motion, body) {
+  const poses = Array.from({ length: motion.n }, (_, i) => motion.pose(body, { i, f: 0 })).filter(Boolean);
+  return Math.max(0, ...poses.map((pose) => apart(pose, poses[0])));
+}
+
+/** Limit positions without those that a motion of several cycles repeats, with the time until the next one of the same body.
+ * @param {any} motion @returns {{ body: any, cursor: { i: number, f: number }, time: number, stroke: number }[]} */
+export function deadCentres(motion) {
+  const all = limitPositions(motion).map((limit) => ({ ...limit, time: motion.time[limit.cursor.i] + limit.cursor.f * ((motion.time[limit.cursor.i + 1] ?? NaN) - motion.time[limit.cursor.i] || 0), pose: motion.pose(limit.body, limit.cursor) }));
+  const kept = /** @type {typeof all} */ ([]);
+  for (const limit of all) if (!kept.some((other) => other.body === limit.body && apart(other.pose, limit.pose) < EQUAL * rangeOf(motion, limit.body))) kept.push(limit);
+  return kept.map((limit) => ({ body: limit.body, cursor: limit.cursor, time: limit.time, stroke: (all.find((other) => other.body === limit.body && other.time > limit.time)?.time ?? NaN) - limit.time }));
+}
+
+/** Angle of the body that a driver rotates; null without one. @param {any} motion @param {{ i: number, f: number }} cursor @returns {{ name: string, angle: number } | null} */
+export function crankAngle(motion, cursor) {
+  const crank = [...driven(motion)].find((body) => body && !body.fixed && motion.bodies.includes(body) && groundJoint(motion, body)?.description === "revolute"), pose = crank && motion.pose(crank, cursor);
+  return pose ? { name: crank.name, angle: pose.a } : null;
 }
 
 /** Joint at which a coupler drives a follower: place, and places on both bodies whose directions enclose the transmission angle.
@@ -79,9 +120,9 @@ export function transmissions(motion, cursor = motion.cursor) {
     if (!at || !start || !pivot) return [];
     let arm = /** @type {Vector} */ ([pivot[0] - at[0], pivot[1] - at[1]]);
     if (base.description !== "revolute") {
-      const twist = twistOf(motion, body, cursor), size = twist ? Math.hypot(twist.vx, twist.vy) : 0;
-      if (!twist || size === 0) return [];
-      arm = [-twist.vy / size, twist.vx / size];  // normal to the direction in which it slides
+      const velocity = slidingVelocity(motion, body, cursor), size = velocity ? Math.hypot(...velocity) : 0;
+      if (!velocity || size === 0) return [];
+      arm = [-velocity[1] / size, velocity[0] / size];  // normal to the direction in which it slides
     }
     const along = /** @type {Vector} */ ([start[0] - at[0], start[1] - at[1]]), full = Math.abs(Math.atan2(arm[0] * along[1] - arm[1] * along[0], arm[0] * along[0] + arm[1] * along[1]));
     return [{ body, place: at, arms: /** @type {[Vector, Vector]} */ ([along, arm]), angle: Math.min(full, Math.PI - full) }];

@@ -57,6 +57,14 @@ export function inBody({ motion }, name, x, y) {
 /** A place without a reference. @param {number} x @param {number} y @returns {Place} */
 export const placed = (x, y) => ({ x, y, names: [], body: null, local: null, joint: null, how: "" });
 
+/** Place with typed coordinates: the points there, if they have names. @param {Page} page @param {{ x: number, y: number }} at @returns {Place} */
+export function typedAt(page, { x, y }) {
+  const { s: scale } = page.scene.view, near = namedPlaces(page).find((place) => Math.hypot(place.x - x, place.y - y) * scale < 0.5);
+  if (!near) return { ...placed(x, y), how: "typed" };
+  const joint = page.motion.joints.find((/** @type {any} */ item) => { const at = placeOf(page, item); return at && Math.hypot(at[0] - x, at[1] - y) * scale < 0.5; })?.name ?? null;
+  return { ...placed(rounded(near.x, FINE * scale), rounded(near.y, FINE * scale)), names: near.names, body: near.bodies[0], local: near.locals[0], joint, how: near.names[0] };
+}
+
 /** Place under the pointer. @param {Page} page @param {[number, number]} pixel @param {{ from?: { x: number, y: number } | null, free?: boolean, ignore?: string[] }} options
  * @returns {Place} */
 export function snap(page, pixel, { from = null, free = false, ignore = [] } = {}) {
@@ -105,10 +113,11 @@ function aligned(points, x, y, scale) {
   return { ...place, how, guides: [above, beside].flatMap((point) => (point ? [[point, { x: place.x, y: place.y }]] : [])) };
 }
 
-/** Place on the outline of a body. @param {Page} page @param {number} x @param {number} y @returns {Place | null} */
-function onOutline(page, x, y) {
+/** Place on the outline of a body. @param {Page} page @param {number} x @param {number} y @param {string} [but] body that is left out @returns {Place | null} */
+export function onOutline(page, x, y, but = "") {
   const { motion, scene: { view: { s: scale } } } = page;
   for (const body of motion.bodies) {
+    if (body.name === but) continue;
     const pose = motion.pose(body);
     for (const shape of pose ? body.shapes : []) {
       const corners = motion.outline(shape).map((/** @type {any} */ p) => motion.placed(pose, p)), closed = corners.length > 2;

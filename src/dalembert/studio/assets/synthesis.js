@@ -4,13 +4,14 @@
 
 import { numberField } from "./analysis.js";
 import { button, el } from "./dom.js";
+import { SIX_BARS, linkageFields } from "./six_bars.js";
 import { synthesisOf } from "./targets.js";
 import { taskCard } from "./tasks.js";
 
 /** Time of a revolution on a card [ms]. */
 const TURN = 3000;
 const CARD = { width: 168, height: 128, margin: 10 };
-const LINKAGES = ["FourBar", "SliderCrank", "own"];
+const LINKAGES = ["FourBar", "SliderCrank", ...Object.keys(SIX_BARS), "own"];
 const TYPES = { path: "Path of a point", motion: "Poses of a body", function: "Function of the crank" };
 const SORTS = { error: "error", distance: "largest distance", marks: "defects" };
 
@@ -59,7 +60,7 @@ export class SynthesisSheet {
     const table = synthesisOf(this.document), type = /** @type {keyof typeof TYPES} */ (table.type ?? "path");
     const focused = /** @type {HTMLInputElement | null} */ (this.form.querySelector(":focus"))?.name;
     const choose = (/** @type {string} */ key, /** @type {Record<string, string>} */ options, /** @type {string} */ value, /** @type {string} */ label) => {
-      const select = el("select", { name: key, onchange: () => this.set(`set ${key}`, { type, [key]: select.value }) }, Object.entries(options).map(([name, text]) => el("option", { value: name }, text)));
+      const select = el("select", { name: key, onchange: () => this.set(`set ${key}`, key === "linkage" || (key === "type" && SIX_BARS[table.linkage]) ? { type, [key]: select.value, ...linkageFields(key === "linkage" ? select.value : table.linkage, key === "type" ? select.value : type, table.points ?? []) } : { type, [key]: select.value }) }, Object.entries(options).map(([name, text]) => el("option", { value: name }, text)));
       select.value = value;
       return el("label", { class: "field" }, el("span", {}, label), select);
     };
@@ -111,35 +112,57 @@ export class SynthesisSheet {
     const canvas = el("canvas", { class: "function", width: 640, height: 320, tabindex: "0", role: "img", "aria-label": "Output over crank angle; a click adds a point" }), crank = /** @type {number[]} */ (table.crank_angles ?? []), outputs = /** @type {number[]} */ (table.outputs ?? []);
     const turn = 2 * Math.PI, low = Math.min(-1, ...outputs) - 0.2, high = Math.max(1, ...outputs) + 0.2, left = 44, bottom = 30;
     const at = (/** @type {number} */ x, /** @type {number} */ y) => [left + (x / turn) * (640 - left - 10), 320 - bottom - ((y - low) / (high - low)) * (320 - bottom - 10)];
-    canvas.addEventListener("click", (event) => {
-      const box = canvas.getBoundingClientRect(), u = ((event.clientX - box.left) / box.width) * 640, v = ((event.clientY - box.top) / box.height) * 320;
-      const x = ((u - left) / (640 - left - 10)) * turn, y = low + ((320 - bottom - v) / (320 - bottom - 10)) * (high - low);
-      const rows = [...crank.map((angle, k) => [angle, outputs[k]]), [Number(x.toPrecision(4)), Number(y.toPrecision(4))]].sort(([a], [b]) => a - b);
-      this.set("add function point", { type: "function", points: null, coupler_angles: null, crank_angles: rows.map(([angle]) => angle), outputs: rows.map(([, value]) => value) });
+    const pixel = (/** @type {PointerEvent} */ event) => { const box = canvas.getBoundingClientRect(); return [((event.clientX - box.left) / box.width) * 640, ((event.clientY - box.top) / box.height) * 320]; };
+    const valueAt = (/** @type {number} */ u, /** @type {number} */ v) => [((u - left) / (640 - left - 10)) * turn, low + ((320 - bottom - v) / (320 - bottom - 10)) * (high - low)].map((value) => Number(value.toPrecision(4)));
+    let dragged = -1, moved = /** @type {number[] | null} */ (null);
+    canvas.addEventListener("pointerdown", (event) => {
+      const [u, v] = pixel(event);
+      dragged = crank.findIndex((x, k) => Math.hypot(at(x, outputs[k])[0] - u, at(x, outputs[k])[1] - v) < 16);
+      canvas.setPointerCapture(event.pointerId);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      if (dragged < 0 || !event.buttons) return;
+      const [u, v] = pixel(event);
+      moved = valueAt(u, v);
+      draw();
+    });
+    canvas.addEventListener("pointerup", (event) => {
+      const [u, v] = pixel(event), rows = crank.map((angle, k) => (k === dragged && moved ? moved : [angle, outputs[k]]));
+      if (dragged < 0) rows.push(valueAt(u, v));
+      if (dragged < 0 || moved) {
+        rows.sort(([a], [b]) => a - b);
+        this.set(dragged < 0 ? "add function point" : "move function point", { type: "function", points: null, coupler_angles: null, crank_angles: rows.map(([angle]) => angle), outputs: rows.map(([, value]) => value) });
+      }
+      [dragged, moved] = [-1, null];
     });
     const ctx = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d")), style = getComputedStyle(document.documentElement), colour = (/** @type {string} */ name) => style.getPropertyValue(`--${name}`).trim();
-    [ctx.strokeStyle, ctx.fillStyle, ctx.font] = [colour("line"), colour("muted"), "20px system-ui, sans-serif"];
-    for (let k = 0; k <= 4; k++) {
-      const [x, y] = at((k * turn) / 4, low);
-      ctx.strokeRect(x, 10, 0.01, y - 10);
-      ctx.fillText(`${90 * k}°`, x - 14, 316);
-    }
-    for (const value of [Math.ceil(low), 0, Math.floor(high)]) {
-      const [x, y] = at(0, value);
-      ctx.strokeRect(x, y, 640 - left - 10, 0.01);
-      ctx.fillText(String(value), 8, y + 6);
-    }
-    [ctx.strokeStyle, ctx.fillStyle, ctx.lineWidth] = [colour("accent"), colour("accent"), 3];
-    ctx.beginPath();
-    crank.forEach((x, k) => ctx.lineTo(.../** @type {[number, number]} */ (at(x, outputs[k]))));
-    ctx.stroke();
-    crank.forEach((x, k) => {
-      const [u, v] = at(x, outputs[k]);
+    const draw = () => {
+      const rows = crank.map((x, k) => (k === dragged && moved ? moved : [x, outputs[k]]));
+      ctx.clearRect(0, 0, 640, 320);
+      [ctx.strokeStyle, ctx.fillStyle, ctx.font, ctx.lineWidth] = [colour("line"), colour("muted"), "20px system-ui, sans-serif", 1];
+      for (let k = 0; k <= 4; k++) {
+        const [x, y] = at((k * turn) / 4, low);
+        ctx.strokeRect(x, 10, 0.01, y - 10);
+        ctx.fillText(`${90 * k}°`, x - 14, 316);
+      }
+      for (const value of [Math.ceil(low), 0, Math.floor(high)]) {
+        const [x, y] = at(0, value);
+        ctx.strokeRect(x, y, 640 - left - 10, 0.01);
+        ctx.fillText(String(value), 8, y + 6);
+      }
+      [ctx.strokeStyle, ctx.fillStyle, ctx.lineWidth] = [colour("accent"), colour("accent"), 3];
       ctx.beginPath();
-      ctx.arc(u, v, 7, 0, turn);
-      ctx.fill();
-    });
-    return el("figure", {}, canvas, el("figcaption", { class: "muted" }, "A click adds a point: output [rad, m] over the crank angle."));
+      for (const [x, y] of [...rows].sort(([a], [b]) => a - b)) ctx.lineTo(.../** @type {[number, number]} */ (at(x, y)));
+      ctx.stroke();
+      for (const [x, y] of rows) {
+        const [u, v] = at(x, y);
+        ctx.beginPath();
+        ctx.arc(u, v, 7, 0, turn);
+        ctx.fill();
+      }
+    };
+    draw();
+    return el("figure", {}, canvas, el("figcaption", { class: "muted" }, "A click adds a point, a drag moves one: output [rad, m] over the crank angle."));
   }
 
   renderState() {

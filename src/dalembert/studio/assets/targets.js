@@ -7,7 +7,7 @@
 /** @import { Document } from "./types.d.ts" */
 
 /** Length of the arm of a pose [pixels]. */
-const ARM = 26;
+export const ARM = 26;
 
 /** Keys of [synthesis]. @param {Document | null} document @returns {Record<string, any>} */
 export const synthesisOf = (document) => document?.synthesis ?? {};

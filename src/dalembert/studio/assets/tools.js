@@ -6,6 +6,7 @@
 /** @import { Change } from "./operations.js" */
 /** @import { Document } from "./types.d.ts" */
 
+import { SHAPE_TOOLS } from "./contact_shapes.js";
 import { transform } from "./editing.js";
 import { actuator, contact, damper, hydraulic, linearMotor, rope, stop, stroke, torque, torsionSpring } from "./new_forces.js";
 import { beam, cam, gears, guide, link, mass, point, rack, slot, weld } from "./new_joints.js";
@@ -17,7 +18,7 @@ import { reflection } from "./transforms.js";
  * With `onBody` the first place may be on a body, with `all` every place.
  * @typedef {{ name: string, key: string, group: string, title: string, hint: string[], clicks: number, onBody?: boolean | "all", make: (places: Place[], drawing: Drawing) => Change | null }} Tool */
 
-export const GROUPS = ["Select", "Bodies", "Joints", "Forces", "Drives", "Targets"];
+export const GROUPS = ["Select", "Bodies", "Joints", "Forces", "Contacts", "Drives", "Targets"];
 
 /** A tool that needs the picture and the document. @param {(page: Page, document: Document, places: Place[]) => Change | null} make @returns {Tool["make"]} */
 const using = (make) => (places, { page, document }) => page && document && make(page, document, places);
@@ -33,7 +34,7 @@ export const TOOLS = [
   { name: "mass", key: "a", group: "Bodies", title: "Point mass", hint: ["click its place; on a body it is pinned there"], clicks: 1, onBody: true, make: ([place]) => mass(place) },
   { name: "beam", key: "e", group: "Bodies", title: "Flexible beam", hint: ["click where it is clamped: a point, a body or the ground", "click its other end; on a body it is clamped too"], clicks: 2, onBody: "all", make: using((page, _, [from, to]) => beam(page, from, to)) },
   { name: "point", key: "t", group: "Bodies", title: "Point", hint: ["click a body or the ground"], clicks: 1, onBody: true, make: using((_, document, [place]) => point(place, document)) },
-  { name: "pin", key: "o", group: "Joints", title: "Pin", hint: ["click a point: bodies there are joined, a single one is pinned to the ground"], clicks: 1, onBody: true, make: ([place]) => pin(place) },
+  { name: "pin", key: "o", group: "Joints", title: "Pin", hint: ["click a point or where bars cross: bodies there are joined, a single one is pinned to the ground"], clicks: 1, onBody: true, make: using((page, _, [place]) => pin(page, place)) },
   { name: "slider", key: "s", group: "Joints", title: "Slider", hint: ["click a point that slides", "click in the direction of the slot"], clicks: 2, onBody: true, make: ([place, toward]) => slider(place, toward) },
   { name: "slot", key: "u", group: "Joints", title: "Slot in a body", hint: ["click the point that slides", "click the body with the slot", "click in the direction of the slot"], clicks: 3, onBody: "all", make: using((page, _, places) => slot(page, places)) },
   { name: "guide", key: "i", group: "Joints", title: "Guide", hint: ["click the body that slides", "click the body or the ground that it slides along", "click in the direction of the guide"], clicks: 3, onBody: "all", make: using((page, _, places) => guide(page, places)) },
@@ -51,7 +52,8 @@ export const TOOLS = [
   { name: "hydraulic", key: "J", group: "Forces", title: "Hydraulic cylinder", hint: [A_POINT, "click the other end"], clicks: 2, onBody: "all", make: ([from, to]) => hydraulic(from, to) },
   { name: "rope", key: "z", group: "Forces", title: "Rope", hint: ["click the points it runs through, on bodies or the ground; Enter ends it"], clicks: 0, onBody: "all", make: (places) => rope(places) },
   { name: "stop", key: "x", group: "Forces", title: "Stop", hint: ["click a pin, a slider or a guide"], clicks: 1, make: using((page, document, [place]) => stop(place, page, document)) },
-  { name: "contact", key: "C", group: "Forces", title: "Contact", hint: ["click a body", "click another body, or the height of the floor"], clicks: 2, onBody: "all", make: using((_, document, [first, second]) => contact(first, second, document)) },
+  { name: "contact", key: "C", group: "Contacts", title: "Contact", hint: ["click a body", "click another body, or the height of the floor"], clicks: 2, onBody: "all", make: using((_, document, [first, second]) => contact(first, second, document)) },
+  ...SHAPE_TOOLS,
   { name: "motor", key: "m", group: "Drives", title: "Motor", hint: [A_JOINT], clicks: 1, make: using((page, document, [place]) => motor(place, page, document)) },
   { name: "drive", key: "n", group: "Drives", title: "Linear motor", hint: ["click a slider or a guide"], clicks: 1, make: using((_, document, [place]) => linearMotor(place, document)) },
   { name: "stroke", key: "N", group: "Drives", title: "Length drive", hint: [A_POINT, "click the other end"], clicks: 2, onBody: "all", make: ([from, to]) => stroke(from, to) },

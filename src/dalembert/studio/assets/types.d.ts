@@ -16,6 +16,8 @@ export interface Example { example: string; name: string; description: string }
 export interface FilesMessage { kind: "files"; folder: string; files: string[]; recent: string[]; examples: Example[] }
 /** Progress, or the end of an export; `share` is the part that is done. */
 export interface ExportMessage { kind: "export"; number: number; state: "progress" | "done" | "failed" | "stopped"; share?: number; address?: string; name?: string; text?: string; omissions?: string[] }
+/** Other assembly configurations: body → x, y and angle. */
+export interface AssembliesMessage { kind: "assemblies"; revision: number; poses: Record<string, number[]>[]; text: string }
 /** Keys of `[analysis]` that are shown without being written. */
 export interface PreviewMessage { kind: "preview"; fields: Record<string, unknown> | null }
 /** A candidate of a synthesis; `lines` are places over the instants. */

@@ -1,0 +1,63 @@
+// Sheet "Contacts": shapes by groups, and friction and restitution between two groups.
+
+/** @import { Document } from "./types.d.ts" */
+
+import { numberField } from "./analysis.js";
+import { collisionsOf, groupsOf } from "./contact_shapes.js";
+import { button, el } from "./dom.js";
+
+const COEFFICIENTS = { friction: "Friction", restitution: "Restitution" };
+
+export class ContactSheet {
+  /** @param {{ edit: (label: string, operations: Record<string, unknown>[]) => void, draw: (tool: string) => void }} actions */
+  constructor(actions) {
+    this.actions = actions;
+    this.node = el("section", { class: "sheet contacts" });
+    this.show(null);
+  }
+
+  /** @param {Document | null} document */
+  show(document) {
+    const found = collisionsOf(document), tools = el("div", { class: "chips" }, [["circle", "Circle"], ["capsule", "Capsule"], ["polygon", "Polygon"], ["halfplane", "Half plane"]].map(([tool, title]) => button(title, () => this.actions.draw(tool))));
+    const focused = /** @type {HTMLInputElement | null} */ (this.node.querySelector(":focus"))?.name;
+    if (Array.isArray(document?.gravity) && document.gravity.length === 3) return this.node.replaceChildren(el("p", { class: "muted" }, "Shapes of contacts of spatial models are written in the text."));
+    this.node.replaceChildren(el("p", { class: "muted" }, "Shapes are attached to bodies by clicks. Bodies with shapes touch each other; groups of shapes may have their own friction and restitution."), tools, ...(found ? [this.element(...found)] : []));
+    if (focused) /** @type {HTMLElement | null} */ (this.node.querySelector(`[name="${CSS.escape(focused)}"]`))?.focus();
+  }
+
+  /** @param {string} name @param {any} entry */
+  element(name, entry) {
+    const groups = groupsOf(entry), names = Object.keys(groups), pairs = names.flatMap((one, k) => names.slice(k).map((other) => [one, other]));
+    const set = (/** @type {string} */ label, /** @type {string[]} */ keys, /** @type {unknown} */ value) => this.actions.edit(label, [{ op: "set", keys: ["forces", name, ...keys], value }]);
+    const all = el("div", { class: "fields" }, Object.entries(COEFFICIENTS).map(([key, label]) => numberField({ key, label }, entry[key], (value) => value !== null && set(`set ${key}`, [key], value))));
+    const drop = (/** @type {string} */ group, /** @type {number} */ k) => {
+      const rest = groups[group].filter((_, i) => i !== k);
+      if (rest.length) return set("remove shape", group ? ["shapes", group] : ["shapes"], rest);
+      if (names.length < 2) return this.actions.edit("remove contacts", [{ op: "remove", section: "forces", name }]);
+      this.actions.edit("remove group", [{ op: "remove group", name, group }]);
+    };
+    const list = names.map((group) => el("fieldset", {}, el("legend", {}, group || "shapes"), el("ul", { class: "plain" }, groups[group].map((shape, k) => el("li", {}, typeof shape === "string" ? shape : `${shape.type}${shape.radius === undefined ? "" : `, radius ${shape.radius}`} `, button("×", () => drop(group, k), { class: "button quiet", "aria-label": `Remove shape ${k + 1} of ${group || "the list"}` }))))));
+    const table = names.length > 1 || names[0] ? el("table", {}, el("thead", {}, el("tr", {}, ["groups", ...Object.values(COEFFICIENTS), "touch"].map((text) => el("th", { scope: "col" }, text)))), el("tbody", {}, pairs.map((pair) => this.row(name, entry, pair)))) : "";
+    return el("div", { class: "form" }, el("h3", {}, name), all, ...list, table);
+  }
+
+  /** Own law of two groups. @param {string} name @param {any} entry @param {string[]} groups */
+  row(name, entry, groups) {
+    const pairs = /** @type {any[]} */ (entry.pairs ?? []), at = pairs.findIndex((pair) => [...(pair.groups ?? [])].sort().join() === [...groups].sort().join()), pair = pairs[at] ?? {};
+    const change = (/** @type {Record<string, unknown>} */ fields) => {
+      const next = Object.fromEntries(Object.entries({ groups, ...pair, ...fields }).filter(([, value]) => value !== null)), list = at < 0 ? [...pairs, next] : pairs.map((old, k) => (k === at ? next : old));
+      this.actions.edit(`set contact ${groups.join("/")}`, [{ op: "set", keys: ["forces", name, "pairs"], value: list.filter((item) => Object.keys(item).length > 1) }]);
+    };
+    const touch = el("input", { type: "checkbox", name: `touch-${groups.join("-")}`, "aria-label": `${groups.join(" and ")} touch`, onchange: () => change({ touching: touch.checked ? null : false }) });
+    touch.checked = pair.touching !== false;
+    const cells = Object.keys(COEFFICIENTS).map((key) => {
+      const input = el("input", { name: `${key}-${groups.join("-")}`, value: String(pair[key] ?? ""), placeholder: String(entry[key] ?? 0), inputmode: "decimal", disabled: pair.touching === false, "aria-label": `${key} of ${groups.join(" and ")}`, onchange: () => {
+        const text = input.value.trim(), value = Number(text);
+        input.setAttribute("aria-invalid", String(text !== "" && !Number.isFinite(value)));
+        if (text === "" || Number.isFinite(value)) change({ [key]: text === "" ? null : value });
+      } });
+      return el("td", {}, input);
+    });
+    return el("tr", {}, el("th", { scope: "row" }, groups.join(" / ")), ...cells, el("td", {}, touch));
+  }
+}

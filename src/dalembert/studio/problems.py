@@ -1,0 +1,104 @@
+"""Errors, warnings and notes of a model with their places in its text."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from dalembert.errors import DalembertError
+from dalembert.io.toml_places import line_and_column, parse_keys, toml_places
+from dalembert.remedies import Remedy, remedies_in
+from dalembert.studio.fixes import Fix, fixes_of
+from dalembert.studio.redundancy import redundancy_fixes
+
+PATH = re.compile(r'\s*((?:"(?:[^"\\]|\\.)*"|[A-Za-z0-9_-]+)(?:\.(?:"[^"]*"|[\w-]+)|\[\d+\])*): ')
+SYNTAX = re.compile(r"\(at line (\d+), column (\d+)\)|\(at end of document\)|: line (\d+): ")
+
+
+@dataclass(frozen=True)
+class Problem:
+    """An error or a warning at a place of the text.
+
+    Attributes
+    ----------
+    level : ``error``, ``warning`` or ``note``
+    message : text
+    start, end : characters of the place; None if it has no place
+    line : from 1 on; zero without a place
+    fixes : remedies as replacements in the text
+    """
+
+    level: str
+    message: str
+    start: int | None = None
+    end: int | None = None
+    line: int = 0
+    fixes: tuple[Fix, ...] = ()
+
+
+def problems_of(error: DalembertError, text: str, path: Path) -> list[Problem]:
+    """Problems of an error, with their places in the text.
+
+    Parameters
+    ----------
+    error : whose message names the file and key paths in it
+    """
+    message = str(error).replace(f"{path}: ", "").replace(f"{path}:", "")
+    syntax = SYNTAX.search(message)
+    if syntax:
+        line = int(syntax[1] or syntax[3] or text.count("\n") + 1)
+        column = int(syntax[2] or 1)
+        start = sum(len(row) + 1 for row in text.split("\n")[: line - 1]) + column - 1
+        start = min(start, len(text))
+        return [Problem("error", message, start, min(start + 1, len(text)), line)]
+    try:
+        places = toml_places(text)
+    except (ValueError, IndexError):
+        places = {}
+    lines = [line for line in message.split("\n") if line.strip()]
+    if not all(PATH.match(line) for line in lines):
+        lines = ["\n".join(lines)]
+    remedies = remedies_in(error)
+    return [_problem(line.strip(), remedies, places, text) for line in lines]
+
+
+def _problem(
+    message: str, remedies: tuple[Remedy, ...], places: dict[Any, Any], text: str
+) -> Problem:
+    match = PATH.match(message)
+    keys = parse_keys(match[1]) if match else ()
+    own = [remedy for remedy in remedies if not (match and remedy.place not in ("", match[1]))]
+    fixes = fixes_of(own, keys, places, text)
+    while keys and keys not in places:
+        keys = keys[:-1]
+    if not keys:
+        return Problem("error", message, fixes=fixes)
+    place = places[keys]
+    line = line_and_column(text, place.start)[0]
+    return Problem("error", message, place.start, place.end, line, fixes)
+
+
+def notes_of(model: Any, text: str, path: Path) -> tuple[Problem, ...]:
+    """Problems that the diagnosis of a mechanism states.
+
+    Parameters
+    ----------
+    model : of the text
+    text, path : of the model file
+    """
+    diagnosis = model.diagnosis
+    fixes = redundancy_fixes(text, path, model)
+    places = toml_places(text) if fixes else {}
+    joints = [item.joint for item in diagnosis.redundancies]  # stated first
+    notes = []
+    for k, (level, message) in enumerate(diagnosis.messages):
+        place = places.get(("joints", joints[k])) if k < len(joints) else None
+        if place is None:
+            notes.append(Problem(level, message))
+            continue
+        own = fixes[joints[k]] if joints.index(joints[k]) == k else ()
+        line = line_and_column(text, place.start)[0]
+        notes.append(Problem(level, message, place.start, place.end, line, own))
+    return tuple(notes)

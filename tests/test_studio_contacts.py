@@ -1,0 +1,98 @@
+"""Contacts among many shapes, drawn in the studio: they rest with the forces of their weight."""
+
+from __future__ import annotations
+
+import pytest
+from studio_desk import UNTITLED, Desk
+from studio_runs import Studio
+
+from dalembert.studio.drawing_edits import apply
+
+SQUARE = ((0.7, 0.4), (0.9, 0.4), (0.9, 0.6), (0.7, 0.6))
+FORCES = """(() => {
+    const { motion } = studio.pictures.page, cursor = { i: motion.n - 1, f: 0 };
+    const contacts = motion.joints.filter(({ description }) => description === "contact");
+    return contacts.map(({ force }) => force.map((values) => motion.sample(values, cursor)));
+})()"""
+"""Forces of the contacts at the end [N]; NaN of those that do not touch."""
+
+
+def test_shapes_are_attached_and_bodies_rest_on_the_floor(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    visit.draw("a", (0.3, 0.5))
+    visit.draw("D", (0.3, 0.5), (0.4, 0.5))
+    visit.draw("F", (0.2, 0.1), (0.8, 0.1))
+    visit.draw("p", *SQUARE, SQUARE[0])
+    visit.draw("Y", *SQUARE, SQUARE[0])
+    (collisions,) = visit.document["forces"].values()
+    shapes = collisions["shapes"]
+    assert [(name, len(group)) for name, group in shapes.items()] == [
+        ("mass1", 1),
+        ("ground", 1),
+        ("plate1", 1),
+    ]
+    assert shapes["mass1"][0]["radius"] == pytest.approx(0.1)
+    assert shapes["ground"][0]["normal"] == [0, 1]
+    assert visit.errors_shown() == []
+    places = visit.js(
+        """["mass1.y", "plate1.y", "plate1.angle"].map((name) =>
+            studio.pictures.page.motion.seriesByName.get(name).values.at(-1))"""
+    )
+    assert places == pytest.approx([0.2, 0.2, 0.0], abs=1e-4)
+    forces = [force for force in visit.js(FORCES) if force[1] == force[1]]
+    mass = visit.document["bodies"]["plate1"]["mass"] + 1.0
+    assert abs(sum(force[1] for force in forces)) == pytest.approx(9.81 * mass, rel=1e-3)
+    visit.page.keyboard.press("v")
+    visit.page.keyboard.press("8")
+    visit.until("studio.pictures.page.scene.show.forces", 5)
+
+    visit.page.click("#tab-contacts")
+    visit.page.fill("[name=friction-mass1-ground]", "0.9")
+    visit.page.keyboard.press("Enter")
+    visit.until("Object.values(studio.file.document.forces)[0].pairs?.length === 1", 10)
+    visit.page.uncheck("[name=touch-mass1-plate1]")
+    visit.until("Object.values(studio.file.document.forces)[0].pairs?.length === 2", 10)
+    (entry,) = visit.document["forces"].values()
+    assert entry["pairs"] == [
+        {"groups": ["mass1", "ground"], "friction": 0.9},
+        {"groups": ["mass1", "plate1"], "touching": False},
+    ]
+    visit.settle()
+    assert visit.errors_shown() == []
+    visit.page.click("[aria-label='Remove shape 1 of plate1']")
+    visit.until("!Object.values(studio.file.document.forces)[0].shapes.plate1", 10)
+    (entry,) = visit.document["forces"].values()
+    assert [pair["groups"] for pair in entry["pairs"]] == [["mass1", "ground"]]
+
+
+def test_a_concave_polygon_is_refused(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    visit.page.locator("#palette button").first.focus()
+    visit.page.keyboard.press("Y")
+    for place in ((0.2, 0.2), (0.6, 0.2), (0.4, 0.3), (0.6, 0.6)):
+        visit.click(*place)
+    visit.page.keyboard.press("Enter")
+    visit.until("document.getElementById('notice').textContent.includes('convex')", 5)
+    assert visit.text == UNTITLED
+
+
+MODEL = """\
+format = 1
+[bodies]
+one = { type = "Particle", mass = 1 }
+two = { type = "Particle", mass = 1, position = [1, 0] }
+[forces.hits]  # of both
+type = "Collisions"
+pairs = [{ groups = ["a", "b"], friction = 0.5 }]
+[forces.hits.shapes]
+a = [{ type = "Circle", point = "one", radius = 0.1 }]
+b = [{ type = "Circle", point = "two", radius = 0.1 }, "one"]
+"""
+
+
+def test_a_removed_body_takes_its_own_shapes() -> None:
+    text = apply(MODEL, [{"op": "remove", "section": "bodies", "name": "one"}])
+    assert "one" not in text and 'b = [{ type = "Circle", point = "two", radius = 0.1 }]' in text
+    assert "pairs" not in text
+    last = apply(text, [{"op": "remove", "section": "bodies", "name": "two"}])
+    assert "Collisions" not in last and "bodies" not in last

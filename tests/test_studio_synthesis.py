@@ -1,0 +1,159 @@
+"""Targets that are dragged in the studio, six-bars that are inserted, and marks of defects."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from laws.test_chains import SIX_BARS
+from studio_desk import UNTITLED, Desk
+from studio_runs import Studio
+
+import dalembert as da
+from dalembert.io import load_model_file
+from dalembert.io.decisions.synthesis import make_synthesis
+from dalembert.studio.candidates import cards
+from dalembert.studio.drawing_edits import apply
+from dalembert.studio.inserted_linkages import mechanism_operations
+
+PATH = """
+[synthesis]  # of a path
+type = "path"
+points = [[0.2, 0.2], [0.5, 0.4], [0.8, 0.2]]
+"""
+POSES = """
+[synthesis]
+type = "motion"
+points = [[0.2, 0.2], [0.6, 0.4]]
+coupler_angles = [0.0, 0.5]
+"""
+FUNCTION = """
+[synthesis]
+type = "function"
+crank_angles = [1.0, 2.0, 3.0]
+outputs = [0.0, 0.5, 0.25]
+"""
+
+
+@pytest.mark.parametrize("kind", SIX_BARS)
+def test_an_inserted_six_bar_moves_as_the_candidate(kind: str, tmp_path: Path) -> None:
+    joints, link = SIX_BARS[kind]
+    at = joints[da.INVERSIONS[kind].chain[link][1]]
+    model = da.six_bar(kind, joints, {link: {"P": at}}, speed=2 * math.pi).build()
+    motion = da.solve_kinematics(model, 1.0, outputs=25)
+    operations = mechanism_operations(motion)
+    text = apply(UNTITLED, operations)
+    (tmp_path / "inserted.toml").write_text(text)
+    inserted = load_model_file(tmp_path / "inserted.toml").model()
+    assert inserted.diagnosis.summary == "1 degree of freedom, 1 driven, 0 free"
+    again = da.solve_kinematics(inserted, 1.0, outputs=25)
+    names = {name: f"{name}1" for name in tomllib.loads(text)["bodies"]}
+    for axis in "xy":
+        wanted = motion[f"{link}.P.{axis}"].values
+        body = next(name for name in names if name.rstrip("1") == link)
+        assert again[f"{body}.P.{axis}"].values == pytest.approx(wanted, abs=1e-7)
+
+
+def test_entries_on_two_circuits_are_marked() -> None:
+    """A Grashof double rocker: its shortest link is the coupler, so that the crank does not cross
+    the line of the ground."""
+    linkage = da.FourBar(crank=0.6, coupler=0.2, follower=0.7, ground=0.8, u=0.1, v=0.1)
+    turn = np.linspace(-math.pi, math.pi, 721)
+    closed = turn[np.isfinite(linkage.path(turn)).all(axis=1)]
+    assert closed.min() < 0 < closed.max() and not np.any(np.abs(closed) < 0.01)
+    one, other = closed[closed > 0], closed[closed < 0]
+
+    def marks(angles: Any) -> list[str]:
+        target = da.Target.path(linkage.path(angles))
+        solution = da.Solution(linkage, np.asarray(angles), 0.0, np.zeros(len(angles)))
+        result = da.SynthesisResult(target, [solution], 1)
+        return next(cards(result))["marks"]
+
+    assert "circuit defect" not in marks(one[[5, 10, 15]])
+    assert "circuit defect" in marks([one[5], one[10], other[-5]])
+
+
+def test_targets_are_dragged(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    visit.show(UNTITLED + PATH)
+    visit.drag((0.5, 0.4), (0.6, 0.5))
+    visit.until("studio.file.undo === 'move target'", 10)
+    points = visit.document["synthesis"]["points"]
+    assert points == [[0.2, 0.2], [0.6, 0.5], [0.8, 0.2]]
+    assert "[synthesis]  # of a path" in visit.text
+    visit.press("Control+z")
+    assert visit.text == UNTITLED + PATH
+
+    visit.show(UNTITLED + POSES)
+    arm = 26 / visit.js("studio.pictures.page.scene.view.s")
+    tip = (0.2 + arm, 0.2)
+    visit.page.keyboard.down("Alt")
+    visit.drag(tip, (0.2, 0.2 + 2 * arm))
+    visit.until("studio.file.undo === 'turn target'", 10)
+    angles = visit.document["synthesis"]["coupler_angles"]
+    assert angles == [pytest.approx(math.pi / 2, abs=0.02), 0.5]
+    visit.drag((0.6, 0.4), (0.7, 0.3))
+    visit.until("studio.file.undo === 'move target'", 10)
+    visit.page.keyboard.up("Alt")
+    assert visit.document["synthesis"]["points"][1] == pytest.approx([0.7, 0.3], abs=3e-3)
+    assert visit.document["synthesis"]["coupler_angles"] == angles
+
+    visit.page.mouse.move(*visit.place(0.7, 0.3))  # given up by Escape
+    text = visit.text
+    visit.page.mouse.down()
+    visit.page.mouse.move(*visit.place(0.3, 0.3), steps=3)
+    visit.page.locator("#canvas iframe:not(.loading)").focus()
+    visit.page.keyboard.press("Escape")
+    visit.page.mouse.up()
+    visit.frames()
+    assert visit.text == text
+
+
+def test_points_of_a_function_are_dragged(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    visit.show(UNTITLED + FUNCTION)
+    visit.page.click("#tab-synthesis")
+    chart = visit.page.locator("canvas.function").bounding_box()
+    assert chart is not None
+
+    def at(x: float, y: float) -> tuple[float, float]:
+        """Of the chart of 640 × 320 units, whose axes are from 44 and to 290."""
+        u = 44 + x / (2 * math.pi) * (640 - 54)
+        v = 290 - (y + 1.2) / 2.4 * 280
+        return chart["x"] + u / 640 * chart["width"], chart["y"] + v / 320 * chart["height"]
+
+    visit.page.mouse.move(*at(2.0, 0.5))
+    visit.page.mouse.down()
+    visit.page.mouse.move(*at(2.5, 0.8), steps=3)
+    visit.page.mouse.up()
+    visit.until("studio.file.undo === 'move function point'", 10)
+    table = visit.document["synthesis"]
+    assert table["crank_angles"] == [1.0, pytest.approx(2.5, abs=0.02), 3.0]
+    assert table["outputs"] == [0.0, pytest.approx(0.8, abs=0.02), 0.25]
+
+
+def test_six_bars_are_chosen_with_joints_at_the_target(
+    desk: tuple[Desk, Studio], tmp_path: Path
+) -> None:
+    visit, _ = desk
+    visit.show(UNTITLED + PATH)
+    visit.page.click("#tab-synthesis")
+    for kind in da.INVERSIONS:
+        visit.page.select_option(".synthesis [name=linkage]", kind)
+        visit.until(f"studio.file.document.synthesis.linkage === {kind!r}", 10)
+        (tmp_path / "task.toml").write_text(visit.text)
+        file = load_model_file(tmp_path / "task.toml")
+        assert callable(make_synthesis(file))
+        table = file.document.synthesis
+        link = table.point.partition(".")[0]
+        assert table.marks[link]["P"] == pytest.approx([0.5, 0.3])
+    visit.page.select_option(".synthesis [name=type]", "function")
+    visit.until("studio.file.document.synthesis.output", 10)
+    assert "point" not in visit.document["synthesis"]
+    visit.page.select_option(".synthesis [name=linkage]", "FourBar")
+    visit.until("!studio.file.document.synthesis.joints", 10)
+    assert set(visit.document["synthesis"]) == {"type", "points", "linkage"}
