@@ -74,6 +74,22 @@ def test_rough_impact_of_a_rod(name, scheme, law):
     np.testing.assert_allclose(gradient["adjoint"], gradient["direct"], rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_no_restitution_of_the_energetic_law_is_noted(scheme):
+    """The speed after is ``e |u⁻|``; of Poisson's law, the derivative at ``e = 0`` is known."""
+    values = [0.0, 0.1, np.pi / 2, 0.0, -1.0, 0.0, 2.0]
+    slopes, notes = {}, {}
+    for law, e in (("poisson", 0.0), ("energetic", 0.0), ("energetic", 1e-6)):
+        model = rod(law, [e, *values[1:]])
+        motion = da.solve_nonsmooth(model, STEP, step=STEP, integrator=scheme)
+        result = da.sensitivity(motion, da.final("rod.vy"), "e")
+        slopes[law, e], notes[law, e] = result.item(), " ".join(result.attrs["notes"])
+    assert slopes["poisson", 0.0] == pytest.approx(1.0, abs=1e-6)
+    assert slopes["energetic", 1e-6] == pytest.approx(1.0, abs=1e-4)
+    assert "its derivative by the restitution is missing" in notes["energetic", 0.0]
+    assert "missing" not in notes["energetic", 1e-6] + notes["poisson", 0.0]
+
+
 def bounced(law: str, step: float, scheme, end: float) -> da.Motion:
     system = da.System("ball", gravity=(0.0, -10.0))
     height, e = system.parameter("height", 0.8, "m"), system.parameter("e", 0.7)

@@ -28,6 +28,7 @@ from dalembert.formulations.range_space import RangeSpace
 from dalembert.formulations.stabilization import Projection, Stabilization
 from dalembert.integrators.automatic import AutomaticIntegrator
 from dalembert.integrators.base import Integrator
+from dalembert.integrators.contact.schemes import ContactScheme
 from dalembert.integrators.newmark.family import Newmark
 from dalembert.integrators.runge_kutta.explicit import RK4
 from dalembert.model.assembled.model import StructuralModel
@@ -141,6 +142,8 @@ class Dynamics(OverTime[Any]):
             strategy = getattr(self, name)
             if not isinstance(strategy, kind):
                 text = f"{name} is {strategy!r}; give a strategy such as {default.__name__}()"
+                if isinstance(strategy, ContactScheme):
+                    text += ", or use solve_nonsmooth, to which contact schemes belong"
                 raise AnalysisError(text)
         if not isinstance(self.damping, Rayleigh):
             raise AnalysisError(f"damping is {self.damping!r}; give Rayleigh(mass=, stiffness=)")

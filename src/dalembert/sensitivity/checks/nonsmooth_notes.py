@@ -26,7 +26,7 @@ def nonsmooth_notes(motion: NonsmoothMotion) -> list[str]:
             for t, change in zip(steps.record.t, changes, strict=False)
             if getattr(change, name)
         ]
-        for name in ("simultaneous", "successive", "grazing", "changing", "redundant")
+        for name in ("simultaneous", "successive", "grazing", "changing", "redundant", "inelastic")
     }
     notes = []
     if impacts:
@@ -70,6 +70,11 @@ def nonsmooth_notes(motion: NonsmoothMotion) -> list[str]:
             f"{first['redundant'][0]}: which of them opens or slips after a change depends on its "
             "direction, so that there is no derivative; that of speeds that satisfy all of them on "
             "average is taken"
+        )
+    if first["inelastic"]:
+        notes.append(
+            f"an impact by the energetic law has no restitution at {first['inelastic'][0]}: its "
+            "derivative by the restitution is missing, as zero; give a small one, such as 1e-6"
         )
     if steps.growth > CHAOTIC:
         notes.append(

@@ -25,6 +25,7 @@ class ContactChanges:
     grazing : a gap closes close to the threshold of an impact
     changing : a contact is about to slip or to stick
     redundant : contacts contradict each other after most changes
+    inelastic : a contact by the energetic law has no restitution
     breaks : number of instants at which contacts with static friction break away
     """
 
@@ -34,6 +35,7 @@ class ContactChanges:
     grazing: bool = False
     changing: bool = False
     redundant: bool = False
+    inelastic: bool = False
     breaks: int = 0
 
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dalembert.analysis.nonsmooth.impact_stage import ImpactStage
+from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.integrators.contact.contact_laws import ContactLaws
 from dalembert.integrators.contact.impact_path import Increment
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
@@ -58,6 +59,7 @@ class ImpactSlopes:
     rows : (n,) numbers of the contacts that take part among the pressing ones
     struck : (m, k) velocities of the pressing contacts after the impacts
     momentum : (n_v,) ``Wᵀ S``
+    inelastic : whether a contact by the energetic law has no restitution, ``e = 0``
     """
 
     def __init__(self, stage: ImpactStage, keys: np.ndarray, motions: Motions):
@@ -79,6 +81,7 @@ class ImpactSlopes:
             self._gaps.append(motions.gaps(own, sum_, change[: motions.speeds]))
             self._slopes.append(motions.slopes(change))
         laws = ContactLaws.of(self._gaps[0].values.laws.T, contacts.groups)
+        self.inelastic = bool((laws.follows(ImpactLaw.ENERGETIC) & (laws.restitution == 0)).any())
         matrix = across @ responses[: motions.speeds]
         self._system = ImpactSystem(matrix, laws, contacts.groups, increments)
         self.momentum = np.asarray(across.T @ sums[-1].ravel())

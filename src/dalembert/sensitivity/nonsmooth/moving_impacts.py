@@ -168,6 +168,7 @@ def contact_changes(
         bool((margin <= MARGIN * closing.speed).any()),
         bool(near_change(contacts, impulses, steps.step.groups, change).any()),
         not step_map.consistent,
+        contacts.impact is not None and contacts.impact.inelastic,
     )
 
 
