@@ -105,6 +105,14 @@ MJCF = {
         "</worldbody></mujoco>",
         "keep one orientation",
     ),
+    "copies of copies": (
+        "<mujoco><worldbody>"
+        + '<replicate count="900">' * 3
+        + '<body><joint/><geom size="1"/></body>'
+        + "</replicate>" * 3
+        + "</worldbody></mujoco>",
+        "more than 20000 copies in all",
+    ),
     "second inertia": (
         '<mujoco><worldbody><body><joint/><inertial pos="0 0 0" mass="1"/><frame>'
         '<inertial pos="0 0 0" mass="1"/></frame></body></worldbody></mujoco>',

@@ -17,6 +17,8 @@ KINDS = {"hinge": TURNING, "slide": SLIDING, "ball": BALL, "free": FREE}
 """Type of a joint → its kind."""
 MOST_COPIES = 10_000
 """Upper limit of the copies of a replicated element."""
+MOST_OF_ALL = 2 * MOST_COPIES
+"""Upper limit of all copies, those of copies included."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,7 @@ class MjcfBodies:
         self.references: dict[Joint, float] = {}
         self.sites: dict[str, tuple[Link | None, Pose]] = {}
         self.ground_shapes: list[Shape] = []
+        self.copies = 0
         self._geoms: dict[Link, list[Geom]] = {}
         self._inertials: dict[Link, tuple[XmlElement, Pose]] = {}
         self.meshes = self._meshes()
@@ -114,6 +117,9 @@ class MjcfBodies:
         count = element.integer("count")
         if not 0 < count <= MOST_COPIES:
             raise element.error(f"count is {count}; expected 1 to {MOST_COPIES}")
+        self.copies += count
+        if self.copies > MOST_OF_ALL:
+            raise element.error(f"more than {MOST_OF_ALL} copies in all; replicate fewer elements")
         angles = np.array(element.numbers("euler", 3, default=(0.0, 0.0, 0.0)))
         step = np.array(element.numbers("offset", 3, default=(0.0, 0.0, 0.0)))
         separator, at = element.text("sep", ""), np.zeros(3)
