@@ -17,7 +17,7 @@ function outcome({ data: { exact, ...constants }, parameters, weights, responses
   const data = { ...JSON.parse(exact), ...constants }, run = new classes[data.kind](new WebAssembly.Module(inflateSync(Buffer.from(data.code, "base64"))), data);
   try {
     const result = run.run(parameters), { times, table, rows } = result, status = checkedStatus(run, result);
-    const reduced = responses.map((response) => responseOf(response, times, (row) => table.subarray(times.length * row, times.length * (row + 1)), result.inside, result.places));
+    const reduced = responses.map((response) => responseOf(response, times, (row) => table.subarray(times.length * row, times.length * (row + 1)), result.inside, result.located));
     const samples = [...reduced.map((response) => response.weights), ...weights.map((entries) => new Map(entries.map(([row, values]) => [row, Float64Array.from(values)])))];
     const gradients = samples.map((entries) => run.gradient(result, entries));
     const bytes = run.engine.bytes, again = run.run(parameters);

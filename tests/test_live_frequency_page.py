@@ -134,6 +134,8 @@ def test_peaks_are_added(page: Visit) -> None:
     other = da.frequency_response(absorber(), outputs=["gain"], span=(3, 8))
     expected = da.evaluate(other, da.peak(2, "gain.amplitude"))
     assert page.js("dalembert.table.values.at(-1)") == pytest.approx(expected, rel=VALUES)
+    change(page, {0: 5000.0})
+    assert "%" in page.page.locator(".responses tbody tr").last.inner_text()
 
 
 def test_a_structure_follows_its_sliders(browser: Any, tmp_path: Path) -> None:

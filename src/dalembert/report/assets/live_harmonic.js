@@ -50,7 +50,7 @@ export class LiveHarmonic extends LiveRun {
     });
     for (const [row, f] of infinite) table[n * row + all.indexOf(f)] = Infinity;
     const status = { outcome: "completed", message: `${data.name} at ${n} frequencies`, time: data.start, residual: 0, success: true, warning: this.warning(system, grid, infinite) };
-    return { times: Float64Array.from(all), table, rows, status, inside, places: new Map([...found].map(([key, places]) => [key, places.map((f) => numbers.get(f) ?? 0).sort((a, b) => a - b)])), drawn: Int32Array.from(drawn), peaks: drawn.map((k) => peaks.has(all[k])), response: { system, p } };
+    return { times: Float64Array.from(all), table, rows, status, inside, located: new Map([...found].map(([key, places]) => [key, places.map((f) => numbers.get(f) ?? 0).sort((a, b) => a - b)])), drawn: Int32Array.from(drawn), peaks: drawn.map((k) => peaks.has(all[k])), response: { system, p } };
   }
 
   /** Frequencies of the local maxima of rows, and rows that grow without limit, with the highest sample beside.

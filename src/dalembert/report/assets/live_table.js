@@ -18,7 +18,7 @@ export function changeText(value, before) {
 }
 
 /** Value of a response in a result. @param {LiveResult} result @param {LiveResponse} response */
-export const valueIn = ({ times, table }, response) => responseOf(response, times, (row) => table.subarray(times.length * row, times.length * (row + 1))).value;
+export const valueIn = ({ times, table, located }, response) => responseOf(response, times, (row) => table.subarray(times.length * row, times.length * (row + 1)), undefined, located).value;
 
 /** A name that breaks at its dots and brackets. @param {string} name */
 const breakable = (name) => name.split(/(?<=[.(])/).flatMap((part, k) => (k ? [el("wbr"), part] : [part]));

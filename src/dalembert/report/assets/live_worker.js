@@ -18,10 +18,10 @@ function answer({ number, parameters, responses, gradients, point }) {
   const begin = performance.now();
   try {
     const result = /** @type {any} */ (run.run(parameters)), { times, table, rows } = result, n = times.length;
-    const reduced = responses.map((response) => responseOf(response, times, (row) => table.subarray(n * row, n * (row + 1)), result.inside, result.places));
+    const reduced = responses.map((response) => responseOf(response, times, (row) => table.subarray(n * row, n * (row + 1)), result.inside, result.located));
     const [numbers] = run.engine.evaluate("numbers", parameters) ?? [], status = checkedStatus(run, result), [from, to] = result.inside ?? [0, n], copy = new Float64Array(rows * (to - from));  // gradients need the table
     for (let r = 0; r < rows; r++) copy.set(table.subarray(n * r + from, n * r + to), (to - from) * r);
-    postMessage({ number, times: times.slice(from, to), table: copy, rows, drawn: result.drawn?.map((/** @type {number} */ k) => k - from), peaks: result.peaks, values: reduced.map(({ value }) => value), numbers, status, duration: performance.now() - begin, parameters }, { transfer: [copy.buffer] });
+    postMessage({ number, times: times.slice(from, to), table: copy, rows, drawn: result.drawn?.map((/** @type {number} */ k) => k - from), peaks: result.peaks, located: result.located && new Map([...result.located].map(([key, numbers]) => [key, numbers.map((/** @type {number} */ k) => k - from)])), values: reduced.map(({ value }) => value), numbers, status, duration: performance.now() - begin, parameters }, { transfer: [copy.buffer] });
     const slopes = reduced.map(({ weights }, k) => (gradients.includes(k) ? run.gradient(result, weights) : null));
     const at = (/** @type {number} */ k) => new Map([[k, Float64Array.from({ length: n }, (_, i) => Number(i === point?.instant))]]);
     postMessage({ number, slopes, jacobian: point ? point.rows.map((k) => run.gradient(result, at(k))) : null });

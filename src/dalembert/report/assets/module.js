@@ -57,8 +57,8 @@ class Analysis {
   reduce(label, values) {
     const response = this.response(label), { run, status } = this.run(this.vector(values));
     if (!run || !status.success) throw new Error(`${status.outcome}: ${status.message}`);
-    const n = run.times.length;
-    return { run, ...responseOf(response, run.times, (row) => run.table.subarray(n * row, n * (row + 1))) };
+    const n = run.times.length, { inside, located } = /** @type {any} */ (run);
+    return { run, ...responseOf(response, run.times, (row) => run.table.subarray(n * row, n * (row + 1)), inside, located) };
   }
 
   /** @param {string} label @param {Record<string, number>} values */
