@@ -5,9 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from graphlib import CycleError, TopologicalSorter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from dalembert.design.inverse.input_history import InputHistory, input_history
 from dalembert.errors import ExpressionError
 from dalembert.io.curve_tables import read_curve
 from dalembert.io.decisions.task_tables import HistoryTable
@@ -25,6 +24,9 @@ from dalembert.symbolic.formulas.declared import Declared
 from dalembert.symbolic.formulas.inputs import is_formula
 
 _FIRST_NAME = re.compile(r"(?<![\w.])[^\W\d]\w*")
+
+if TYPE_CHECKING:
+    from dalembert.design.inverse.input_history import InputHistory
 
 
 def dependency_order(section: str, formulas: Mapping[str, Iterable[str]]) -> list[str]:
@@ -161,4 +163,6 @@ def declare_tables(
 
 def declare_history(system: Declared, name: str, table: HistoryTable) -> InputHistory:
     """Declare the parameters of a history on a system."""
+    from dalembert.design.inverse.input_history import input_history
+
     return input_history(system, name, table.times(), table.value, table.unit, table.ends)
