@@ -5,8 +5,9 @@ import pytest
 
 import dalembert as da
 from dalembert import planar, spatial
-from dalembert.analysis.nonsmooth import ball_march, ball_steps, nonsmooth_run
-from dalembert.analysis.nonsmooth.ball_march import BallMarch
+from dalembert.analysis.nonsmooth import nonsmooth_run
+from dalembert.analysis.nonsmooth.balls import ball_march, ball_steps
+from dalembert.analysis.nonsmooth.balls.ball_march import BallMarch
 
 SEEDS = range(6)
 AGREEMENT = {"y": 2e-8, "v": 2e-6}

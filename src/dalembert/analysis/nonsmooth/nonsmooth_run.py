@@ -14,7 +14,7 @@ from dalembert.analysis.dynamics.residual_check import DRIFT, DRIFT_WARNING, Ene
 from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.model_residuals import Violation
 from dalembert.analysis.nonsmooth.advance import advance
-from dalembert.analysis.nonsmooth.ball_march import BallMarch
+from dalembert.analysis.nonsmooth.balls.ball_march import BallMarch
 from dalembert.analysis.nonsmooth.contact_durations import duration_warnings
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import consistent_speeds, correct_position

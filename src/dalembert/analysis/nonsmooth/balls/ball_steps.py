@@ -7,7 +7,7 @@ from enum import IntEnum
 import numpy as np
 
 from dalembert.analysis.nonsmooth.advance import AHEAD
-from dalembert.analysis.nonsmooth.ball_motion import BallMotion
+from dalembert.analysis.nonsmooth.balls.ball_motion import BallMotion
 from dalembert.analysis.nonsmooth.contact_step import JAMMED, ROUNDS, ContactStep
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import CollisionGaps
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.ball_motion import BallMotion, ball_motion
-from dalembert.analysis.nonsmooth.ball_steps import (
+from dalembert.analysis.nonsmooth.balls.ball_motion import BallMotion, ball_motion
+from dalembert.analysis.nonsmooth.balls.ball_steps import (
     CHUNK,
     PRESSING,
     STEPS,

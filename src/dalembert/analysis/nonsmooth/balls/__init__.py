@@ -1,0 +1,1 @@
+"""Steps of free bodies with balls and walls in machine code."""
