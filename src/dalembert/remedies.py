@@ -82,10 +82,10 @@ def remedies_in(message: Any) -> tuple[Remedy, ...]:
 def _remedies_of(error: BaseException | None) -> Iterator[tuple[Remedy, ...]]:
     """Remedies of an error, or of the one while which it was raised, where there are any."""
     while error is not None:
-        found = tuple(remedy for part in error.args for remedy in remedies_in(part))
-        found = getattr(error, "remedies", ()) or found
-        if found:
-            yield found
+        own = tuple(remedy for part in error.args for remedy in remedies_in(part))
+        own = getattr(error, "remedies", ()) or own
+        if own:
+            yield own
         error = error.__context__
 
 

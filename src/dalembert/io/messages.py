@@ -78,8 +78,8 @@ def _location(item: ErrorDetails, data: Any) -> list[str | int]:
 
 def _remedies(item: ErrorDetails, data: Any) -> tuple[Remedy, ...]:
     cause = item.get("ctx", {}).get("error")
-    found = (Insert(),) if item["type"] == "missing" else remedies_in(cause)
-    return at_place(key_path(*_location(item, data)), found)
+    remedies = (Insert(),) if item["type"] == "missing" else remedies_in(cause)
+    return at_place(key_path(*_location(item, data)), remedies)
 
 
 def _description(item: ErrorDetails) -> str:

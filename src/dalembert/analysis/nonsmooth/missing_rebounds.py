@@ -62,8 +62,8 @@ def rebound_warnings(step: ContactStep, record: ContactRecord, moved: float) -> 
     if step.scheme.anticipates:
         size, chosen = record.loss, np.flatnonzero(record.loss > SHARE * moved)
     chosen = chosen[np.argsort(-size[chosen])][:MOST]
-    found = [missing for k in chosen if (missing := _missing(step, record, int(k))) is not None]
-    worst = max(found, key=lambda missing: missing.energy, default=None)
+    losses = [missing for k in chosen if (missing := _missing(step, record, int(k))) is not None]
+    worst = max(losses, key=lambda missing: missing.energy, default=None)
     if worst is None or not worst.energy > SHARE * moved:
         return []
     k = worst.step

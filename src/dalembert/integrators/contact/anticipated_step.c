@@ -36,7 +36,7 @@ static casadi_real casadi_contacts(const casadi_real** arg, casadi_real** res, c
     gap = casadi_gap(arg, iw, e, direction, place);
     if (!(gap>=deepest)) deepest = gap;
     if (gap>reach) continue;
-    if (count==iw[20]) {
+    if (count==iw[19]) {
       ++count;
       break;
     }
@@ -138,7 +138,7 @@ static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, ca
   casadi_mobilities(arg, res, iw);
   casadi_inertia_blocks(arg, res, iw);
   casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
-  for (k=0; k<iw[28]; ++k) {
+  for (k=0; k<iw[25]; ++k) {
     for (r=0; r<rows; ++r) velocity[r] = res[25][r] + res[26][r];
     allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
     residual = casadi_alternate(arg, res, iw, w, allowed);
@@ -165,7 +165,7 @@ static void casadi_record(const casadi_real** arg, casadi_real** res, casadi_int
     casadi_real deepest, casadi_int rounds) {
   const int* pair = (const int*) res[23];
   casadi_real* impulse = res[0];
-  casadi_real* numbers = res[30] + 6*iw[21];
+  casadi_real* numbers = res[30] + 6*iw[20];
   int* keys = (int*) res[31];
   casadi_int i, a, r, width = iw[1], rows = iw[0]*iw[1], pressing = 0;
   casadi_real loss = 0, friction = 0;
@@ -177,12 +177,12 @@ static void casadi_record(const casadi_real** arg, casadi_real** res, casadi_int
       if (a>0) friction -= 0.5*impulse[r+a]*(res[5][r+a] + res[24][r+a]);
     }
     if (!(impulse[r]>0)) continue;
-    keys[2*(iw[22]+pressing)] = ((const int*) arg[31])[pair[i]];
-    keys[2*(iw[22]+pressing)+1] = ((const int*) arg[32])[pair[i]];
+    keys[2*(iw[21]+pressing)] = ((const int*) arg[31])[pair[i]];
+    keys[2*(iw[21]+pressing)+1] = ((const int*) arg[32])[pair[i]];
     for (a=0; a<width; ++a) {
       res[29][pair[i]*width+a] = impulse[r+a];
-      res[32][(iw[22]+pressing)*width+a] = impulse[r+a];
-      res[33][(iw[22]+pressing)*width+a] = res[26][r+a];
+      res[32][(iw[21]+pressing)*width+a] = impulse[r+a];
+      res[33][(iw[21]+pressing)*width+a] = res[26][r+a];
     }
     ++pressing;
   }
@@ -192,8 +192,8 @@ static void casadi_record(const casadi_real** arg, casadi_real** res, casadi_int
   numbers[3] = rows>0 ? res[11][1] : 0.0;
   numbers[4] = rounds;
   numbers[5] = pressing;
-  iw[22] += pressing;
-  ++iw[21];
+  iw[21] += pressing;
+  ++iw[20];
 }
 /* a step; iw[6] is its outcome: 0 done, 1 singular inertia, 2 the list is outdated, 3 more
    contacts than memory, 4 a gap is closed, 5 the order of elimination misses a pair of bodies, 6
@@ -217,7 +217,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (!casadi_listed(arg, iw, reach)) return 0;
   deepest = casadi_contacts(arg, res, iw, reach);
   iw[6] = 3;
-  if (iw[0]>iw[20] || iw[22]+iw[0]>iw[23]) return 0;
+  if (iw[0]>iw[19] || iw[21]+iw[0]>iw[22]) return 0;
   iw[6] = 4;
   if (!(deepest>=-arg[36][2])) return 0;
   iw[6] = 5;

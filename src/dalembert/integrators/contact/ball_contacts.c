@@ -48,7 +48,7 @@ static int casadi_invert(const casadi_real** arg, casadi_real** res, const casad
   const int* start = (const int*) arg[30];
   casadi_real* inverse = res[20];
   casadi_real* last = res[21];
-  casadi_int bodies = iw[16], widest = iw[9], entries = iw[26], b, k, j, size, changed = 0;
+  casadi_int bodies = iw[16], widest = iw[9], entries = iw[23], b, k, j, size, changed = 0;
   for (k=0; k<entries; ++k) {
     if (inertia[k]!=last[k]) changed = 1;
     last[k] = inertia[k];
@@ -191,69 +191,5 @@ static void casadi_contact_rows(const casadi_real** arg, casadi_real** res, cons
       next += size;
     }
     row[contact*width+a+1] = next;
-  }
-}
-/* places of the blocks of the contacts in the matrix; 1 outside of the pattern */
-static int casadi_contact_places(const casadi_real** arg, casadi_real** res,
-    const casadi_int* iw) {
-  const int* row = (const int*) arg[9];
-  const int* columns = (const int*) arg[10];
-  const int* owner = (const int*) arg[17];
-  const int* position = (const int*) arg[18];
-  const int* first = (const int*) arg[19];
-  const int* rows = (const int*) arg[20];
-  int* start = (int*) res[14];
-  int* column = (int*) res[15];
-  int* local = (int*) res[16];
-  int* block = (int*) res[17];
-  int* place = (int*) res[18];
-  casadi_int count = iw[0], width = iw[1], size = iw[9], i, a, b, c, k, own, next = 0, number = 0;
-  casadi_int last_row = -1, last_column = -1;
-  start[0] = 0;
-  for (i=0; i<count; ++i) {
-    own = row[i*width+1] - row[i*width];
-    for (k=0; k<own; ++k) column[start[i]+k] = columns[row[i*width]+k];
-    for (a=0; a<width; ++a) {
-      for (k=0; k<own; ++k) local[row[i*width+a]+k] = k;
-    }
-    start[i+1] = start[i] + own;
-    block[i] = next;
-    last_row = -1;
-    for (b=0; b<own; ++b) {
-      k = column[start[i]+b];
-      for (c=0; c<own; ++c) {
-        a = column[start[i]+c];
-        if (owner[a]!=last_row || owner[k]!=last_column) {
-          last_row = owner[a];
-          last_column = owner[k];
-          number = casadi_block(first, rows, iw[8], last_row, last_column);
-          if (number<0) return 1;
-        }
-        place[next] = number*size*size + position[a]*size + position[k];
-        ++next;
-      }
-    }
-  }
-  return 0;
-}
-/* the matrix without contacts: inertia, and ones for padding of blocks */
-static void casadi_inertia_blocks(const casadi_real** arg, casadi_real** res,
-    const casadi_int* iw) {
-  const casadi_real* inertia = arg[14];
-  const int* a_row = (const int*) arg[15];
-  const int* a_column = (const int*) arg[16];
-  const int* owner = (const int*) arg[17];
-  const int* position = (const int*) arg[18];
-  const int* members = (const int*) arg[21];
-  casadi_real* constant = res[12];
-  casadi_int j, k, size = iw[9];
-  for (j=0; j<iw[4]; ++j) constant[j] = 0;
-  for (k=0; k<iw[8]*size; ++k) {
-    if (members[k]<0) constant[k/size*size*size + k%size*(size+1)] = 1;
-  }
-  for (k=0; k<iw[3]; ++k) {
-    for (j=a_row[k]; j<a_row[k+1]; ++j) {
-      constant[owner[k]*size*size + position[k]*size + position[a_column[j]]] = inertia[j];
-    }
   }
 }

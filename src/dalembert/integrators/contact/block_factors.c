@@ -123,26 +123,22 @@ static void casadi_solve(const casadi_real* matrix, const int* first, const int*
     if (members[k]>=0) solution[members[k]] = x[k];
   }
 }
-/* places of the entries of all contacts, and of the inertia, in the blocks; 1 outside of these */
-static int casadi_places(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
+/* places of the entries of all contacts in the blocks; 1 outside of these */
+static int casadi_contact_places(const casadi_real** arg, casadi_real** res,
+    const casadi_int* iw) {
   const int* w_row = (const int*) arg[9];
   const int* w_column = (const int*) arg[10];
-  const casadi_real* inertia = arg[14];
-  const int* a_row = (const int*) arg[15];
-  const int* a_column = (const int*) arg[16];
   const int* owner = (const int*) arg[17];
   const int* position = (const int*) arg[18];
   const int* first = (const int*) arg[19];
   const int* row = (const int*) arg[20];
-  const int* members = (const int*) arg[21];
-  casadi_real* constant = res[12];
   int* start = (int*) res[14];
   int* column = (int*) res[15];
   int* local = (int*) res[16];
   int* block = (int*) res[17];
   int* place = (int*) res[18];
-  casadi_int count = iw[0], width = iw[1], speeds = iw[3], entries = iw[4], blocks = iw[8];
-  casadi_int size = iw[9], square = size*size, i, j, k, b, c, own, next = 0;
+  casadi_int count = iw[0], width = iw[1], size = iw[9], i, j, k, b, c, own, next = 0;
+  casadi_int last_row, last_column, number = 0;
   start[0] = 0;
   for (i=0; i<count; ++i) {
     own = 0;
@@ -156,26 +152,46 @@ static int casadi_places(const casadi_real** arg, casadi_real** res, const casad
     }
     start[i+1] = start[i] + own;
     block[i] = next;
+    last_row = -1;
+    last_column = -1;
     for (b=0; b<own; ++b) {
+      k = column[start[i]+b];
       for (c=0; c<own; ++c) {
         j = column[start[i]+c];
-        k = column[start[i]+b];
-        place[next] = casadi_block(first, row, blocks, owner[j], owner[k]);
-        if (place[next]<0) return 1;
-        place[next] = place[next]*square + position[j]*size + position[k];
+        if (owner[j]!=last_row || owner[k]!=last_column) {
+          last_row = owner[j];
+          last_column = owner[k];
+          number = casadi_block(first, row, iw[8], last_row, last_column);
+          if (number<0) return 1;
+        }
+        place[next] = number*size*size + position[j]*size + position[k];
         ++next;
       }
     }
   }
-  for (j=0; j<entries; ++j) constant[j] = 0;
+  return 0;
+}
+/* the matrix without contacts: inertia, and ones for padding; 1 outside of the blocks */
+static int casadi_inertia_blocks(const casadi_real** arg, casadi_real** res,
+    const casadi_int* iw) {
+  const casadi_real* inertia = arg[14];
+  const int* a_row = (const int*) arg[15];
+  const int* a_column = (const int*) arg[16];
+  const int* owner = (const int*) arg[17];
+  const int* position = (const int*) arg[18];
+  const int* members = (const int*) arg[21];
+  casadi_real* constant = res[12];
+  casadi_int blocks = iw[8], size = iw[9], i, j, k;
+  for (j=0; j<iw[4]; ++j) constant[j] = 0;
   for (k=0; k<blocks*size; ++k) {
-    if (members[k]<0) constant[k/size*square + k%size*(size+1)] = 1;
+    if (members[k]<0) constant[k/size*size*size + k%size*(size+1)] = 1;
   }
-  for (k=0; k<speeds; ++k) {
+  for (k=0; k<iw[3]; ++k) {
     for (j=a_row[k]; j<a_row[k+1]; ++j) {
-      i = casadi_block(first, row, blocks, owner[k], owner[a_column[j]]);
+      i = casadi_block((const int*) arg[19], (const int*) arg[20], blocks, owner[k],
+        owner[a_column[j]]);
       if (i<0) return 1;
-      constant[i*square + position[k]*size + position[a_column[j]]] = inertia[j];
+      constant[i*size*size + position[k]*size + position[a_column[j]]] = inertia[j];
     }
   }
   return 0;

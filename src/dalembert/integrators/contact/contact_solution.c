@@ -55,18 +55,18 @@ static casadi_real casadi_alternate(const casadi_real** arg, casadi_real** res, 
     casadi_real* w, casadi_real tolerance) {
   casadi_int most = iw[10], turn, k;
   casadi_real residual = 0;
-  for (turn=0; turn<iw[31]; ++turn) {
-    iw[10] = turn==iw[31]-1 ? most : iw[29];
+  for (turn=0; turn<iw[28]; ++turn) {
+    iw[10] = turn==iw[28]-1 ? most : iw[26];
     residual = casadi_newton(arg, res, iw, w, tolerance);
     iw[10] = most;
-    if (residual<=tolerance || turn==iw[31]-1) return residual;
+    if (residual<=tolerance || turn==iw[28]-1) return residual;
     casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], res[0], iw[0]*iw[1],
       iw[3], res[10]);
-    for (k=0; k<iw[30]; ++k) casadi_sweep(arg, res[0], res[10], iw[0], iw[1], iw[2], w);
+    for (k=0; k<iw[27]; ++k) casadi_sweep(arg, res[0], res[10], iw[0], iw[1], iw[2], w);
   }
   return residual;
 }
-/* proximal problems from the impulses in res[0], at most iw[27]; their number, and the residual in
+/* proximal problems from the impulses in res[0], at most iw[24]; their number, and the residual in
    status[1]. The best impulses are in res[0] */
 static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real allowed) {
@@ -83,7 +83,7 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
     center[r] = impulse[r];
     best[r] = impulse[r];
   }
-  while (least>allowed && rounds<iw[27] && residual<1e300) {
+  while (least>allowed && rounds<iw[24] && residual<1e300) {
     for (r=0; r<rows; ++r) {
       shift[r] = weight*arg[5][r];
       velocity[r] = original[r] - shift[r]*center[r];

@@ -5,6 +5,6 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   casadi_forget(pieces, iw[0]);
   if (iw[6]==0) return casadi_assemble(arg, res, iw, w, pieces);
   if (iw[6]==1) return casadi_search(arg, res, iw, w);
-  if (casadi_places(arg, res, iw)) return 1;
+  if (casadi_contact_places(arg, res, iw) || casadi_inertia_blocks(arg, res, iw)) return 1;
   return casadi_iterate(arg, res, iw, w);
 }

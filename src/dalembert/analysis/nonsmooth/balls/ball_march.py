@@ -9,7 +9,13 @@ import numpy as np
 from dalembert.analysis.nonsmooth.balls.ball_motion import BallMotion, ball_motion
 from dalembert.analysis.nonsmooth.balls.ball_steps import (
     CHUNK,
+    DEPTH,
+    FRICTION,
+    LOSS,
+    PRESSED,
     PRESSING,
+    RESIDUAL,
+    ROUNDS_OF,
     STEPS,
     BallSteps,
     StepOutcome,
@@ -121,30 +127,30 @@ class BallMarch:
         if count <= 0:
             return begin
         numbers = steps.numbers[:count].copy()
-        contacts = int(numbers[:, 5].sum())
+        contacts = int(numbers[:, PRESSED].sum())
         keys, impulses, offsets = steps.pressing(0, contacts)
         y, v = self._ys[:count].copy(), self._vs[:count].copy()
         depth = self._step.deepest(self._step.at(grid[end], y[-1]))
         none, zero = np.zeros(contacts, dtype=int), np.zeros(contacts)
         part = StepEntries(
             multiplier=np.zeros((0, count)),
-            count=numbers[:, 5].astype(int),
+            count=numbers[:, PRESSED].astype(int),
             owner=none,
             key=keys,
             impulse=impulses,
             offset=offsets,
             curved=none.astype(bool),
-            loss=numbers[:, 1],
-            friction=numbers[:, 2],
+            loss=numbers[:, LOSS],
+            friction=numbers[:, FRICTION],
             work=zero,
             fraction=zero,
-            residual=numbers[:, 3],
-            rounds=numbers[:, 4].astype(int),
+            residual=numbers[:, RESIDUAL],
+            rounds=numbers[:, ROUNDS_OF].astype(int),
             converged=np.ones(count, dtype=bool),
         )
-        depths = np.abs(np.append(numbers[1:, 0], depth))
+        depths = np.abs(np.append(numbers[1:, DEPTH], depth))
         log.extend(grid[begin + 1 : end + 1], y, v, depths, part)
-        own = slice(contacts - int(numbers[-1, 5]), contacts)
+        own = slice(contacts - int(numbers[-1, PRESSED]), contacts)
         self._last = LastImpulses((keys[own], impulses[own]), keys[:0])
         rest = int(steps.counts[STEPS]) - count
         self._ys[:rest], self._vs[:rest] = self._ys[count:][:rest], self._vs[count:][:rest]

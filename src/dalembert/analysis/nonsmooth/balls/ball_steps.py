@@ -42,8 +42,11 @@ FILES = (
     "anticipated_step.c",
 )
 """Files of the machine code of a step."""
-CHUNK, RECORDS, NUMBERS = 256, 4096, 6
-"""Steps between transfers of the record, least number of its contacts, numbers of a step."""
+CHUNK, RECORDS = 256, 4096
+"""Steps between transfers of the record, and least number of its contacts."""
+DEPTH, LOSS, FRICTION, RESIDUAL, ROUNDS_OF, PRESSED, NUMBERS = range(7)
+"""Columns of the record: smallest gap at the start, dissipation, that by friction, residual,
+proximal problems and pressing contacts; their number."""
 FIRST_ATTEMPT, FEW_SWEEPS, ATTEMPTS, MANY_PROXIMAL = 6, 10, 2, 100
 """Upper limit of Newton's steps before a few sweeps, number of these and of attempts in all, and
 upper limit of the proximal problems that follow."""
@@ -51,8 +54,8 @@ GROWTH = 1.5
 """Ratio of the memory for pairs to the pairs that first exceeded it [-]."""
 COUNT, WIDTH, GROUPS, SPEEDS, ENTRIES, UNKNOWNS, OUTCOME, WIDEST, BLOCKS, SIZE = range(10)
 ITERATIONS, MERITS, JUMPING, WORK, SHAPES, BALLS, BODIES, PAIRS, DIMENSION = range(10, 19)
-CONTACTS, STEPS, PRESSING, RECORDED, CHUNKS, TURNS, INERTIA, PROXIMAL, REPEATS = range(20, 29)
-ATTEMPT, SWEPT, TURNED, LAST = range(29, 33)
+CONTACTS, STEPS, PRESSING, RECORDED, INERTIA, PROXIMAL, REPEATS = range(19, 26)
+ATTEMPT, SWEPT, TURNED, LAST = range(26, 30)
 """Places among the counts of the loop, and their number."""
 RENEWALS = 4
 """Upper limit of the repetitions of a call with other lists and orders."""
@@ -131,9 +134,8 @@ class BallSteps:
             BALLS: motion.balls,
             BODIES: bodies,
             DIMENSION: self._source.dimension,
-            CHUNKS: CHUNK,
             INERTIA: self.inertia.size,
-            PROXIMAL: MANY_PROXIMAL,
+            PROXIMAL: min(MANY_PROXIMAL, step.solver.max_iterations),
             REPEATS: ROUNDS,
             ATTEMPT: FIRST_ATTEMPT,
             SWEPT: FEW_SWEEPS,
