@@ -15,7 +15,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 from dalembert.studio.assemblies import assemblies_of
-from dalembert.studio.child import MEMORY, TIME, begin_child, memory_of
+from dalembert.studio.child import MEMORY, TIME, begin_child, memory_of, yield_to_others
 from dalembert.studio.pictures import Picture, picture_of
 from dalembert.studio.problems import Problem
 
@@ -34,6 +34,21 @@ KINDS: dict[str, Callable[[str, Path], Picture]] = {
     "assemblies": assemblies_of,
 }
 """Kind of pictures of a process → makes one of a text and the path of its file."""
+
+FIRST = "still"
+"""Kind of the picture that is shown first; the others leave the processor to it."""
+REHEARSAL = """format = 1
+gravity = [0.0, -9.81]
+[bodies]
+crank = { type = "Bar", length = 0.3, mass = 1.0 }
+rod = { type = "Bar", length = 0.5, mass = 1.0 }
+[joints]
+O = { type = "Revolute", connect = ["ground", "crank.start"] }
+A = { type = "Revolute", connect = ["crank.end", "rod.start"] }
+"""
+"""Model whose picture is made while there is nothing to do: later ones find all modules loaded."""
+QUIET = 0.3
+"""Time without a request after which this is done [s]."""
 
 
 @dataclass(frozen=True)
@@ -180,11 +195,15 @@ class BuildingProcess:
 def work(connection: Connection, kind: str) -> None:
     """Loop of the process: requests in, pictures out."""
     begin_child()
+    if kind != FIRST:
+        yield_to_others()
     warnings.simplefilter("ignore")
     with suppress(EOFError, OSError, KeyboardInterrupt):
+        connection.send(_picture(connection.recv(), kind))
+        if not connection.poll(QUIET):
+            _picture(Request(0, REHEARSAL, Path("rehearsal.toml")), kind)
         while True:
-            request: Request = connection.recv()
-            connection.send(_picture(request, kind))
+            connection.send(_picture(connection.recv(), kind))
 
 
 def _picture(request: Request, kind: str) -> Picture:
