@@ -15,7 +15,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 from dalembert.studio.assemblies import assemblies_of
-from dalembert.studio.child import MEMORY, TIME, begin_child, memory_of, yield_to_others
+from dalembert.studio.child import MEMORY, TIME, begin_child, memory_of
 from dalembert.studio.pictures import Picture, picture_of
 from dalembert.studio.problems import Problem
 
@@ -36,7 +36,7 @@ KINDS: dict[str, Callable[[str, Path], Picture]] = {
 """Kind of pictures of a process → makes one of a text and the path of its file."""
 
 FIRST = "still"
-"""Kind of the picture that is shown first; the others leave the processor to it."""
+"""Kind of the picture that is shown first."""
 REHEARSAL = """format = 1
 gravity = [0.0, -9.81]
 [bodies]
@@ -195,12 +195,10 @@ class BuildingProcess:
 def work(connection: Connection, kind: str) -> None:
     """Loop of the process: requests in, pictures out."""
     begin_child()
-    if kind != FIRST:
-        yield_to_others()
     warnings.simplefilter("ignore")
     with suppress(EOFError, OSError, KeyboardInterrupt):
         connection.send(_picture(connection.recv(), kind))
-        if not connection.poll(QUIET):
+        if kind == FIRST and not connection.poll(QUIET):
             _picture(Request(0, REHEARSAL, Path("rehearsal.toml")), kind)
         while True:
             connection.send(_picture(connection.recv(), kind))

@@ -12,9 +12,6 @@ MEMORY = 3e9
 TIME = 300.0
 """Upper limit of the time in which a picture is made [s]."""
 
-NICE = 5
-"""Decrease of the priority of work whose result is shown later."""
-
 
 def begin_child() -> None:
     """Leave interruptions to the server, and the output of models unprinted."""
@@ -26,12 +23,6 @@ def begin_child() -> None:
     sys.stdout.flush()
     os.dup2(silent, 1)
     os.close(silent)
-
-
-def yield_to_others() -> None:
-    """Leave the processor to the process whose picture is shown first, where both wait for it."""
-    if os.name == "posix":
-        os.nice(NICE)
 
 
 def memory_of(process: int) -> float:
