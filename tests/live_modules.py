@@ -31,7 +31,8 @@ class Outcome:
     table : (rows, K) outputs
     values : (responses,)
     gradients : (responses, parameters)
-    same : whether a second run has the same outputs, bit by bit, and takes no more memory
+    same : whether a second run has the same outputs, bit by bit, and takes no more memory, and
+        a run of the first instant alone the same first outputs
     """
 
     status: Mapping[str, Any]

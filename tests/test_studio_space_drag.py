@@ -18,9 +18,15 @@ POINTS = """(() => {
 })()"""
 FIRST_POINTS = POINTS.replace("motion.at(body, point)", "motion.at(body, point, { i: 0, f: 0 })")
 COUNTED = """(() => {
-    window.results = 0;
-    studio.pictures.page.solver.onResult.on(() => { window.results++; });
+    const { page } = studio.pictures;
+    [window.results, window.instants, page.picture.took] = [0, [], 1000];  // as of a slow run
+    page.solver.onResult.on(({ times }) => {
+        window.results++;
+        window.instants.push(times.length);
+    });
+    window.solids = page.scene.painter.parts;
 })()"""
+"""Counts the results of a drag and their instants; marks the solids of the picture."""
 
 
 @pytest.mark.usefixtures("desk")
@@ -47,6 +53,9 @@ def test_a_drag_keeps_the_loop_closed(desk: SpaceDesk) -> None:  # noqa: F811
         assert distance == pytest.approx(length, abs=1e-9)
         moved.append(points["rocker.tip"])
     assert desk.text == text  # nothing is written before it is released
+    assert 1 in desk.js("window.instants")  # a drag shows the first instant alone
+    if set(desk.js("window.instants")) == {1}:  # no pause was so long that the motion followed
+        assert desk.js("window.solids === studio.pictures.page.scene.painter.parts")
     assert np.linalg.norm(moved[-1] - before["rocker.tip"]) > 0.01
     wanted = np.array(desk.js("studio.space.held.after.p"))
     axis = np.array([0.0, 0.5, -0.1])  # of the rocker, along x: its length follows the pointer

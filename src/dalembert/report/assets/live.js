@@ -27,6 +27,9 @@ import { withUnit } from "./units.js";
 /** Time without a change after which the address follows the design [ms]. */
 const WRITING = 300;
 
+/** Time without a change after which a drag that shows the first instant alone is followed by the whole motion [ms]. */
+const FOLLOWS = 400;
+
 /** Text about a design that cannot be computed. @param {LiveFailure} failure */
 function failureText({ failure: { outcome, message }, open }) {
   const gap = open ? `: ${open.name} stays open by ${withUnit(tidy(open.gap, 3), open.unit)}` : "";
@@ -55,9 +58,21 @@ export function buildLive(page, dimension) {
   }
   linkDesigns(design, panel, live);
 
-  const request = (origin = "") => solver.request({ parameters: design.values, responses: table.responses, gradients: table.responses.length && origin !== "drawing" ? [table.selected] : [], point: drag.request });
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  let pause;
+  const request = (origin = "") => {
+    clearTimeout(pause);
+    const first = origin === "drawing" && picture.slow;
+    if (first) pause = setTimeout(request, FOLLOWS);
+    return solver.request({ first, parameters: design.values, responses: table.responses, gradients: table.responses.length && origin !== "drawing" ? [table.selected] : [], point: drag.request });
+  };
   const connect = () => {
     solver.onResult.on((/** @type {LiveResult} */ result) => {
+      if (result.first) {
+        picture.showFirst(result);
+        document.documentElement.dataset.live = String(result.number);
+        return;
+      }
       picture.show(result);
       card.classList.remove("stale");
       table.show(result.values);
@@ -66,6 +81,7 @@ export function buildLive(page, dimension) {
       document.documentElement.dataset.live = String(result.number);
     });
     solver.onSlopes.on((answer) => {
+      if (!answer.slopes.length && !answer.jacobian && table.responses.length) return;  // of the first instant alone
       panel.showSlopes(answer.slopes[table.selected] ?? null, table.responses[table.selected] ?? null);
       drag.receive(answer);
     });

@@ -11,16 +11,21 @@ const STRETCH = 200;
 
 /** Motions of one driven mechanism, one after the other. */
 export class LiveKinematics extends LiveInstants {
+  /** Column at the start. @override @param {Float64Array} p @param {Float64Array} y */
+  initial(p, y) {
+    const { data: { limits, path = [] } } = this, start = new Float64Array(this.size), { regular = 0 } = limits ?? {};
+    start.set(y);
+    const [first] = this.engine.evaluate("step", start, [path[0]], [0], p) ?? [];
+    if (!first || !first.every(Number.isFinite) || first[this.size - 3] < regular * 1e-3)
+      throw new RunFailure(`at t = ${general(path[0], 6)} s the mechanism stands in a singular position and velocities are not determined`, undefined, undefined, "singular position");
+    return first;
+  }
+
   /** Positions, speeds, accelerations and multipliers at all instants of the path. @param {Float64Array} p @returns address of the columns */
   travelled(p) {
     const { engine, size, data } = this, path = Float64Array.from(data.path ?? []), y = this.assembled(p), columns = engine.room(size * path.length);
     const h = path.slice(1).map((t, k) => t - path[k]), [ts, hs, ps] = [path, h, p].map((values) => engine.put(values));
-    const start = new Float64Array(size), { regular = 0 } = data.limits ?? {};
-    start.set(y);
-    const [first] = engine.evaluate("step", start, [path[0]], [0], p) ?? [];
-    if (!first || !first.every(Number.isFinite) || first[size - 3] < regular * 1e-3)
-      throw new RunFailure(`at t = ${general(path[0], 6)} s the mechanism stands in a singular position and velocities are not determined`, undefined, undefined, "singular position");
-    engine.view(columns, size).set(first);
+    engine.view(columns, size).set(this.initial(p, y));
     for (let k = 0; k < h.length; ) {
       const mark = engine.top, count = Math.min(STRETCH, h.length - k);
       const { done, to: [, moved] } = engine.call("step", count, [columns + 8 * size * k, ts + 8 * (k + 1), hs + 8 * k, ps], new Set([3]), true);

@@ -34,6 +34,9 @@ function zeroRounding(series) {
   }
 }
 
+/** Duration of a run and its picture above which a drag shows the first instant alone [ms]. */
+const BUDGET = 10;
+
 export class LivePicture {
   /** @param {LiveData} live @param {{ motion: Motion, scene: Scene, player: Player, board: Board | null }} page @param {Dimension} dimension */
   constructor(live, { motion, scene, player, board }, dimension) {
@@ -46,6 +49,9 @@ export class LivePicture {
     this.ghosts = new Ghosts();
     /** Result that is drawn. @type {LiveResult | null} */
     this.result = null;
+    /** Time that the last whole picture took, its run included [ms]; whether the payload has columns that the first instant may change. */
+    this.took = 0;
+    this.own = false;
     this.initial = live.parameters.map(({ value }) => value);
     this.toggle = toggleButton("Initial design", true, (on) => { this.ghosts.compares = on; this.renew(); }, { id: "ghosts", hidden: true });
     byId("toolbar").querySelector(".chips")?.prepend(this.toggle);
@@ -65,9 +71,32 @@ export class LivePicture {
 
   /** Show a result. @param {LiveResult} result */
   show(result) {
+    const begin = performance.now();
     this.put(result);
     this.result = result;
     this.renew();
+    this.took = performance.now() - begin + result.duration;
+  }
+
+  /** Whether a drag is faster where only the first instant is computed and drawn, which is shown. */
+  get slow() {
+    const { live: { states = [], blocks = [] }, motion, player, took } = this;
+    return took > BUDGET && !motion.mesh && !motion.swings && !states.length && !blocks.length && !player.playing && motion.now === motion.start;
+  }
+
+  /** Show the first instant of another design, whose motion follows: the same parts at their new places. @param {LiveResult} result */
+  showFirst({ table, numbers }) {
+    const { live, motion, scene } = this, { columns, numbers: places } = live;
+    const owner = (/** @type {(string | number)[]} */ place) => place.slice(0, -1).reduce((part, key) => part[key], /** @type {any} */ (payload));
+    for (const [place, row] of columns) {
+      const values = owner(place), key = /** @type {string} */ (place.at(-1));
+      if (!this.own) values[key] = Float64Array.from(values[key]);  // other designs keep theirs
+      values[key][0] = table[row];
+    }
+    places.forEach((place, k) => { owner(place)[/** @type {string} */ (place.at(-1))] = numbers[k]; });
+    this.own = true;
+    motion.follow(new this.dimension.Motion(payload, this.dimension));
+    scene.refit();
   }
 
   /** Compare with a result, that of the initial design. @param {LiveResult} result */
@@ -79,6 +108,7 @@ export class LivePicture {
   /** Put a result into the payload. @param {LiveResult} result */
   put(result) {
     const { table, times, numbers, drawn } = result;
+    this.own = false;
     const n = times.length, count = drawn?.length ?? n, column = (/** @type {number} */ k) => drawn?.[k] ?? k, { columns, numbers: places, states = [], blocks = [] } = this.live;
     const at = (/** @type {(string | number)[]} */ place) => place.reduce((owner, key) => owner[key], /** @type {any} */ (payload));
     const put = (/** @type {(string | number)[]} */ place, /** @type {unknown} */ value) => { at(place.slice(0, -1))[/** @type {string} */ (place.at(-1))] = value; };

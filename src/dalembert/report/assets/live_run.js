@@ -120,12 +120,30 @@ export class LiveRun {
     return y;
   }
 
+  /** State at the start. @param {Float64Array} p @param {Float64Array} y assembled position */
+  initial(p, y) {
+    const [x0] = this.engine.evaluate("start", [this.data.start], y, p) ?? [];
+    if (!x0 || !Number.isFinite(largest(x0))) throw new RunFailure("the initial speeds are not determined", undefined, undefined, "singular position");
+    return x0;
+  }
+
+  /** Outputs of the first instant alone; null for analyses other than motions from their start.
+   * @param {ArrayLike<number>} parameters @returns {{ times: Float64Array, table: Float64Array, rows: number } | null} */
+  first(parameters) {
+    const { engine, data } = this, times = this.times.slice(0, 1);
+    if (!["dynamics", "kinematics"].includes(data.kind) || times[0] !== data.start) return null;
+    const p = this.checked(parameters), state = this.initial(p, this.assembled(p)), [values] = engine.evaluate("outputs", times, state.subarray(0, engine.named("outputs").inputs[1]), p) ?? [];
+    if (!values) throw new RunFailure(`the outputs cannot be computed at t = ${times[0]} s`);
+    const table = tabulated(values, values.length, data);
+    for (const row of data.undetermined ?? []) table[row] = NaN;
+    return { times, table, rows: values.length };
+  }
+
   /** States of a run. @param {Float64Array} p @returns {March} */
   march(p) {
     const { engine, data } = this;
     engine.top = this.base;
-    const y = this.assembled(p), [x0] = engine.evaluate("start", [data.start], y, p) ?? [];
-    if (!x0 || !Number.isFinite(largest(x0))) throw new RunFailure("the initial speeds are not determined", undefined, undefined, "singular position");
+    const y = this.assembled(p), x0 = this.initial(p, y);
     const [q] = engine.evaluate("values", p) ?? [], values = engine.put(q ?? []);
     return data.steps ? this.fixed(p, y, x0, values) : this.adaptive(p, y, x0, values);
   }

@@ -102,7 +102,7 @@ export class Solver {
   receive(answer) {
     if ("table" in answer) {
       this.result = answer;
-      this.duration = answer.duration;
+      if (!answer.first) this.duration = answer.duration;
       if (!this.running?.quiet) this.onResult.emit(answer);
       return;
     }

@@ -14,9 +14,16 @@ let run;
 let waiting = null;
 
 /** @param {LiveRequest} request */
-function answer({ number, parameters, responses, gradients, point }) {
+function answer({ number, parameters, responses, gradients, point, first = false }) {
   const begin = performance.now();
   try {
+    const start = first ? run.first?.(parameters) : null;
+    if (start) {
+      const [numbers] = run.engine.evaluate("numbers", parameters) ?? [], status = { outcome: "completed", message: "", time: 0, residual: 0, success: true };
+      postMessage({ number, first, ...start, values: [], numbers, status, duration: performance.now() - begin, parameters });
+      postMessage({ number, slopes: [], jacobian: null });
+      return;
+    }
     const result = /** @type {any} */ (run.run(parameters)), { times, table, rows } = result, n = times.length;
     const reduced = responses.map((response) => responseOf(response, times, (row) => table.subarray(n * row, n * (row + 1)), result.inside, result.located));
     const [numbers] = run.engine.evaluate("numbers", parameters) ?? [], status = checkedStatus(run, result), [from, to] = result.inside ?? [0, n], copy = new Float64Array(rows * (to - from));  // gradients need the table

@@ -10,6 +10,9 @@ import { Timeline } from "./timeline.js";
 /** Period in which a model swings in one of its states [s]. */
 const SWING = 2.4;
 
+/** What follows from the whole motion: paths of points, mean lengths of links. */
+const KEPT = ["index", "names", "traced", "way", "length", "rest", "offset"];
+
 /** Names of states; those of modes state a value, which a live page computes. @param {States | undefined} states */
 function stateNames({ names, kind, numbers, values, unit = "" } = { kind: "", names: [] }) {
   return list(names).map((name, k) => (values ? `${kind} ${numbers?.[k]}: ${+Number(values[k]).toPrecision(5)} ${unit}`.trim() : String(name)));
@@ -120,6 +123,25 @@ export class Motion extends Timeline {
     if (mesh) this.mesh?.adopt(mesh);
     if (swing) this.swing?.adopt(swing, this);
     this.choose(this.chosen);
+  }
+
+  /** Take the poses and dimensions of another design; the parts remain the same objects. @param {Motion} next */
+  follow(next) {
+    const own = (/** @type {Part} */ part) => this.find(part.name);
+    /** @type {(value: any) => any} */
+    const local = (value) => (Array.isArray(value) ? value.map(local) : value?.shapes ? own(value) : value?.body ? { ...value, body: own(value.body) } : value);
+    this.ground.shapes = next.ground.shapes;
+    this.bodies.forEach((body, k) => {
+      const { index, name, label, node, of, ...read } = next.bodies[k];
+      body.shapes.forEach(({ teeth }, i) => { if (teeth && read.shapes[i]) read.shapes[i].teeth ??= teeth; });
+      Object.assign(body, read);
+    });
+    for (const kind of /** @type {const} */ (["joints", "symbols", "links", "points"])) this[kind].forEach((/** @type {any} */ item, k) => {
+      for (const [key, value] of Object.entries(next[kind][k])) {
+        if (KEPT.includes(key)) continue;
+        if (item[key]?.body && value) Object.assign(item[key], local(value)); else item[key] = local(value);
+      }
+    });
   }
 
   // Time ---------------------------------------------------------------------------------------

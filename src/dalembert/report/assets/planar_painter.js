@@ -53,6 +53,8 @@ export class PlanarPainter {
     this.traces.key = "";
   }
 
+  refit() { this.guides = this.findGuides(); }
+
   restyle() {
     const { ink, surface, muted, name } = Theme;
     /** @type {Colours} */

@@ -91,6 +91,12 @@ export class Scene {
     if (this.view.fitted) this.fit(); else this.invalidate();
   }
 
+  /** Draw the same parts at other places and with other dimensions. */
+  refit() {
+    this.painter.refit();
+    this.invalidate();
+  }
+
   // Loads ----------------------------------------------------------------------------------------
 
   /** Joints and supports with reactions. */

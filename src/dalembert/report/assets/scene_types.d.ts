@@ -193,6 +193,8 @@ export interface Painter {
   half: number;
   /** Read the parts of the scene. */
   build(): void;
+  /** Take the dimensions of the same parts in another design. */
+  refit(): void;
   restyle(): void;
   /** Draw the scene, on paper instead of the canvas if given; returns the context of the marks. */
   paint(paper: Paper | null): Paper;

@@ -24,6 +24,8 @@ import { Theme } from "./theme.js";
 /** Joints whose other part, a rail or a plane, is drawn itself. */
 const ON_RAILS = ["slider", "collar", "nut", "table", "clamp"];
 const START = { i: 0, f: 0 };
+/** Limit of the lengths of lists that are compared. */
+const LONG = 500;
 
 export class SpatialPainter {
   /** @param {Scene} scene */
@@ -57,7 +59,12 @@ export class SpatialPainter {
     this.solids = [];
     /** @type {{ symbol: Item, group: THREE.Group }[]} */
     this.walls = [];
+    /** Changes of the parts that follow other dimensions. @type {(() => void)[]} */
+    this.fits = [];
   }
+
+  /** Take the dimensions of the same parts in another design: geometry that differs is built again, the rest is moved. */
+  refit() { for (const fit of this.fits) fit(); }
 
   build() {
     const { motion, scene, view } = this;
@@ -74,13 +81,14 @@ export class SpatialPainter {
     this.picks = [];
     this.solids = [];
     this.walls = [];
-    for (const body of this.groups.keys()) for (const shape of body.shapes) this.addShape(body, shape);
+    this.fits = [];
+    for (const body of this.groups.keys()) body.shapes.forEach((shape, k) => this.addShape(body, shape, k));
     this.addStalks();
     for (const joint of motion.joints) this.addJoint(joint);
     for (const symbol of motion.symbols) this.addSymbol(symbol);
     for (const point of motion.points) {
       const mesh = this.add(this.groupOf(point.body), ball([0, 0, 0], 0.55 * this.unit), `point ${point.index}`, { kind: "point", item: point });
-      mesh.position.set(...point.point);
+      this.fitted(() => mesh.position.set(...point.point));
       mesh.castShadow = false;
     }
     this.links = motion.links.map((link) => this.addLink(link));
@@ -134,16 +142,44 @@ export class SpatialPainter {
     return mesh;
   }
 
-  /** @param {Part} body @param {Shape} shape */
-  addShape(body, shape) {
+  /** Carry out a change now, and whenever dimensions change. @param {() => void} change */
+  fitted(change) {
+    change();
+    this.fits.push(change);
+  }
+
+  /** @param {Part} body @param {Shape} shape @param {number} k its place among the shapes of the body */
+  addShape(body, shape, k) {
     const [geometry, lines] = solidOf(shape, this.unit), group = this.groupOf(body);
     const role = body.fixed ? "ground" : shape.kind === "ellipsoid" ? this.ellipsoidOf(body) : body;
+    /** @type {THREE.Mesh[]} */
+    const solid = [];
+    /** @type {any[]} */
+    const edges = [];
     if (geometry) {
       const mesh = this.add(group, geometry, role, body.fixed ? null : { kind: "body", item: body }), inside = new THREE.Mesh(geometry, this.materials.inside(role));
       group.add(inside);
       this.solids.push({ mesh, inside, body, shape });
+      solid.push(mesh, inside);
     }
-    if (lines) group.add(new THREE.LineSegments(lines, this.materials.line(role)));
+    if (lines) {
+      edges.push(new THREE.LineSegments(lines, this.materials.line(role)));
+      group.add(...edges);
+    }
+    let present = dimensionsOf(shape);
+    this.fits.push(() => {
+      const next = body.shapes[k], text = dimensionsOf(next);
+      if (text === present) return;
+      present = text;
+      const record = this.solids.find(({ mesh }) => mesh === solid[0]), parts = solidOf(next, this.unit);
+      if (record) record.shape = next;
+      [solid, edges].forEach((meshes, i) => {
+        const geometry = parts[i];
+        if (!geometry) return;
+        meshes[0]?.geometry.dispose();
+        for (const mesh of meshes) mesh.geometry = geometry;
+      });
+    });
   }
 
   /** Role of the ellipsoid of inertia of a body. @param {Part} body @returns {Part} */
@@ -152,24 +188,36 @@ export class SpatialPainter {
   /** Thin rods from the solids of bodies to joints and links beside them. */
   addStalks() {
     const { joints, links } = this.motion;
-    /** @type {Map<Part, Map<string, Point>>} */
-    const spots = new Map(this.motion.bodies.map((body) => [body, new Map()]));
-    for (const { body, point } of [...joints, ...joints.flatMap(({ base }) => base ?? []), ...links.flatMap(({ i, j }) => [i, j])]) spots.get(body)?.set(point.join(), point);
-    for (const [body, points] of spots) {
+    /** @type {Map<Part, { point: Point }[]>} */
+    const spots = new Map(this.motion.bodies.map((body) => [body, []]));
+    for (const end of [...joints, ...joints.flatMap(({ base }) => base ?? []), ...links.flatMap(({ i, j }) => [i, j])]) spots.get(end.body)?.push(end);
+    for (const [body, ends] of spots) {
       const solids = this.solids.filter((solid) => solid.body === body && solid.shape.kind !== "ellipsoid");
-      for (const point of solids.length ? points.values() : []) {
-        const nearest = solids.map(({ mesh, shape }) => nearestOn(mesh.geometry, shape, vector(point)).toArray()).sort((a, b) => apart(a, point) - apart(b, point))[0];
-        if (apart(nearest, point) > 1.5 * this.unit) this.add(this.groupOf(body), tube(nearest, point, 0.45 * this.unit, 16), body, { kind: "body", item: body });
-      }
+      /** @type {THREE.Mesh[]} */
+      let rods = [];
+      let present = "";
+      this.fitted(() => {
+        const points = new Map(ends.map(({ point }) => [point.join(), point])), text = dimensionsOf([...points.keys(), body.shapes]);
+        if (text === present || !solids.length) return;
+        present = text;
+        for (const rod of rods) { rod.geometry.dispose(); this.groupOf(body).remove(rod); }
+        this.picks = this.picks.filter((mesh) => !rods.includes(mesh));
+        rods = [...points.values()].flatMap((point) => {
+          const nearest = solids.map(({ mesh, shape }) => nearestOn(mesh.geometry, shape, vector(point)).toArray()).sort((a, b) => apart(a, point) - apart(b, point))[0];
+          return apart(nearest, point) > 1.5 * this.unit ? [this.add(this.groupOf(body), tube(nearest, point, 0.45 * this.unit, 16), body, { kind: "body", item: body })] : [];
+        });
+      });
     }
   }
 
   /** Group at a point of a body, with z along its axis. @param {End} end @returns {THREE.Group} */
-  seat({ body, point, axis }) {
+  seat(end) {
     const group = new THREE.Group();
-    group.position.set(...point);
-    if (axis) group.quaternion.setFromUnitVectors(vector(AXES.z), vector(axis).normalize());
-    this.groupOf(body).add(group);
+    this.fitted(() => {
+      group.position.set(...end.point);
+      if (end.axis) group.quaternion.setFromUnitVectors(vector(AXES.z), vector(end.axis).normalize());
+    });
+    this.groupOf(end.body).add(group);
     return group;
   }
 
@@ -181,16 +229,16 @@ export class SpatialPainter {
       for (const [geometry, role] of parts(this.unit)) this.add(group, geometry, role, { kind: "joint", item: joint });
     }
     if (!joint.grounded || ON_RAILS.includes(symbol)) return;
-    const place = joint.body.fixed ? joint.point : base?.body.fixed ? base.point : this.motion.at(joint.body, joint.point, START), { centre, up, radius } = this.view;
+    const placed = () => (joint.body.fixed ? joint.point : base?.body.fixed ? base.point : this.motion.at(joint.body, joint.point, START)), place = placed(), { centre, up, radius } = this.view;
     if (!place) return;
     const hangs = centre.clone().sub(vector(place)).dot(up) < -0.25 * radius;
-    this.stand(place, up.clone().multiplyScalar(hangs ? -1 : 1));
+    this.stand(placed, up.clone().multiplyScalar(hangs ? -1 : 1));
   }
 
-  /** Pedestal on the ground. @param {Point} place @param {THREE.Vector3} away from the ground */
-  stand(place, away, size = 1) {
+  /** Pedestal on the ground. @param {() => Point | null} placed its place @param {THREE.Vector3} away from the ground */
+  stand(placed, away, size = 1) {
     const group = new THREE.Group();
-    group.position.set(...place);
+    this.fitted(() => group.position.set(...placed() ?? [0, 0, 0]));
     group.quaternion.setFromUnitVectors(vector(AXES.z), away);
     for (const [geometry, role] of pedestal(size * this.unit)) this.add(group, geometry, role, null);
     this.parts.add(group);
@@ -229,7 +277,7 @@ export class SpatialPainter {
     const occupied = (/** @type {Point} */ point) => this.motion.joints.some((joint) => joint.grounded && apart(this.motion.at(joint.body, joint.point, START) ?? [Infinity, 0, 0], point) < this.unit);
     if (p && q && apart(p, q) > 0) {
       const way = vector(q).sub(vector(p)).normalize();
-      ends.forEach(({ body, point }, k) => { if (body.fixed && !occupied(point)) this.stand(point, way.clone().multiplyScalar(k ? -1 : 1), 0.6); });
+      ends.forEach((end, k) => { if (end.body.fixed && !occupied(end.point)) this.stand(() => end.point, way.clone().multiplyScalar(k ? -1 : 1), 0.6); });
     }
     return { link, group, parts, rest };
   }
@@ -279,6 +327,9 @@ export class SpatialPainter {
 
   labels() { return spatialLabels(this); }
 }
+
+/** Dimensions of shapes as a text; of long lists, which a drag does not change, their lengths. @param {unknown} shapes @returns {string} */
+const dimensionsOf = (shapes) => JSON.stringify(shapes, (_, value) => ((Array.isArray(value) || ArrayBuffer.isView(value)) && Number(/** @type {any} */ (value).length) > LONG ? /** @type {any} */ (value).length : value));
 
 /** Whether an object and all its parents are visible. @param {THREE.Object3D | null} object @returns {boolean} */
 const visible = (object) => !object || (object.visible && visible(object.parent));

@@ -303,8 +303,9 @@ export interface LiveTerm {
 /** Sum of terms and a constant, in `unit`. */
 export interface LiveResponse { label: string; unit: string; terms: LiveTerm[]; constant?: number }
 /** Request to the worker: `gradients` are the numbers of the responses that are differentiated, `point` the rows of coordinates at an instant. */
-export interface LiveRequest { number: number; parameters: ArrayLike<number>; responses: LiveResponse[]; gradients: number[]; point?: { instant: number; rows: number[] } | null }
-export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; drawn?: Int32Array; peaks?: boolean[]; located?: Map<string, number[]>; values: number[]; numbers: Float64Array; status: LiveStatus; duration: number; parameters: ArrayLike<number> }
+export interface LiveRequest { number: number; parameters: ArrayLike<number>; responses: LiveResponse[]; gradients: number[]; point?: { instant: number; rows: number[] } | null; first?: boolean }
+/** Result of a run; `first` where it is that of the first instant alone. */
+export interface LiveResult { number: number; first?: boolean; times: Float64Array; table: Float64Array; rows: number; drawn?: Int32Array; peaks?: boolean[]; located?: Map<string, number[]>; values: number[]; numbers: Float64Array; status: LiveStatus; duration: number; parameters: ArrayLike<number> }
 /** Gradients by the parameters, in SI units, null for responses that are not differentiated; and of the coordinates of a point. */
 export interface LiveSlopes { number: number; slopes: (Float64Array | null)[]; jacobian: Float64Array[] | null }
 /** Constraint equation of a joint: name, natural size and unit. */

@@ -20,6 +20,8 @@ export class ModelTree {
   /** @param {TreeActions} actions */
   constructor(actions) {
     this.actions = actions;
+    /** What is shown: the document, and a text of the rest. @type {[Document | null, string]} */
+    this.shown = [null, ""];
     this.tree = el("div", { class: "tree", role: "tree", "aria-label": "Elements of the model" });
     this.values = el("div", { class: "values" });
     this.node = el("div", { class: "sheet model", id: "model" }, this.tree, this.values);
@@ -27,7 +29,9 @@ export class ModelTree {
 
   /** @param {Document | null} document @param {Choice | null} selected @param {Set<string>} hidden names of bodies @param {boolean} hides whether bodies can be hidden */
   show(document, selected, hidden, hides) {
-    if (!document) return;
+    const rest = JSON.stringify([selected, [...hidden], hides]);
+    if (!document || (this.shown[0] === document && this.shown[1] === rest)) return;  // such as while the pointer moves
+    this.shown = [document, rest];
     const bodies = Object.keys(document.bodies ?? {}), parts = SECTIONS.filter(([section]) => Object.keys(document[section] ?? {}).length || section === "bodies");
     const ground = this.children({ section: "ground", name: "ground" }, document.ground, selected);
     this.tree.replaceChildren(...(ground.length ? [el("div", { class: "heading" }, el("h2", {}, "Ground")), ...ground] : []), ...parts.flatMap(([section, title]) => [
