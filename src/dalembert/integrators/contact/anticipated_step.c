@@ -141,7 +141,11 @@ static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, ca
   for (k=0; k<iw[25]; ++k) {
     for (r=0; r<rows; ++r) velocity[r] = res[25][r] + res[26][r];
     allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
-    residual = casadi_alternate(arg, res, iw, w, allowed);
+    residual = casadi_newton(arg, res, iw, w, allowed);
+    if (!(residual<=allowed)) {
+      allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
+      residual = casadi_centered(arg, res, iw, w, allowed, scale);
+    }
     if (!(residual<=allowed)) {
       allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
       rounds += casadi_proximal(arg, res, iw, w, allowed);
