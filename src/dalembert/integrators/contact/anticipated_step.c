@@ -10,13 +10,21 @@ static casadi_real casadi_margin(casadi_real gap, casadi_real before, casadi_rea
   casadi_real open = casadi_open(gap, before, h);
   return margin>open ? margin : open;
 }
+/* whether the speed at the contact, after the fall over the gap, is that of an impact */
+static int casadi_fast(casadi_real gap, casadi_real before, casadi_real free, casadi_real h,
+    casadi_real forced, casadi_real slow) {
+  casadi_real fall = before - free;
+  if (!(fall>0)) fall = 0;
+  return before*before + 2*fall*gap/h>slow*forced*slow*forced;
+}
 /* minimum speed of a contact under pressure: impacting, resting or separating */
 static casadi_real casadi_bounce(casadi_real gap, casadi_real before, casadi_real h,
-    casadi_real restitution, casadi_real forced, casadi_real closing, casadi_real slow) {
-  casadi_real speed = closing*gap/h, open = casadi_open(gap, before, h);
-  if (speed>forced) speed = forced;
-  speed = before>0 ? casadi_margin(gap, before, h, 0.0) : -speed;
-  if (before<-slow*forced) speed = -restitution*before;
+    casadi_real restitution, casadi_real forced, casadi_real closing, int fast) {
+  casadi_real gradual = closing*gap/h, open = casadi_open(gap, before, h);
+  casadi_real speed = casadi_margin(gap, before, h, 0.0);
+  if (gradual>forced) gradual = forced;
+  if (before<=0 && speed<-gradual) speed = -gradual;
+  if (before<0 && fast) speed = -restitution*before;
   return speed>open ? speed : open;
 }
 /* contacts within reach, with their gaps, laws and velocities, and the deepest penetration */
@@ -40,7 +48,7 @@ static casadi_real casadi_contacts(const casadi_real** arg, casadi_real** res, c
       ++count;
       break;
     }
-    casadi_contact_rows(arg, res, iw, count, e, direction, place);
+    casadi_contact_rows(arg, res, iw, count, e, direction, place, gap);
     res[22][count] = gap>0 ? gap : 0.0;
     pair[count] = e;
     for (g=0; g<groups; ++g) friction[count*groups+g] = arg[28][law[e]*(2+groups)+2+g];
@@ -64,6 +72,7 @@ static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
   const int* group = (const int*) arg[13];
   casadi_int i, a, r, width = iw[1], linear = iw[2]>0 ? group[1] : 1, laws = 2 + iw[2];
   casadi_real h = arg[36][0], restitution, margin;
+  int fast;
   limits[0] = 0;
   limits[1] = 0;
   for (i=0; i<iw[0]; ++i) {
@@ -80,10 +89,10 @@ static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
     for (a=1; a<width; ++a) {
       res[26][r+a] = a<linear ? arg[28][law[pair[i]]*laws+1]*before[r+a] : 0.0;
     }
-    margin = casadi_margin(res[22][i], before[r], h, restitution);
+    fast = casadi_fast(res[22][i], before[r], free[r], h, limits[0], arg[37][9]);
+    margin = casadi_margin(res[22][i], before[r], h, fast ? restitution : 0.0);
     if (free[r]<margin) {
-      margin = casadi_bounce(res[22][i], before[r], h, restitution, limits[0], arg[37][8],
-        arg[37][9]);
+      margin = casadi_bounce(res[22][i], before[r], h, restitution, limits[0], arg[37][8], fast);
     }
     res[26][r] = -margin;
   }
@@ -101,6 +110,7 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
   casadi_real* changed = res[27];
   casadi_int i, a, r, width = iw[1], rows = iw[0]*iw[1], differs = 0;
   casadi_real bounce, total = 0, magnitude = 0, work;
+  int fast;
   for (r=0; r<rows; ++r) {
     changed[r] = offset[r];
     total += impulse[r]*(after[r] + before[r]);
@@ -108,8 +118,9 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
   }
   for (i=0; i<iw[0]; ++i) {
     r = i*width;
+    fast = casadi_fast(res[22][i], before[r], res[25][r], arg[36][0], forced, arg[37][9]);
     bounce = casadi_bounce(res[22][i], before[r], arg[36][0], arg[28][law[pair[i]]*(2+iw[2])],
-      forced, arg[37][8], arg[37][9]);
+      forced, arg[37][8], fast);
     if (impulse[r]>0 && -offset[r]<bounce && (before[r]<=0 || offset[r]<before[r])) {
       changed[r] = -bounce;
     }

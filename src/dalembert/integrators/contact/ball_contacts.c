@@ -154,9 +154,11 @@ static casadi_real casadi_gap(const casadi_real** arg, const casadi_int* iw, cas
   for (a=0; a<3; ++a) place[a] = here[a] + (arg[26][i] + gap/2)*normal[a];
   return gap;
 }
-/* rows of W and X of a contact, appended behind those of the contacts before */
+/* rows of W and X of a contact, appended behind those of the contacts before; levers are those of
+   the surfaces, apart by the gap from the place halfway between them */
 static void casadi_contact_rows(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
-    casadi_int contact, casadi_int pair, casadi_real* direction, const casadi_real* place) {
+    casadi_int contact, casadi_int pair, casadi_real* direction, const casadi_real* place,
+    casadi_real gap) {
   casadi_real* directions = (casadi_real*) arg[0];
   casadi_real* responses = (casadi_real*) arg[1];
   int* row = (int*) arg[9];
@@ -164,7 +166,7 @@ static void casadi_contact_rows(const casadi_real** arg, casadi_real** res, cons
   const int* start = (const int*) arg[30];
   casadi_int width = iw[1], widest = iw[9], dimension = iw[18], a, b, s, k, c, shape, body, size;
   casadi_int next = row[contact*width], turn;
-  casadi_real arm[3], sum;
+  casadi_real arm[3], sum, half = gap>0 ? gap/2 : 0.0;
   const casadi_real* inverse;
   const casadi_real* along;
   casadi_tangents(direction, dimension);
@@ -178,7 +180,9 @@ static void casadi_contact_rows(const casadi_real** arg, casadi_real** res, cons
       body = ((const int*) arg[29])[shape];
       if (body<0) continue;
       size = start[body+1] - start[body];
-      for (b=0; b<3; ++b) arm[b] = place[b] - arg[24][3*shape+b];
+      for (b=0; b<3; ++b) {
+        arm[b] = place[b] + (s ? half : -half)*direction[b] - arg[24][3*shape+b];
+      }
       casadi_lever(arg[27] + 6*widest*shape, widest, size, along, arm, turn>=0, s ? 1.0 : -1.0,
         directions + next);
       inverse = res[20] + body*widest*widest;

@@ -99,7 +99,6 @@ def anticipated_slopes(
     tied = np.abs(branches[:, 0] - offsets[:, 0]) <= rounding
     tied[0] &= ~tied[2] | (np.abs(u) <= rounding)
     tied[1] &= (u <= 0) | overlaps
-    tied[3] &= u > 0
     tied[-1] &= (u <= rounding) & (offsets[:, 0] >= 0) & (offsets[:, 0] <= branches[0, 0])
     if not tied.any(axis=0).all():
         speed = -offsets[np.argmin(tied.any(axis=0)), 0]
