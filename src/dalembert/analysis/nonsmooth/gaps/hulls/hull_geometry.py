@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import casadi as ca
@@ -19,6 +20,7 @@ from dalembert.analysis.nonsmooth.gaps.gap_functions import RIM_POINTS, WALLS, p
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapFormulas
 from dalembert.analysis.nonsmooth.gaps.geometry_entries import GeometryEntries
 from dalembert.analysis.nonsmooth.gaps.hulls.feature_pairs import Pairs
+from dalembert.analysis.nonsmooth.gaps.hulls.form_tables import FormTables
 from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import Polygons
 from dalembert.analysis.nonsmooth.gaps.hulls.polyhedra import Form, Polyhedra
 from dalembert.analysis.nonsmooth.gaps.hulls.strands import Strands
@@ -107,6 +109,11 @@ class HullGeometry:
         others = [False] * len(surroundings)
         self.flat_ends = np.array([hull.flat_ends for hull in self.hulls] + others)
         self._symbols(model, element)
+
+    @cached_property
+    def form_tables(self) -> FormTables:
+        """Forms of the hulls as integers."""
+        return FormTables(self.hulls, self._form, self.dimension)
 
     @property
     def feature_counts(self) -> list[int]:
