@@ -200,6 +200,27 @@ def disc_on_a_soft_disc() -> da.Model:
     return system.build()
 
 
+def spatial_links() -> da.Model:
+    """A double pendulum in space with a spring and a damper, which hits a floor."""
+    system = da.System("links", gravity=(0.0, 0.3, -9.81))
+    length, mass = system.parameter("length", 0.5, "m"), system.parameter("mass", 1.0, "kg")
+    stiffness, damping = system.parameter("stiffness", 60.0, "N/m"), system.parameter("d", 0.5)
+    friction, height = system.parameter("friction", 0.3), system.parameter("height", 0.4, "m")
+    last, links = system.ground.point(0.0, 0.0, height), []
+    for k in range(2):
+        start = {"position": (length * (k + 0.5), 0.0, height), "rotation": np.eye(3)}
+        spin = {"angular_velocity": (0.5, 2.0, 1.0), "inertia": (0.01 * mass, 0.03, 0.035)}
+        links.append(system.add(spatial.Body(f"link{k}", mass=mass, **start, **spin)))
+        system.add(spatial.Spherical(f"joint{k}", last, links[k].point(-length / 2, 0, 0)))
+        last = links[k].point(length / 2, 0, 0)
+    ends = system.ground.point(0.3, 0.4, 0.6), links[0].center
+    law = {"stiffness": stiffness, "damping": damping, "free_length": 0.2}
+    system.add(spatial.Spring("spring", *ends, **law))
+    shapes = [spatial.contact.Sphere(last, 0.05), spatial.contact.HalfSpace(system.ground.frame())]
+    system.add(spatial.Collisions("hits", shapes, restitution=0.5, friction=friction))
+    return system.build()
+
+
 CONTACT_MODELS = {
     "bouncing ball": ContactModel(bouncing_ball, 0.3, 5e-3),
     "rocking block": ContactModel(rocking_block, 0.3, 5e-3),
@@ -212,5 +233,6 @@ CONTACT_MODELS = {
     "box in space, Poisson": ContactModel(lambda: thrown_box("poisson"), 0.15, 2e-3),
     "box in space, energetic": ContactModel(lambda: thrown_box("energetic"), 0.15, 2e-3),
     "compliant box and disc": ContactModel(compliant_box_and_disc, 0.06, 1e-3),
+    "spatial links": ContactModel(spatial_links, 0.35, 5e-3),
     "disc on a soft disc": ContactModel(disc_on_a_soft_disc, 0.1, 1e-3),
 }

@@ -112,7 +112,8 @@ def _rebounds(step: ContactStep, record: ContactRecord, k: int) -> Rebounds | No
     contacts = contacts.some(contacts.laws.restitution > 0)
     if not contacts.count:
         return None
-    free, _, mobility, _ = step.smooth.step(t, y, v, step.p, h, step.scheme.theta)
+    motion = step.smooth.step(t, y, v, step.p, h, step.scheme.theta).free
+    free, mobility = motion.speeds, motion.mobility
     start = -contacts.speeds(v)[:, 0]
     acceleration = (-contacts.speeds(free)[:, 0] - start) / h
     fall = 2 * np.maximum(acceleration, 0.0) * np.maximum(contacts.distance, 0.0)

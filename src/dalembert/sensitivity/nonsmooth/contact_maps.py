@@ -1,6 +1,6 @@
 """Linearised steps with contacts: equations of motion, of contacts, and corrections.
 
-    (M − h θ D − h² θ² K)(v⁺ − v) + Cᵀ Λ − Wᵀ P = h F,      C (σ v⁺ + (1−σ) v) = −Φ_t
+    M (v⁺ − v) + C̄ᵀ Λ − Wᵀ P = h F̄,      C̄ (v⁺ + v)/2 = −Φ̄_t − Φ/h
     P − proj(P − ρ (u⁺ + offset)) = 0
 
 then ``y⁺ = y ⊕ h (θ v⁺ + (1−θ) v)``; correction of gaps along ``M⁻¹``; projection of speeds.
@@ -155,7 +155,7 @@ class ContactMaps:
         start = np.concatenate([v, np.zeros(self.smooth - n)])
 
         def slopes(change: np.ndarray) -> list[Sparse]:
-            return self.equations.step(start + change, *state)[1]
+            return self.equations.linear(start + change, *state)[1]
 
         def gaps(own: np.ndarray, impulses: np.ndarray, change: np.ndarray) -> Gaps:
             return self.gaps(StepState(t, y, p, v, v + change), own, impulses)
@@ -182,10 +182,10 @@ class ContactMaps:
         """
         step, still = self.contact_step, np.zeros(self.smooth)
         state = y, v, t, self.p, h
-        value, (by_z, _), *_ = self.equations.step(still, *state)
+        value, (by_z, _), *_ = self.equations.linear(still, *state)
         factors = ProximalFactors([(0, 0, by_z)], self._weight(0))
         z = -factors.solve(value)
-        _, (_, by_q), following, slopes = self.equations.step(z, *state)
+        _, (_, by_q), following, slopes = self.equations.linear(z, *state)
         free = z[: self.speeds]
         contacts = step.near(step.at(t, y), AHEAD * h * np.column_stack([v, free]))
         changes = (contacts.speeds(free) - contacts.speeds(v))[:, 0]

@@ -201,7 +201,8 @@ class ContactSteps:
         without contacts; those that stick have static friction, except keys ``slipping``."""
         y, v = x[: self.size], x[self.size :]
         step, scheme = self.step, self.step.scheme
-        after, _, mobility, _ = step.smooth.step(t, y, v, self.p, h, scheme.theta)
+        free = step.smooth.step(t, y, v, self.p, h, scheme.theta).free
+        after, mobility = free.speeds, free.mobility
         if lasting is not None and lasting.keys.size:
             contacts = step.near(step.at(t, y), 2 * h * np.column_stack([v, after]))
             contacts = contacts.some(np.isin(contacts.key, lasting.keys))
