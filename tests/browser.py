@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import functools
 import os
 import shutil
@@ -102,10 +103,26 @@ def chromium() -> Iterator[Any]:
             browser.close()
 
 
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
+@pytest.fixture(scope="session")
+def session_browser() -> Iterator[tuple[Any, Any]]:
+    """The browser of all modules, and the loop in which its calls run."""
     with chromium() as started:
-        yield started
+        loop = asyncio.events._get_running_loop()
+        asyncio.events._set_running_loop(None)
+        yield started, loop
+        asyncio.events._set_running_loop(loop)
+
+
+@pytest.fixture(scope="module")
+def browser(session_browser: tuple[Any, Any]) -> Iterator[Any]:
+    """The browser; its loop counts as running only in modules that use it.
+
+    Other modules run loops of their own in the same thread.
+    """
+    started, loop = session_browser
+    asyncio.events._set_running_loop(loop)
+    yield started
+    asyncio.events._set_running_loop(None)
 
 
 @contextmanager
