@@ -21,16 +21,17 @@ def processor_time() -> float:
     times = os.times()
     total = times.user + times.system + times.children_user + times.children_system
     if sys.platform == "linux":
-        total += sum(_ticks(child) for child in _children(os.getpid())) / TICKS
+        total += sum(_ticks(child) for child in descendants(os.getpid())) / TICKS
     return total
 
 
-def _children(process: int) -> Iterator[int]:
+def descendants(process: int) -> Iterator[int]:
+    """Processes that a process has started, and theirs; on Linux."""
     try:
         for task in os.listdir(f"/proc/{process}/task"):
             for child in Path(f"/proc/{process}/task/{task}/children").read_text().split():
                 yield int(child)
-                yield from _children(int(child))
+                yield from descendants(int(child))
     except OSError:  # ended meanwhile
         return
 
