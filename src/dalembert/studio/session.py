@@ -31,6 +31,8 @@ UNTITLED_SPATIAL = UNTITLED.replace("[0.0, -9.81]", "[0.0, 0.0, -9.81]")
 """Text of a new spatial model."""
 UNTITLED_STRUCTURE = 'format = 1\nkind = "structure"\nname = "untitled"\n'
 """Text of a new structure."""
+UNTITLED_SPATIAL_STRUCTURE = UNTITLED_STRUCTURE + "gravity = [0.0, 0.0, 0.0]  # without weight\n"
+"""Text of a new spatial structure."""
 RESTORED = "unsaved changes were restored; undo returns to the file"
 MAX_TEXT = 2_000_000
 """Upper limit of the length of a text [characters]."""

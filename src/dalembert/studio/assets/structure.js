@@ -72,6 +72,9 @@ export class Structure {
     return Boolean(this.plan?.isPlanar && view && "s" in view);
   }
 
+  /** Picture for snapping: nodes, corners, bars and outlines. @returns {Page | null} */
+  get snapPage() { return this.page && this.plan ? this.plan.asPage(this.page) : null; }
+
   /** @returns {import("./structure_changes.js").Setting} */
   get setting() { return { ...this.palette.settings, plan: /** @type {Plan} */ (this.plan), document: this.document ?? {}, claimed: this.claimed }; }
 
@@ -147,6 +150,9 @@ export class Structure {
     this.refresh();
   }
 
+  /** A structure is drawn as it is at rest. */
+  rest() {}
+
   // Pointer --------------------------------------------------------------------------------------
 
   /** @param {PointerEvent} event @param {Spot} pixel @returns {Place} */
@@ -178,7 +184,7 @@ export class Structure {
     const { tool, plan, page } = this, first = this.places[0];
     if (!plan || !page) return;
     if (tool.target && !this.places.length) {
-      this.target = plan.targetAt(at, this.reach, tool.bars);
+      this.target = this.targetAt(at);
       if (!this.target) return this.actions.refuse(`${tool.title}: ${tool.hint[0]}`);
     }
     const closes = tool.clicks === 0 && this.places.length > 2 && Math.hypot(place.x - first.x, place.y - first.y) * page.scene.view.s < 8;
@@ -188,6 +194,9 @@ export class Structure {
     this.refresh();
   }
 
+  /** What the tool can act on at a place. @param {Spot} at */
+  targetAt(at) { return (this.tool.parts ? this.plan?.partAt(at, this.reach) : this.plan?.targetAt(at, this.reach, this.tool.bars)) ?? null; }
+
   finish() {
     const { places, tool, target } = this, [from, to] = places;
     this.places = tool.chain ? places.slice(-1) : [];
@@ -195,7 +204,8 @@ export class Structure {
     let vector = null;
     if (tool.units && from && to) {
       const { size, units } = tool.units(target);
-      vector = this.typed ? typedVector(this.typed, units, [to.x - from.x, to.y - from.y]) : drawnVector(from, to, size);
+      const toward = /** @type {Spot} */ (tool.scalar ? [1, 0] : [to.x - from.x, to.y - from.y]), sense = tool.parts || to.x <= from.x ? 1 : -1;
+      vector = this.typed ? typedVector(this.typed, units, toward) : tool.scalar ? [sense * size, 0] : drawnVector(from, to, size);
     }
     const change = tool.make(places, this.setting, target, vector);
     if (change) this.send(change);
@@ -214,7 +224,7 @@ export class Structure {
   over(event, pixel) {
     if (event.buttons > 1) return false;
     if (!event.buttons) this.pictures.held = false;
-    const { drag, tool, plan } = this, page = /** @type {Page} */ (this.page);
+    const { drag, tool } = this, page = /** @type {Page} */ (this.page);
     const place = this.placeAt(event, pixel), [x, y] = this.world(pixel);
     this.now = place;
     if (drag) {
@@ -226,7 +236,7 @@ export class Structure {
       this.tip = tip;
       if (changed) this.refresh();
       return false;
-    } else this.hover = tool.target && !this.places.length ? plan?.targetAt([x, y], this.reach, tool.bars) ?? null : null;
+    } else this.hover = tool.target && !this.places.length ? this.targetAt([x, y]) : null;
     page.scene.pointer = null;  // no tip over what is drawn
     this.refresh();
     return event.buttons === 1;
@@ -240,7 +250,7 @@ export class Structure {
       const change = changeOf(this, drag), values = change?.operations.map(({ value }) => Number(value)) ?? [];
       return [`${short(Math.hypot(...values))} N`];
     }
-    if (tool.units && target && places.length) return [tool.title === "Moment" ? "left: positive, right: negative" : `${short(tool.units(target).size)} ${target.kind === "edge" && tool.bars ? "Pa" : tool.bars ? (target.kind === "element" ? "N/m" : "N") : "m"}; or type a value`, `on ${target.name}`];
+    if (tool.units && target && places.length) return [tool.title === "Moment" ? "left: positive, right: negative" : `${short(tool.units(target).size)} ${target.kind === "edge" && tool.bars ? "Pa" : tool.bars ? (target.kind === "element" ? "N/m" : "N") : tool.parts ? "K" : "m"}; or type a value`, `on ${target.name}`];
     if (tool.target) return [this.hover ? `on ${this.hover.name}` : tool.hint[0]];
     const from = places.at(-1);
     return [from ? measured(from, at) : `${short(at.x)}, ${short(at.y)} m`, at.how];
