@@ -18,6 +18,7 @@ from dalembert.studio.event_loop import in_loop
 from dalembert.studio.export_process import Exports
 from dalembert.studio.journal import Journal, Recovered, saving
 from dalembert.studio.listed_files import listed_files
+from dalembert.studio.photos import Photos
 from dalembert.studio.picture_feed import PictureFeed
 from dalembert.studio.preview import Preview
 from dalembert.studio.recent_files import remember
@@ -56,6 +57,7 @@ class Session:
         self.draft = Draft(path, UNTITLED)
         self.journal = Journal(self.draft.path, journals)
         self._journals = journals
+        self.photos = Photos(journals)
         self.exports = Exports()
         self._is_stored = True
         self._folder: Path | None = None
@@ -197,6 +199,11 @@ class Session:
             "document": self._document(),
         }
 
+    @property
+    def photo_name(self) -> str:
+        """Name under which the photo of the draft is stored."""
+        return str(self.draft.path or self.draft.name)
+
     def _document(self) -> dict[str, Any] | None:
         """Contents of the text for the drawing; None if it is not valid."""
         if self._parsed[0] != self.draft.text:
@@ -276,7 +283,7 @@ class Session:
         FileError
             As ``Draft.save``.
         """
-        former = self.journal
+        former, name = self.journal, self.photo_name
         target = self.draft.path if path is None else path.resolve()
         with saving(target or Path.cwd(), self._journals):
             saved = self.draft.save(path, replace)
@@ -284,6 +291,7 @@ class Session:
             self.journal = Journal(saved, self._journals)
             former.clear()
             former.close()
+            self.photos.copy(name, self.photo_name)
         else:
             former.clear()
         remember(saved, self._journals)
