@@ -19,11 +19,19 @@ from dalembert.studio.preview import analysis_fields, section_operation
 from dalembert.studio.session import (
     MAX_TEXT,
     UNTITLED_SPATIAL,
+    UNTITLED_SPATIAL_STRUCTURE,
     UNTITLED_STRUCTURE,
     Session,
     failure,
 )
 from dalembert.studio.text_edits import TextEdits
+
+NEW = {
+    (False, True): UNTITLED_SPATIAL,
+    (True, False): UNTITLED_STRUCTURE,
+    (True, True): UNTITLED_SPATIAL_STRUCTURE,
+}
+"""Texts of new models: whether it is a structure, whether it is spatial."""
 
 
 class Connection:
@@ -182,10 +190,9 @@ class Connection:
         if isinstance(example, str) and re.fullmatch(r"\w+", example):
             text = read_text(example_folder() / f"{example}.toml")
             self.session.open(None, text, example_folder())
-        elif request.get("dimension") == 3:
-            self.session.open(None, UNTITLED_SPATIAL)
-        elif request.get("structure") is True:
-            self.session.open(None, UNTITLED_STRUCTURE)
+        elif request.get("structure") is True or request.get("dimension") == 3:
+            key = request.get("structure") is True, request.get("dimension") == 3
+            self.session.open(None, NEW[key])
         else:
             target = Path(path).expanduser() if isinstance(path, str) and path else None
             self.session.open(target)

@@ -93,8 +93,10 @@ def _picture_of(text: str, path: Path, live: bool) -> Picture:
 
 
 def _is_spatial(data: dict[str, Any]) -> bool:
-    """Whether the elements of a mechanism are spatial."""
-    gravity = data.get("gravity")
+    """Whether a model without elements is spatial: by its gravity, or the places of its nodes."""
+    gravity, nodes = data.get("gravity"), data.get("nodes")
+    if isinstance(nodes, dict) and nodes:
+        return all(isinstance(place, list) and len(place) == 3 for place in nodes.values())
     return data.get("dimension", len(gravity) if isinstance(gravity, list) else 2) == 3
 
 

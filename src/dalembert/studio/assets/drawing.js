@@ -48,6 +48,9 @@ export class Drawing {
   /** @returns {Page | null} */
   get page() { return this.pictures.page; }
 
+  /** Picture for snapping. */
+  get snapPage() { return this.page; }
+
   /** The selected element, if it is one. @returns {string | null} */
   get selected() { return this.selection.size === 1 ? [...this.selection][0] : null; }
 

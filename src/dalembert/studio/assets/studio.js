@@ -20,6 +20,7 @@ import { Properties } from "./properties.js";
 import { Sheets } from "./sheets.js";
 import { showShortcuts } from "./shortcuts.js";
 import { Space } from "./space.js";
+import { SpaceStructure } from "./space_structure.js";
 import { Structure } from "./structure.js";
 
 /** Time for which a notice is shown [ms]. */
@@ -86,11 +87,12 @@ class Studio {
     });
     this.palette = new Palette(byId("palette"), (name) => this.drawing.choose(name));
     this.properties = new Properties(byId("canvas"), this.drawing, () => this.completion);
-    this.crosshair = new Crosshair(byId("canvas"), this.drawing);
     /** The guided first build. @type {Guide | undefined} */
     this.guide = new Guide(byId("canvas"), () => ({ ...this.file, document: this.known, tool: this.drawing.tool.name }));
     this.space = new Space(this.pictures, this.drawing.actions, byId("canvas"));
     this.structure = new Structure(this.pictures, this.drawing.actions, byId("canvas"), () => this.completion);
+    this.spaceStructure = new SpaceStructure(this.pictures, this.drawing.actions, byId("canvas"), () => this.completion);
+    this.crosshair = new Crosshair(byId("canvas"), [this.drawing, this.structure]);
     this.sheets = new Sheets(byId("sheets"), byId("writing"), [{ name: "text", title: "Text", node: byId("text") }, { name: "model", title: "Model", node: this.space.tree.node }]);
     /** Requests of other parts by the kind of their answer. @type {Record<string, (message: any) => void>} */
     this.handlers = { export: (message) => this.exports.receive(message) };
@@ -102,7 +104,7 @@ class Studio {
   }
 
   bind() {
-    for (const drawn of [this.space, this.structure, this.drawing]) document.addEventListener("keydown", (event) => drawn.key(event));
+    for (const drawn of [this.space, this.spaceStructure, this.structure, this.drawing]) document.addEventListener("keydown", (event) => drawn.key(event));
     document.addEventListener("keydown", (event) => this.key(event));
     this.pictures.onShow.push(() => this.pictures.frame?.contentWindow?.addEventListener("keydown", (event) => this.key(event)));
     byId("cancel").addEventListener("click", () => this.request("cancel"));
@@ -182,6 +184,7 @@ class Studio {
     this.drawing.document = file.document;
     this.space.show(file.document ?? this.known);
     this.structure.show(file.document ?? this.known);
+    this.spaceStructure.show(file.document ?? this.known);
     this.properties.show();
     this.known = file.document ?? this.known;
     if (this.unsent !== null) {
