@@ -54,7 +54,7 @@ consecutive short steps of interior points."""
 INTERIOR_STARTS, TO_BOUNDARY, SHORT = (0.1, 1.0), 0.995, 1e-2
 """Distances of the first interior points from the boundary relative to the largest speed, share of
 a step to the boundary, and share of a short step [-]."""
-INTERIOR_SHARE, INTERIOR_FACTOR, INTERIOR_END = 1e-6, 0.03, 1e-7
+INTERIOR_SHARE, INTERIOR_FACTOR, INTERIOR_END = 1e-5, 0.03, 1e-6
 """Residual relative to the largest speed at which Newton's method begins, factor by which it has to
 fall until it begins again, and residual at which it begins for the last time [-]."""
 REGULARIZATIONS = 1e-6, 1e-4
