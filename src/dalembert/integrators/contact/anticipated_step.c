@@ -1,4 +1,4 @@
-/* One step of free bodies with balls and walls by the scheme of anticipated impacts */
+/* One step of free bodies with balls, hulls and walls by the scheme of anticipated impacts */
 /* minimum speed that leaves a gap open */
 static casadi_real casadi_open(casadi_real gap, casadi_real before, casadi_real h) {
   return -2*gap/h - before;
@@ -26,40 +26,6 @@ static casadi_real casadi_bounce(casadi_real gap, casadi_real before, casadi_rea
   if (before<=0 && speed<-gradual) speed = -gradual;
   if (before<0 && fast) speed = -restitution*before;
   return speed>open ? speed : open;
-}
-/* contacts within reach, with their gaps, laws and velocities, and the deepest penetration */
-static casadi_real casadi_contacts(const casadi_real** arg, casadi_real** res, casadi_int* iw,
-    casadi_real reach) {
-  const int* law = (const int*) arg[33];
-  casadi_real* friction = (casadi_real*) arg[3];
-  casadi_real* before = res[24];
-  casadi_real* free = res[25];
-  const int* row = (const int*) arg[9];
-  const int* column = (const int*) arg[10];
-  int* pair = (int*) res[23];
-  casadi_int e, g, r, width = iw[1], groups = iw[2], count = 0;
-  casadi_real deepest = 0, gap, direction[9], place[3];
-  ((int*) arg[9])[0] = 0;
-  for (e=0; e<iw[17]; ++e) {
-    gap = casadi_gap(arg, iw, e, direction, place);
-    if (!(gap>=deepest)) deepest = gap;
-    if (gap>reach) continue;
-    if (count==iw[19]) {
-      ++count;
-      break;
-    }
-    casadi_contact_rows(arg, res, iw, count, e, direction, place, gap);
-    res[22][count] = gap>0 ? gap : 0.0;
-    pair[count] = e;
-    for (g=0; g<groups; ++g) friction[count*groups+g] = arg[28][law[e]*(2+groups)+2+g];
-    for (r=count*width; r<(count+1)*width; ++r) {
-      before[r] = casadi_row(arg[0], column, row[r], row[r+1], arg[22]);
-      free[r] = casadi_row(arg[0], column, row[r], row[r+1], res[19]);
-    }
-    ++count;
-  }
-  iw[0] = count;
-  return deepest;
 }
 /* velocity offsets by Newton's law of impact, and the largest change of a normal speed by forces
    and the largest speed in limits */
@@ -178,13 +144,14 @@ static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, ca
 /* record of the step: losses, residual, and keys, impulses and offsets of pressing contacts */
 static void casadi_record(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real deepest, casadi_int rounds) {
-  const int* pair = (const int*) res[23];
+  const casadi_int* key = (const casadi_int*) arg[43];
+  casadi_int* last = (casadi_int*) arg[44];
+  casadi_int* sizes = (casadi_int*) arg[47];
+  casadi_int* keys = (casadi_int*) res[31];
   casadi_real* impulse = res[0];
   casadi_real* numbers = res[30] + 6*iw[20];
-  int* keys = (int*) res[31];
   casadi_int i, a, r, width = iw[1], rows = iw[0]*iw[1], pressing = 0;
   casadi_real loss = 0, friction = 0;
-  for (r=0; r<iw[17]*width; ++r) res[29][r] = 0;
   for (i=0; i<iw[0]; ++i) {
     r = i*width;
     for (a=0; a<width; ++a) {
@@ -192,10 +159,10 @@ static void casadi_record(const casadi_real** arg, casadi_real** res, casadi_int
       if (a>0) friction -= 0.5*impulse[r+a]*(res[5][r+a] + res[24][r+a]);
     }
     if (!(impulse[r]>0)) continue;
-    keys[2*(iw[21]+pressing)] = ((const int*) arg[31])[pair[i]];
-    keys[2*(iw[21]+pressing)+1] = ((const int*) arg[32])[pair[i]];
+    last[pressing] = key[i];
+    keys[iw[21]+pressing] = key[i];
     for (a=0; a<width; ++a) {
-      res[29][pair[i]*width+a] = impulse[r+a];
+      res[29][pressing*width+a] = impulse[r+a];
       res[32][(iw[21]+pressing)*width+a] = impulse[r+a];
       res[33][(iw[21]+pressing)*width+a] = res[26][r+a];
     }
@@ -207,39 +174,41 @@ static void casadi_record(const casadi_real** arg, casadi_real** res, casadi_int
   numbers[3] = rows>0 ? res[11][1] : 0.0;
   numbers[4] = rounds;
   numbers[5] = pressing;
+  sizes[0] = pressing;
   iw[21] += pressing;
   ++iw[20];
 }
 /* a step; iw[6] is its outcome: 0 done, 1 singular inertia, 2 the list is outdated, 3 more
-   contacts than memory, 4 a gap is closed, 5 the order of elimination misses a pair of bodies, 6
-   the impulses did not converge */
+   contacts than memory of the record, 4 a gap is closed, 5 the order of elimination misses a pair of
+   bodies, 6 the impulses did not converge, 7 more contacts than memory */
 static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w,
     int mem) {
   const int* start = (const int*) arg[30];
   casadi_real* v = (casadi_real*) arg[22];
   casadi_real* free = res[19];
-  casadi_real h = arg[36][0], reach, other, deepest;
-  casadi_int i, a, j, width = iw[1], rounds = 0;
+  casadi_real h = arg[36][0], reach[2], deepest;
+  casadi_int j, rounds = 0;
   iw[6] = 1;
   if (casadi_invert(arg, res, iw, w)) return 0;
   for (j=0; j<iw[3]; ++j) free[j] = v[j];
   casadi_accelerate(res[20], start, iw[16], iw[9], h, arg[23], free);
-  reach = casadi_fastest(arg, iw, v);
-  other = casadi_fastest(arg, iw, free);
-  reach = arg[37][7]*h*sqrt(other>reach ? other : reach);
-  res[11][3] = reach;
+  reach[0] = 0;
+  reach[1] = 0;
+  casadi_fastest(arg, iw, v, reach);
+  casadi_fastest(arg, iw, free, reach);
+  for (j=0; j<2; ++j) reach[j] = arg[37][7]*h*reach[j];
+  res[11][3] = reach[0]>reach[1] ? reach[0] : reach[1];
   iw[6] = 2;
-  if (!casadi_listed(arg, iw, reach)) return 0;
+  if (!casadi_listed(arg, iw, res[11][3])) return 0;
   deepest = casadi_contacts(arg, res, iw, reach);
+  iw[6] = 7;
+  if (iw[0]>iw[19]) return 0;
   iw[6] = 3;
-  if (iw[0]>iw[19] || iw[21]+iw[0]>iw[22]) return 0;
+  if (iw[21]+iw[0]>iw[22]) return 0;
   iw[6] = 4;
   if (!(deepest>=-arg[36][2])) return 0;
   iw[6] = 5;
   if (casadi_contact_places(arg, res, iw)) return 0;
-  for (i=0; i<iw[0]; ++i) {
-    for (a=0; a<width; ++a) res[0][i*width+a] = res[29][((const int*) res[23])[i]*width+a];
-  }
   iw[6] = 6;
   for (j=0; j<iw[3]; ++j) res[10][j] = 0;
   if (iw[0]>0) rounds = casadi_impulses(arg, res, iw, w);

@@ -190,7 +190,7 @@ static int casadi_interior_equations(const casadi_real** arg, casadi_real** res,
       res[3][r+a] = both[a*(width+1)+width];
       for (b=0; b<width; ++b) res[4][(r+a)*width+b] = both[a*(width+1)+b];
     }
-    if (assembled) casadi_add_contact(arg, res, iw, i, res[4] + r*width, q);
+    if (assembled) casadi_add_blocks(arg, res, iw, i, res[4] + r*width, q);
   }
   return 0;
 }

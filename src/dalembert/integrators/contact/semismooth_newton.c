@@ -44,7 +44,7 @@ static casadi_real casadi_piece(const casadi_real* z, const casadi_real* frictio
   return varies ? -piece : piece;
 }
 /* add W^T gain W of a contact to the matrix, with a gain by rows */
-static void casadi_add_contact(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+static void casadi_add_blocks(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
     casadi_int i, const casadi_real* gain, casadi_real* w) {
   const int* row = (const int*) arg[9];
   const int* local = (const int*) res[16];
@@ -174,7 +174,7 @@ static int casadi_assemble(const casadi_real** arg, casadi_real** res, const cas
     for (a=0; a<width; ++a) {
       for (b=0; b<width; ++b) gain[(r+a)*width+b] = both[a*(width+1)+b];
     }
-    casadi_add_contact(arg, res, iw, i, gain + r*width, across);
+    casadi_add_blocks(arg, res, iw, i, gain + r*width, across);
   }
   return 0;
 }

@@ -30,7 +30,7 @@ REPORTED = 16
 
 
 class BallMarch:
-    """Steps of free bodies with balls and walls.
+    """Steps of free bodies with balls, hulls and walls.
 
     A step is undone, and left to the general one, if a gap is closed at its end.
 
@@ -42,13 +42,13 @@ class BallMarch:
     """
 
     def __init__(self, step: ContactStep, motion: BallMotion, steps: BallSteps):
-        self._step, self._steps = step, steps
+        self._step, self._motion, self._steps = step, motion, steps
         self._t, self._h = np.zeros(1), np.zeros(1)
         self._y = np.zeros(step.model.equations.coordinate_count)
         self._next, self._still = np.zeros_like(self._y), np.zeros_like(steps.v)
         self._ys, self._vs = np.zeros((CHUNK, self._y.size)), np.zeros((CHUNK, steps.v.size))
         places, t, v, p = FixedCalls(motion.places, compiled=False), self._t, steps.v, step.p
-        geometry = steps.positions, steps.normals, steps.velocities
+        geometry = steps.corners, steps.references, steps.normals, steps.velocities
         forces = FixedCalls(motion.forces, compiled=False)
         self._forces = forces.on([t, self._y, v, p, self._h], [steps.force, steps.inertia])
         move = [t, self._y, steps.displacement, p], [self._next, *geometry]
@@ -116,6 +116,7 @@ class BallMarch:
         steps = self._steps
         self._t[0], self._y[:], steps.v[:] = log.t, log.y, log.v
         self._place()
+        steps.arms[:] = self._motion.shapes.arms(steps.corners, steps.references)
         steps.warm(*self._last.pressing)
 
     def _attempt(self) -> StepOutcome:
@@ -129,6 +130,9 @@ class BallMarch:
         numbers = steps.numbers[:count].copy()
         contacts = int(numbers[:, PRESSED].sum())
         keys, impulses, offsets = steps.pressing(0, contacts)
+        owner = np.repeat(np.arange(count), numbers[:, PRESSED].astype(int))
+        order = np.lexsort((keys, owner))
+        keys, impulses, offsets = keys[order], impulses[order], offsets[order]
         y, v = self._ys[:count].copy(), self._vs[:count].copy()
         depth = self._step.deepest(self._step.at(grid[end], y[-1]))
         none, zero = np.zeros(contacts, dtype=int), np.zeros(contacts)
