@@ -19,7 +19,7 @@ from dalembert.studio.uses import VALUES, uses_of
 ORDER = (
     *("parameters", "derived", "inputs", "outputs", "ground", "nodes", "elements", "meshes"),
     *("bodies", "beams", "joints", "drivers", "forces", "blocks"),
-    *("supports", "loads", "line_loads", "tractions", "analysis"),
+    *("supports", "loads", "line_loads", "tractions", "temperatures", "analysis"),
 )
 """Order of the sections of a file, for new ones."""
 
