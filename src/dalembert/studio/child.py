@@ -6,8 +6,11 @@ import multiprocessing
 import os
 import sys
 from contextlib import suppress
-from multiprocessing.context import BaseContext
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from multiprocessing.context import ForkServerContext, SpawnContext
 
 MEMORY = 3e9
 """Upper limit of the memory of a building process [bytes]."""
@@ -27,7 +30,7 @@ PRELOADED = (
 """Modules that children on Linux share; the last ones are those that pictures import late."""
 
 
-def child_context() -> BaseContext:
+def child_context() -> SpawnContext | ForkServerContext:
     """Context in which children start.
 
     Importing all modules takes one to two seconds. On Linux a process imports them once, and
