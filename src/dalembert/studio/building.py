@@ -21,6 +21,8 @@ from dalembert.studio.problems import Problem
 
 GRACE = 1.5
 """Time after which outdated work is cancelled; earlier its process is worth more [s]."""
+READY = "ready"
+"""First message of a process, once it has started."""
 FRESH = "the building process ended unexpectedly; change the model to build it again"
 CANCELLED = "building was stopped; change the model to build it again"
 SMALLER = "use a shorter duration, fewer outputs or a coarser mesh"
@@ -91,6 +93,7 @@ class BuildingProcess:
         self._process = context.Process(target=work, args=(other, self.kind), daemon=True)
         self._process.start()
         other.close()
+        self._is_ready, self._is_ended = False, False
 
     def request(self, request: Request) -> None:
         """Make a picture of a text, in place of former requests."""
@@ -139,17 +142,27 @@ class BuildingProcess:
                 self.receive(request.number, Picture(problems=(Problem("error", self._reason),)))
 
     def _picture(self, request: Request) -> Picture | None:
-        """Picture of a request; None if the process has ended, which is started again."""
+        """Picture of a request; None if the process has ended meanwhile."""
+        if self._is_ended or not self._process.is_alive():
+            self._restart()
         try:
             self._connection.send(request)
+            if not self._is_ready:
+                self._connection.recv()
+                with self._changed:  # the time to start a process is none of the work
+                    self._is_ready, self._since = True, time.monotonic()
             picture: Picture = self._connection.recv()
             return picture
         except (EOFError, OSError):
-            with self._changed:
-                if not self._closed:
-                    self._process.join(5.0)
-                    self._start()
+            self._restart()
             return None
+
+    def _restart(self) -> None:
+        """Start another process in place of one that has ended."""
+        with self._changed:
+            if not self._closed:
+                self._process.join(5.0)
+                self._start()
 
     def _keep_limits(self) -> None:
         """End the process if its work is outdated, or takes too much time or memory."""
@@ -159,7 +172,7 @@ class BuildingProcess:
                     self._changed.wait()
                     continue
                 spent = time.monotonic() - self._since
-                if self._waiting is not None and spent > GRACE:
+                if self._waiting is not None and self._is_ready and spent > GRACE:
                     self._end(FRESH)
                 elif spent > self.time:
                     self._end(f"building took more than {self.time:g} s and was stopped; {SMALLER}")
@@ -173,6 +186,7 @@ class BuildingProcess:
     def _end(self, reason: str) -> None:
         """End the work of the process, which is started again."""
         self._reason = reason
+        self._is_ended = True
         self._process.kill()
         self._working = None
 
@@ -182,6 +196,7 @@ def work(connection: Connection, kind: str) -> None:
     begin_child()
     warnings.simplefilter("ignore")
     with suppress(EOFError, OSError, KeyboardInterrupt):
+        connection.send(READY)
         while True:
             request: Request = connection.recv()
             connection.send(_picture(request, kind))
