@@ -1,9 +1,10 @@
 // The drawing by keyboard: a crosshair that arrow keys move, and Enter in place of a click.
 
 /** @import { Drawing } from "./drawing.js" */
+/** @import { Structure } from "./structure.js" */
 
 import { el } from "./dom.js";
-import { gridStep, snap } from "./snapping.js";
+import { gridStep } from "./snapping.js";
 
 const STEPS = /** @type {Record<string, [number, number]>} */ ({ ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] });
 /** Part of a step of the grid by which Shift and an arrow key move. */
@@ -12,10 +13,10 @@ const FINE = 0.1;
 const MARGIN = 24;
 
 export class Crosshair {
-  /** @param {HTMLElement} stage @param {Drawing} drawing */
-  constructor(stage, drawing) {
+  /** @param {HTMLElement} stage @param {(Drawing | Structure)[]} drawings of mechanisms and structures */
+  constructor(stage, drawings) {
     this.stage = stage;
-    this.drawing = drawing;
+    this.drawings = drawings;
     this.mark = el("div", { class: "crosshair", hidden: true, "aria-hidden": "true" });
     this.voice = el("div", { class: "unseen", "aria-live": "polite" });
     stage.append(this.mark, this.voice);
@@ -27,6 +28,9 @@ export class Crosshair {
     stage.addEventListener("blur", () => this.hide());
     stage.addEventListener("pointerdown", () => this.hide());
   }
+
+  /** The drawing of the shown model. @returns {Drawing | Structure} */
+  get drawing() { return this.drawings.find(({ possible }) => possible) ?? this.drawings[0]; }
 
   hide() {
     this.mark.hidden = true;
@@ -87,7 +91,7 @@ export class Crosshair {
     const [u, v] = view.screen(this.at), inner = canvas.getBoundingClientRect(), outer = frame.getBoundingClientRect(), own = this.stage.getBoundingClientRect();
     this.mark.style.translate = `${u + inner.left + outer.left - own.left}px ${v + inner.top + outer.top - own.top}px`;
     this.mark.hidden = false;
-    const { how } = snap(page, [u, v]), place = this.at.map((value) => Number(value.toPrecision(4))).join(", ");
+    const { how } = this.drawing.placeAt({ altKey: false }, [u, v]), place = this.at.map((value) => Number(value.toPrecision(4))).join(", ");
     this.voice.textContent = `${place}${how && how !== "grid" ? `, at ${how}` : ""}`;
   }
 }
