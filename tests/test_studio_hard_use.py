@@ -7,7 +7,6 @@ from typing import Any
 import pytest
 from studio_desk import Desk, opened, reset
 from studio_runs import Studio
-from test_studio_space import SpaceDesk
 from test_studio_structures import LOOK as STRUCTURE_LOOK
 from test_studio_tools import CRANK
 
@@ -37,9 +36,12 @@ def test_a_paste_that_is_too_long_is_refused_and_the_next_text_stored(
 
 
 def test_any_name_can_be_selected(desk: tuple[Desk, Studio]) -> None:
-    """Names that are not valid, or mean something to scripts, are text like others."""
+    """Names that are not valid, or mean something to scripts, are text like others.
+
+    Hidden characters, such as those that change the direction of a text, are refused by the reader.
+    """
     visit, _ = desk
-    names = ["a(", "__proto__", "constructor", "[", "\\\\", "é\u202e", "<b>", "x" * 3000]
+    names = ["a(", "__proto__", "constructor", "[", "\\\\", "é", "<b>", "x" * 3000]
     rows = "".join(f'[bodies."{name}"]\nmass = 1\n' for name in names)
     revision = visit.revision
     visit.page.evaluate("text => studio.editor.replace(0, studio.editor.text.length, text)", rows)
@@ -85,7 +87,7 @@ def test_a_structure_is_drawn_by_the_keyboard(browser: Any, studio_server: Studi
 def test_a_spatial_linkage_is_drawn_by_the_keyboard(browser: Any, studio_server: Studio) -> None:
     """Typed coordinates are on the points and joints that are there."""
     reset(studio_server, dimension=3)
-    with opened(browser, studio_server, "0", kind=SpaceDesk) as visit:
+    with opened(browser, studio_server, "0") as visit:
         keys = visit.page.keyboard
         visit.js("document.getElementById('canvas').focus()")
 
@@ -94,8 +96,10 @@ def test_a_spatial_linkage_is_drawn_by_the_keyboard(browser: Any, studio_server:
             for place in places[:-1]:
                 keys.type(place)
                 keys.press("Enter")
+            revision = visit.revision
             keys.type(places[-1])
-            visit.changed(lambda: keys.press("Enter"))
+            keys.press("Enter")
+            visit.settle(revision + 1)
 
         draw("r", "0, 0, 0", "0.2, 0, 0")
         draw("r", "0.2, 0, 0", "0.2, 0.3, 0")
