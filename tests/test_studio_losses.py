@@ -13,12 +13,14 @@ from typing import Any
 
 import pytest
 from studio_runs import Studio, running_studio
-from test_studio_files import LONG
+from test_studio_files import BAR, LONG
 from test_studio_server import FOUR_BAR, page, receive, send
 
 from dalembert.studio import journal as journals
+from dalembert.studio.building import BuildingProcess, Request
 from dalembert.studio.draft import Draft
 from dalembert.studio.journal import KEPT, Journal
+from dalembert.studio.pictures import Picture
 from dalembert.studio.session import Session
 
 
@@ -281,3 +283,17 @@ def test_malformed_frames_end_only_their_connection(studio: Studio) -> None:
                     pass
             send(other, kind="barrier")
             assert receive(other, "failure")["text"].startswith("unknown request"), name
+
+
+def test_a_process_that_was_killed_while_idle_is_replaced(tmp_path: Path) -> None:
+    pictures: list[Picture] = []
+    builder = BuildingProcess("still", lambda number, picture: pictures.append(picture))
+    for number in (1, 2):
+        builder.request(Request(number, BAR, tmp_path / "bar.toml"))
+        end = time.monotonic() + 120
+        while len(pictures) < number and time.monotonic() < end:
+            time.sleep(0.02)
+        builder._process.kill()
+        builder._process.join()
+    builder.close()
+    assert [bool(picture.page) for picture in pictures] == [True, True]
