@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from functools import cache
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 from dalembert.analysis.dynamics.dynamics import Dynamics
@@ -138,7 +139,7 @@ def _widget_class() -> Any:
                 if name not in declared:
                     raise ModelError(unknown("parameter", name, declared))
                 number = declared[name].in_si(value) if isinstance(value, str) else value
-                if isinstance(number, bool) or not isinstance(number, (int, float)):
+                if isinstance(number, bool) or not isinstance(number, Real):
                     raise ModelError(f"expected a number, got {value!r:.60}", name)
                 if not math.isfinite(number):
                     raise ModelError(f"expected a finite number, got {value!r:.60}", name)

@@ -21,6 +21,8 @@ from dalembert.studio.problems import Problem
 
 GRACE = 1.5
 """Time after which outdated work is cancelled; earlier its process is worth more [s]."""
+READY = "ready"
+"""First message of a process, once it has started."""
 FRESH = "the building process ended unexpectedly; change the model to build it again"
 CANCELLED = "building was stopped; change the model to build it again"
 SMALLER = "use a shorter duration, fewer outputs or a coarser mesh"
@@ -80,6 +82,7 @@ class BuildingProcess:
         self._closed = False
         self._changed = threading.Condition(self._lock)
         self._process: BaseProcess | None = None
+        self._is_ready, self._is_ended = False, False
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
         self._watch = threading.Thread(target=self._keep_limits, daemon=True)
@@ -93,6 +96,7 @@ class BuildingProcess:
         process.start()
         other.close()
         self._process = process
+        self._is_ready, self._is_ended = False, False
 
     def request(self, request: Request) -> None:
         """Make a picture of a text, in place of former requests."""
@@ -144,18 +148,29 @@ class BuildingProcess:
                 self.receive(request.number, Picture(problems=(Problem("error", self._reason),)))
 
     def _picture(self, request: Request) -> Picture | None:
-        """Picture of a request; None if the process has ended, which is started again."""
+        """Picture of a request; None if the process has ended meanwhile."""
+        assert self._process is not None
+        if self._is_ended or not self._process.is_alive():
+            self._restart()
         try:
             self._connection.send(request)
+            if not self._is_ready:
+                self._connection.recv()
+                with self._changed:  # the time to start a process is none of the work
+                    self._is_ready, self._since = True, time.monotonic()
             picture: Picture = self._connection.recv()
             return picture
         except (EOFError, OSError):
-            with self._changed:
-                if not self._closed:
-                    assert self._process is not None
-                    self._process.join(5.0)
-                    self._start()
+            self._restart()
             return None
+
+    def _restart(self) -> None:
+        """Start another process in place of one that has ended."""
+        with self._changed:
+            if not self._closed:
+                assert self._process is not None
+                self._process.join(5.0)
+                self._start()
 
     def _keep_limits(self) -> None:
         """End the process if its work is outdated, or takes too much time or memory."""
@@ -165,7 +180,7 @@ class BuildingProcess:
                     self._changed.wait()
                     continue
                 spent = time.monotonic() - self._since
-                if self._waiting is not None and spent > GRACE:
+                if self._waiting is not None and self._is_ready and spent > GRACE:
                     self._end(FRESH)
                 elif spent > self.time:
                     self._end(f"building took more than {self.time:g} s and was stopped; {SMALLER}")
@@ -179,6 +194,7 @@ class BuildingProcess:
     def _end(self, reason: str) -> None:
         """End the work of the process, which is started again."""
         self._reason = reason
+        self._is_ended = True
         self._kill()
         self._working = None
 
@@ -192,6 +208,7 @@ def work(connection: Connection, kind: str) -> None:
     begin_child()
     warnings.simplefilter("ignore")
     with suppress(EOFError, OSError, KeyboardInterrupt):
+        connection.send(READY)
         while True:
             request: Request = connection.recv()
             connection.send(_picture(request, kind))

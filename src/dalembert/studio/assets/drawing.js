@@ -101,7 +101,7 @@ export class Drawing {
     this.refresh();
   }
 
-  /** @param {PointerEvent} event @param {[number, number]} at @returns {Place} */
+  /** @param {{ altKey: boolean }} event @param {[number, number]} at @returns {Place} */
   placeAt(event, at) {
     const page = /** @type {Page} */ (this.page), ignore = this.drag?.kind === "point" ? this.drag.from.names : [];
     const from = this.places.at(-1) ?? null, place = snap(page, at, { from, free: event.altKey, ignore });

@@ -155,7 +155,10 @@ export class Structure {
 
   // Pointer --------------------------------------------------------------------------------------
 
-  /** @param {PointerEvent} event @param {Spot} pixel @returns {Place} */
+  /** Show one instant, in which places are selected. */
+  rest() { this.page?.player.pause(); }
+
+  /** @param {{ altKey: boolean }} event @param {Spot} pixel @returns {Place} */
   placeAt(event, pixel) {
     const page = /** @type {Page} */ (this.page), plan = /** @type {Plan} */ (this.plan), from = this.places.at(-1) ?? null;
     const ignore = this.drag?.kind === "handle" ? this.drag.handles.map(({ name }) => name) : [];

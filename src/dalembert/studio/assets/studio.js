@@ -29,6 +29,8 @@ const SHOWN = 6000;
 const REST = 250;
 /** Time after which the page says that a picture is being made [ms]. */
 const SLOW = 1200;
+/** Upper limit of the length of a text, as of the server [characters]. */
+const LONGEST = 2_000_000;
 const MODIFIER = /Mac|iPhone|iPad/.test(navigator.platform) ? "⌘" : "Ctrl+";
 
 class Studio {
@@ -106,6 +108,8 @@ class Studio {
   bind() {
     for (const drawn of [this.space, this.spaceStructure, this.structure, this.drawing]) document.addEventListener("keydown", (event) => drawn.key(event));
     document.addEventListener("keydown", (event) => this.key(event));
+    window.addEventListener("pagehide", () => this.editor.flush());
+    document.addEventListener("visibilitychange", () => this.editor.flush());
     this.pictures.onShow.push(() => this.pictures.frame?.contentWindow?.addEventListener("keydown", (event) => this.key(event)));
     byId("cancel").addEventListener("click", () => this.request("cancel"));
     const divider = byId("divider"), desk = byId("desk");
@@ -165,6 +169,7 @@ class Studio {
       case "files": return chooseFile(message, (choice) => this.request("open", choice));
       case "notice": return this.say(message.text);
       case "failure":
+        if (message.request === "text") this.pending = Math.max(0, this.pending - 1);  // it was not stored
         this.space.revert();
         return this.say(message.text, true);
       case "conflict": return void this.resolve(message.text, message.path);
@@ -219,6 +224,7 @@ class Studio {
 
   /** @param {string} text */
   sendText(text) {
+    if (text.length > LONGEST) return this.say(`The text has more than ${LONGEST} characters; it was not stored.`, true);
     if (this.link.send({ kind: "text", text, revision: this.file.revision + this.pending })) this.pending++;
     else this.unsent = text;
   }
@@ -226,7 +232,8 @@ class Studio {
   /** @param {string} kind @param {Record<string, unknown>} [more] */
   request(kind, more = {}) {
     this.editor.flush();
-    this.link.send({ kind, ...more });
+    if (kind === "save" && this.editor.text.length > LONGEST) this.sendText(this.editor.text);
+    else this.link.send({ kind, ...more });
     return true;
   }
 
