@@ -15,6 +15,7 @@ from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.model_residuals import Violation
 from dalembert.analysis.nonsmooth.advance import advance
 from dalembert.analysis.nonsmooth.balls.ball_march import BallMarch
+from dalembert.analysis.nonsmooth.between_steps import interpolate
 from dalembert.analysis.nonsmooth.contact_durations import duration_warnings
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import (
@@ -25,7 +26,7 @@ from dalembert.analysis.nonsmooth.correction import (
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.missing_rebounds import rebound_warnings
 from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
-from dalembert.analysis.nonsmooth.step_log import StepLog, interpolate
+from dalembert.analysis.nonsmooth.step_log import StepLog
 from dalembert.analysis.nonsmooth.step_state import StepResult
 from dalembert.analysis.nonsmooth.touching_shapes import bodies_of, refuse_lonely_shapes
 from dalembert.analysis.progress import progress_reporter

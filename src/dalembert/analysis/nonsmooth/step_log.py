@@ -1,14 +1,15 @@
-"""Record of the steps of a run with contacts, and its interpolation between steps."""
+"""Record of the steps of a run with contacts."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 
 import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics.residual_check import energy_errors
 from dalembert.analysis.model_residuals import ModelResiduals
+from dalembert.analysis.nonsmooth.between_steps import between
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import ConsistentSpeeds
 from dalembert.analysis.nonsmooth.step_state import StepResult
@@ -235,7 +236,7 @@ class StepLog:
             speeds = manifold.lead(y[:, :-1], np.stack(self.uncorrected, 1)) / h
         rates = np.zeros((2, h.size))
         for s, weight in smooth.path_nodes(theta):
-            at = _between(self.step.model, y[:, :-1], y[:, 1:], s)
+            at = between(self.step.model, y[:, :-1], y[:, 1:], s)
             shares = manifold.path_shares(h * speeds, s)
             rates += weight * powers(t + s * h, at, shares * speeds, a, multiplier, p)[0]
         work[:, 1:] = np.cumsum(h * rates + np.vstack([loss, self.speed_inputs]), axis=1)
@@ -274,30 +275,6 @@ def _potential(model: Model, count: int) -> Kernel:
     e = model.equations
     function = ca.Function("potential", [e.t, e.y, e.p], [ca.densify(e.potential)])
     return Kernel(function.map(count))
-
-
-def interpolate(model: Model, record: ContactRecord, times: np.ndarray) -> Trajectory:
-    """States at times within the steps, linear between their ends."""
-    ends = record.ends
-    if ends.t.size == 1:
-        return replace(ends.some(np.zeros(times.size, dtype=int)), t=times)
-    k = np.clip(np.searchsorted(ends.t, times), 1, ends.t.size - 1)
-    share = (times - ends.t[k - 1]) / (ends.t[k] - ends.t[k - 1])
-    v, work = (s[:, k - 1] + share * (s[:, k] - s[:, k - 1]) for s in (ends.v, ends.work))
-    between = _between(model, ends.y[:, k - 1], ends.y[:, k], share)
-    y = np.where(share == 1, ends.y[:, k], between)
-    return Trajectory(times, y, v, ends.a[:, k], ends.multiplier[:, k], work)
-
-
-def _between(
-    model: Model, y: np.ndarray, other: np.ndarray, share: float | np.ndarray
-) -> np.ndarray:
-    """Positions at a share of the way from columns ``y`` to ``other``, and states likewise."""
-    manifold, states = model.equations.manifold, list(model.equations.states)
-    between = manifold.go(y, share * manifold.lead(y, other))
-    if states:
-        between[states] = y[states] + share * (other[states] - y[states])
-    return between
 
 
 def _with_start(means: np.ndarray) -> np.ndarray:

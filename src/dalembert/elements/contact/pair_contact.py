@@ -46,7 +46,8 @@ class PairContact(Contact):
         law = Restitution(coefficients["restitution"], coefficients["tangential"])
         friction = coefficients["friction"]
         rubs = not friction.sx.is_zero() or not law.tangential.sx.is_zero()
-        super().__init__(name, *shapes, law=law, friction=Coulomb(friction) if rubs else None)
+        rub, (shape_i, shape_j) = Coulomb(friction) if rubs else None, shapes
+        super().__init__(name, shape_i=shape_i, shape_j=shape_j, law=law, friction=rub)
 
     def impact(self) -> Impact:
         impact = super().impact()
