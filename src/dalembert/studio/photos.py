@@ -119,7 +119,7 @@ def place_of(text: str) -> dict[str, float]:
     data: Any = json.loads(text)
     if not isinstance(data, dict):
         raise ValueError("no table of numbers")
-    place = {key: data.get(key) for key in PLACE}
+    place: dict[str, Any] = {key: data.get(key) for key in PLACE}
     numbers = [
         isinstance(v, (int, float)) and not isinstance(v, bool) and math.isfinite(v)
         for v in place.values()
