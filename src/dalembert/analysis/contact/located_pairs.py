@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dalembert.elements.contact.collisions import Collisions
-from dalembert.elements.contact.pair_contact import pair_contacts
 from dalembert.errors import UnsupportedError
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.once import once
@@ -29,6 +28,8 @@ def with_located_pairs(model: Model) -> Model:
     elements = collisions_of(model)
     if not elements:
         return model
+    from dalembert.elements.contact.pair_contact import pair_contacts
+
     contacts = [contact for element in elements for contact in pair_contacts(element)]
     count = sum(len(contact.contact_points) for contact in contacts)
     if count > MOST_GAPS:
