@@ -25,7 +25,7 @@ class Approach:
     ----------
     contacts : Contacts
     before, free : (n, k) relative velocities at the start, and at the end without impulses
-    h : step [s]
+    h : step [s], of each contact if they act in different ones
     begins : True in the first step, which no earlier step could prepare for an impact
     rounding : gap that counts as closed [m]
     struck : (n, k) relative velocities after impacts at the start; None without any
@@ -35,7 +35,7 @@ class Approach:
     contacts: Contacts
     before: np.ndarray
     free: np.ndarray
-    h: float
+    h: float | np.ndarray
     begins: bool = False
     rounding: float = 0.0
     struck: np.ndarray | None = None

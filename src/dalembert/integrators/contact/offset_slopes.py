@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -32,6 +32,10 @@ class OffsetSlopes:
     idle: np.ndarray
     bounces: np.ndarray
 
+    def some(self, selected: np.ndarray) -> OffsetSlopes:
+        """Those of the selected contacts."""
+        return OffsetSlopes(*(getattr(self, field.name)[selected] for field in fields(self)))
+
 
 def newton_slopes(approach: Approach, offsets: np.ndarray) -> OffsetSlopes:
     """Derivatives of Newton's law, ``e u_N⁻`` and ``e_T u_T⁻``, or of the speeds after impacts at
@@ -57,7 +61,7 @@ def _rebound(approach: Approach) -> tuple[np.ndarray, ...]:
 
 
 def anticipated_slopes(
-    approach: Approach, offsets: np.ndarray, closing: float, rounding: float
+    approach: Approach, offsets: np.ndarray, closing: float, rounding: float | np.ndarray
 ) -> OffsetSlopes:
     """Derivatives of the branch of ``AnticipatedImpacts`` that an offset equals.
 

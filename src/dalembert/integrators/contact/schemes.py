@@ -53,7 +53,9 @@ class ContactScheme(ABC):
         return None
 
     @abstractmethod
-    def slopes(self, approach: Approach, offsets: Offsets, rounding: float) -> OffsetSlopes:
+    def slopes(
+        self, approach: Approach, offsets: Offsets, rounding: float | np.ndarray
+    ) -> OffsetSlopes:
         """Derivatives of the last offsets of a step.
 
         Where branches tie within ``rounding`` of a speed, as at rest, closed contacts remain
@@ -115,7 +117,9 @@ class MoreauJean(ContactScheme):
         offsets[hit, 0] = np.maximum(-approach.rebound, lower)[hit]
         return offsets
 
-    def slopes(self, approach: Approach, offsets: Offsets, rounding: float) -> OffsetSlopes:
+    def slopes(
+        self, approach: Approach, offsets: Offsets, rounding: float | np.ndarray
+    ) -> OffsetSlopes:
         return newton_slopes(approach, offsets)
 
 
@@ -201,7 +205,9 @@ class AnticipatedImpacts(ContactScheme):
             changed[work > 0] = idle[work > 0]
         return changed if (changed != offsets).any() else None
 
-    def slopes(self, approach: Approach, offsets: Offsets, rounding: float) -> OffsetSlopes:
+    def slopes(
+        self, approach: Approach, offsets: Offsets, rounding: float | np.ndarray
+    ) -> OffsetSlopes:
         return anticipated_slopes(approach, offsets, CLOSING, rounding)
 
 

@@ -134,6 +134,10 @@ def step_tangent(steps: ContactSteps, k: int) -> StepTangent:
     UnsupportedError
         The load of a contact with static friction does not grow evenly until it breaks away.
     """
+    if (near := steps.calm(k)) is not None:
+        maps = steps.at(k, calm=True)
+        steps.changes[k] = replace(near, redundant=not maps[0].consistent)
+        return StepTangent(maps, [])
     maps = steps.at(k)
     closing, before = _closing(steps, k, maps[0].contacts)
     impacts = _impacts(steps, k, maps, closing, before) if closing.impacting.size else None
@@ -189,7 +193,7 @@ def _closing(
         return Closing(rows, none, none), none
     (t, h), width = steps.span(k), values.before.shape[1]
     state = steps.x[:, k], t, h
-    before, alone = (steps.acceleration(*state, part) for part in (_persistent(steps, k), None))
+    before, alone = steps.accelerations(*state, _persistent(steps, k))
     normals = contacts.gaps.directions[rows * width]
     forced = h * np.maximum(np.abs(normals @ before), np.abs(normals @ alone))
     fall = 2 * forced / h * np.maximum(values.distance[rows], 0.0)

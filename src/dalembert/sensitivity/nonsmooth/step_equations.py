@@ -43,11 +43,19 @@ class SmoothMap:
         self._following = SlopeFunction("following", inputs, following, [z, q])
 
     def __call__(
-        self, z: np.ndarray, y: np.ndarray, v: np.ndarray, t: float, p: np.ndarray, h: float
+        self,
+        z: np.ndarray,
+        y: np.ndarray,
+        v: np.ndarray,
+        t: float | np.ndarray,
+        p: np.ndarray,
+        h: float | np.ndarray,
     ) -> tuple[np.ndarray, list, np.ndarray, list]:
-        """``G`` with ``G_z`` and ``G_q``, ``F`` with ``F_z`` and ``F_q``."""
-        arguments = z, y, v, t, p, h
-        return *self._equations(*arguments), *self._following(*arguments)  # type: ignore[return-value]
+        """``G`` with ``G_z`` and ``G_q``, ``F`` with ``F_z`` and ``F_q``; of several steps with
+        columns of arguments."""
+        arguments, count = (z, y, v, t, p, h), 1 if z.ndim == 1 else z.shape[1]
+        value, slopes = self._equations(*arguments, count=count)
+        return value, slopes, *self._following(*arguments, count=count)
 
 
 class StepEquations:
