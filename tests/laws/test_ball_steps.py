@@ -151,7 +151,8 @@ def test_steps_in_machine_code_are_the_general_steps(scene, seed, monkeypatch):
 @pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("scene", [planar_hulls, spatial_hulls])
 def test_steps_of_hulls_are_the_general_steps(scene, seed, monkeypatch):
-    """Impulses at several points of a face are not unique, but their effects are."""
+    """Impulses at several points of a face are not unique, but the speeds they cause are, until
+    differences of impulses select other offsets. Closed gaps take no general steps."""
     model, calls, original = scene(seed), [], nonsmooth_run.advance
 
     def counted(*arguments):
@@ -159,10 +160,10 @@ def test_steps_of_hulls_are_the_general_steps(scene, seed, monkeypatch):
         return original(*arguments)
 
     monkeypatch.setattr(nonsmooth_run, "advance", counted)
-    compiled = da.solve_nonsmooth(model, 0.15, step=1e-3)
-    assert len(calls) < 40  # of 150 steps
+    compiled = da.solve_nonsmooth(model, 0.12, step=1e-3)
+    assert len(calls) < 5
     monkeypatch.setattr(BallMarch, "of", lambda step: None)
-    compare(compiled, da.solve_nonsmooth(model, 0.15, step=1e-3))
+    compare(compiled, da.solve_nonsmooth(model, 0.12, step=1e-3))
 
 
 def compare(compiled: NonsmoothMotion, general: NonsmoothMotion) -> None:

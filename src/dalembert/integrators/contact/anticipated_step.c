@@ -6,7 +6,7 @@ static casadi_real casadi_open(casadi_real gap, casadi_real before, casadi_real 
 /* minimum speed that permits an impact in the next step */
 static casadi_real casadi_margin(casadi_real gap, casadi_real before, casadi_real h,
     casadi_real restitution) {
-  casadi_real margin = -(gap + h*before/2)/(h*(1 - restitution/2));
+  casadi_real margin = -((gap>0 ? gap : 0.0) + h*before/2)/(h*(1 - restitution/2));
   casadi_real open = casadi_open(gap, before, h);
   return margin>open ? margin : open;
 }
@@ -20,7 +20,7 @@ static int casadi_fast(casadi_real gap, casadi_real before, casadi_real free, ca
 /* minimum speed of a contact under pressure: impacting, resting or separating */
 static casadi_real casadi_bounce(casadi_real gap, casadi_real before, casadi_real h,
     casadi_real restitution, casadi_real forced, casadi_real closing, int fast) {
-  casadi_real gradual = closing*gap/h, open = casadi_open(gap, before, h);
+  casadi_real gradual = gap>0 ? closing*gap/h : 0.0, open = casadi_open(gap, before, h);
   casadi_real speed = casadi_margin(gap, before, h, 0.0);
   if (gradual>forced) gradual = forced;
   if (before<=0 && speed<-gradual) speed = -gradual;
@@ -175,6 +175,11 @@ static void casadi_record(const casadi_real** arg, casadi_real** res, casadi_int
   numbers[4] = rounds;
   numbers[5] = pressing;
   sizes[0] = pressing;
+  sizes[8] = iw[0];
+  for (i=0; i<iw[0]; ++i) {
+    ((casadi_int*) arg[57])[i] = key[i];
+    for (a=0; a<6; ++a) ((int*) arg[58])[6*i+a] = ((const int*) arg[51])[6*i+a];
+  }
   iw[21] += pressing;
   ++iw[20];
 }
@@ -188,6 +193,11 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   casadi_real* free = res[19];
   casadi_real h = arg[36][0], reach[2], deepest;
   casadi_int j, rounds = 0;
+  iw[6] = 0;
+  if (((const casadi_int*) arg[47])[6]) {
+    casadi_path(arg, res, iw);
+    return 0;
+  }
   iw[6] = 1;
   if (casadi_invert(arg, res, iw, w)) return 0;
   for (j=0; j<iw[3]; ++j) free[j] = v[j];

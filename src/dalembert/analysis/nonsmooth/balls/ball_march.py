@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from dalembert.analysis.nonsmooth.advance import REPETITIONS
 from dalembert.analysis.nonsmooth.balls.ball_motion import BallMotion, ball_motion
 from dalembert.analysis.nonsmooth.balls.ball_steps import (
     CHUNK,
@@ -20,6 +21,7 @@ from dalembert.analysis.nonsmooth.balls.ball_steps import (
     BallSteps,
     StepOutcome,
 )
+from dalembert.analysis.nonsmooth.balls.path_repeats import PathRepeats
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.step_log import StepEntries, StepLog
 from dalembert.analysis.nonsmooth.step_state import LastImpulses
@@ -32,7 +34,8 @@ REPORTED = 16
 class BallMarch:
     """Steps of free bodies with balls, hulls and walls.
 
-    A step is undone, and left to the general one, if a gap is closed at its end.
+    A step with a gap that is closed at its end is repeated with means over its path. It is left to
+    the general step if the impulses do not converge, or the gap remains closed.
 
     Parameters
     ----------
@@ -53,6 +56,11 @@ class BallMarch:
         self._forces = forces.on([t, self._y, v, p, self._h], [steps.force, steps.inertia])
         move = [t, self._y, steps.displacement, p], [self._next, *geometry]
         self._move = places.on(*([flat(a) for a in part] for part in move))
+        self._part = np.zeros_like(steps.v)
+        part = [t, self._y, self._part, p], [self._next, *geometry]
+        self._place_part = places.on(*([flat(a) for a in group] for group in part))
+        self._repeats = PathRepeats(steps, step.model.equations.manifold, step.rounding)
+        self._curved: dict[int, np.ndarray] = {}
         place = [t, self._y, self._still, p], [self._next, *geometry]
         self._place = places.on(*([flat(a) for a in part] for part in place))
 
@@ -89,6 +97,8 @@ class BallMarch:
                     begin = self._transfer(grid, begin, k - 1, log)
                     continue
                 if outcome is StepOutcome.CLOSED and k > begin:
+                    if self._opened(grid, k, begin, log):
+                        continue
                     k -= 1
                 if outcome is not StepOutcome.DONE:
                     break
@@ -110,6 +120,42 @@ class BallMarch:
             self._transfer(grid, begin, k, log)
             steps.counts[[STEPS, PRESSING]] = 0
         return k, self._last
+
+    def _opened(self, grid: np.ndarray, k: int, begin: int, log: StepLog) -> bool:
+        """Repeat the step that ended at instant ``k`` with means over its path; true if solved.
+
+        The record and the state of that step are replaced.
+        """
+        steps, repeats, row = self._steps, self._repeats, k - 1 - begin
+        repeats.begin(k)
+        steps.remove_last()
+        self._curved.pop(k, None)
+        if repeats.count > REPETITIONS:
+            return False
+        start, length = float(grid[k - 1]), float(grid[k] - grid[k - 1])
+        displacement, lists = steps.displacement.copy(), steps.lists
+
+        def place(share: float, displacement: np.ndarray) -> None:
+            self._t[0], self._part[:] = start + share * length, share * displacement
+            self._place_part()
+
+        self._y[:] = self._ys[row - 1] if row else log.y
+        steps.v[:] = self._vs[row - 1] if row else log.v
+        if not repeats.select(place, displacement):
+            steps.leave_path()
+            return False
+        repeats.average(place, self._y, displacement)
+        place(0.0, displacement)
+        self._h[0] = steps.limits[0] = length
+        outcome = self._attempt()
+        steps.leave_path()
+        self._t[0] = grid[k]
+        if outcome is not StepOutcome.DONE or steps.lists > lists or not self._move():
+            return False
+        self._y[:] = self._next
+        self._ys[row], self._vs[row] = self._y, steps.v
+        self._curved[k] = repeats.keys
+        return True
 
     def _load(self, log: StepLog) -> None:
         """Take over the state at the end of the log, and the last impulses."""
@@ -136,6 +182,9 @@ class BallMarch:
         y, v = self._ys[:count].copy(), self._vs[:count].copy()
         depth = self._step.deepest(self._step.at(grid[end], y[-1]))
         none, zero = np.zeros(contacts, dtype=int), np.zeros(contacts)
+        curved = np.zeros(contacts, dtype=bool)
+        for k in [k for k in self._curved if begin < k <= end]:
+            curved |= (owner == k - 1 - begin) & np.isin(keys, self._curved.pop(k))
         part = StepEntries(
             multiplier=np.zeros((0, count)),
             count=numbers[:, PRESSED].astype(int),
@@ -143,7 +192,7 @@ class BallMarch:
             key=keys,
             impulse=impulses,
             offset=offsets,
-            curved=none.astype(bool),
+            curved=curved,
             loss=numbers[:, LOSS],
             friction=numbers[:, FRICTION],
             work=zero,

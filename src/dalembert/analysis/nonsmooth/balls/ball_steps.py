@@ -70,7 +70,7 @@ ITERATIONS, MERITS, JUMPING, WORK, SHAPES, BALLS, BODIES, PAIRS, DIMENSION = ran
 CONTACTS, STEPS, PRESSING, RECORDED, INERTIA, PROXIMAL, REPEATS = range(19, 26)
 CENTRAL, POLISH, STALLED, LAST = range(26, 30)
 """Places among the counts of the loop, and their number."""
-LAST_IMPULSES, FEATURES, NUMBERED, OFFSET, SLOTS, HULLS, SIZES = range(7)
+LAST_IMPULSES, FEATURES, NUMBERED, OFFSET, SLOTS, HULLS, ONLY_PATH, PATH, BEFORE, SIZES = range(10)
 """Places among the sizes of the shapes, and their number."""
 RENEWALS = 4
 """Upper limit of the repetitions of a call with other lists and orders."""
@@ -101,7 +101,9 @@ class BallSteps:
     ----------
     v, force, inertia, displacement : (n,) of the step; entries of ``A``
     corners, references, normals, velocities : of the shapes
-    limits : length of the step, tolerance, rounding of gaps, reach of the list
+    limits : length of the step, tolerance, rounding of gaps, reach of the list, weight of a
+        position on the path
+    lists : number of lists of pairs so far
     """
 
     def __init__(self, step: ContactStep, motion: BallMotion):
@@ -115,7 +117,7 @@ class BallSteps:
         self.corners = np.zeros((int(motion.shapes.corner_starts[-1]), 3))
         self.references, self.normals = np.zeros((shapes, 3)), np.zeros((walls, 3))
         self.velocities = np.zeros((shapes, TWIST, widest))
-        self.limits = np.array([0.0, step.solver.tolerance, step.rounding, -1.0])
+        self.limits = np.array([0.0, step.solver.tolerance, step.rounding, -1.0, 0.0])
         coefficients = motion.laws(step.p)
         used = [0, 1, *range(FIRST, FIRST + len(step.groups))]
         self._radii = motion.radii(step.p)
@@ -134,6 +136,10 @@ class BallSteps:
         self._pairs = np.zeros((3, 0), dtype=np.int32)
         self._last = np.zeros(0, np.int64), np.zeros((0, self.width))
         self.arms, self._centers = np.zeros(shapes), np.zeros((shapes, 3))
+        self._shares_of_path, self.lists = np.ones(n), 0
+        self._keys, self._described, self._gaps = contact_arrays(0)
+        self._path = contact_arrays(0)
+        self._before = contact_arrays(0)[:2]
         self._sizes = np.zeros(SIZES, dtype=np.int64)
         self._sizes[FEATURES], self._sizes[OFFSET] = motion.shapes.features, motion.shapes.offset
         self._sizes[NUMBERED], self._sizes[HULLS] = motion.shapes.numbered, 1
@@ -222,6 +228,51 @@ class BallSteps:
         self.counts[STEPS] -= steps
         self.counts[PRESSING] -= contacts
 
+    def remove_last(self) -> None:
+        """Remove the last step from the record."""
+        self.counts[STEPS] -= 1
+        self.counts[PRESSING] -= int(self.numbers[self.counts[STEPS], PRESSED])
+
+    # contacts of a path --------------------------------------------------------------------------
+    def contacts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Keys, descriptions and gaps of the contacts at the start of the last call."""
+        count = self.counts[COUNT]
+        return self._keys[:count].copy(), self._described[:count].copy(), self._gaps[:count].copy()
+
+    def contacts_before(self) -> tuple[np.ndarray, np.ndarray]:
+        """Keys and descriptions of the contacts of the last completed step."""
+        count = self._sizes[BEFORE]
+        return self._before[0][:count].copy(), self._before[1][:count].copy()
+
+    def set_path(self, keys: np.ndarray, described: np.ndarray) -> None:
+        """Contacts of the path, with means that are zero."""
+        self._sizes[PATH] = count = keys.size
+        self._path[0][:count], self._path[1][:count] = keys, described
+        self._means[:] = 0.0
+
+    def path_gaps(self, weight: float = 0.0, shares: np.ndarray | None = None) -> np.ndarray:
+        """Gaps of the contacts of the path where the shapes are; with a weight in the means."""
+        assert self._loop is not None
+        self.limits[4], self._sizes[ONLY_PATH] = weight, 1
+        if shares is not None:
+            self._shares_of_path[:] = shares
+        self._loop()
+        self._sizes[ONLY_PATH] = 0
+        return self._path[2][: self._sizes[PATH]].copy()
+
+    def shift_path_gaps(self, gaps: np.ndarray, displacement: np.ndarray) -> None:
+        """Distances at the start by which gaps at the end are linear in the displacement."""
+        first, body, widest = self._motion.first, self._motion.body, 2 * self._motion.widest
+        means = self._means.reshape(-1, self.width, widest)[:, 0]
+        for k, gap in enumerate(gaps):
+            bodies = [b for b in body[self._path[1][k, [1, 3]]] if b >= 0]
+            own = np.concatenate([np.arange(first[b], first[b + 1]) for b in bodies])
+            self._path[2][k] = gap - means[k, : own.size] @ displacement[own]
+
+    def leave_path(self) -> None:
+        """No means over a path in the following steps."""
+        self._sizes[PATH] = 0
+
     def _renew_list(self, reach: float) -> None:
         """Pairs within reach and a margin."""
         centers, radii = self._shapes.sizes(self.corners, self._radii)
@@ -232,6 +283,7 @@ class BallSteps:
         self.counts[PAIRS] = count = pairs.shape[1]
         self._pairs[:2, :count], self._pairs[2, :count] = pairs, laws
         self._old[0][:], self._old[1][:] = near.positions, near.normals
+        self.lists += 1
         self.limits[3] = near.reach
 
     def _renew_order(self) -> None:
@@ -266,6 +318,9 @@ class BallSteps:
         last, self._last = self._last, (np.zeros(contacts, np.int64), np.zeros((contacts, k)))
         for own, before in zip(self._last, last, strict=True):
             own[: before.shape[0]] = before
+        path, before = contact_arrays(contacts), contact_arrays(contacts)[:2]
+        for own, old_part in zip((*path, *before), (*self._path, *self._before), strict=True):
+            own[: old_part.shape[0]] = old_part
         records = max(RECORDS, 4 * contacts)
         pressed, impulses, offsets = np.zeros(records, np.int64), *np.zeros((2, records, k))
         used = self.counts[PRESSING]
@@ -281,8 +336,12 @@ class BallSteps:
         inputs += [self._laws, *bodies, *self._pairs, *self._old, self.limits, self._shares]
         shapes, slots = self._shapes, 2 * contacts + 1
         inputs += [shapes.places, shapes.records, self.corners, real(3 * shapes.axes)]
-        inputs += [whole(4 * shapes.most), np.zeros(contacts, np.int64), self._last[0], real(0)]
+        self._keys, self._described, self._gaps = contact_arrays(contacts)
+        self._path, self._before, self._means = path, before, real(pattern)
+        inputs += [whole(4 * shapes.most), self._keys, self._last[0], self._gaps]
         inputs += [whole(slots), self._sizes, self._centers, self.arms, real(3 * shapes.longest)]
+        inputs += [self._described, self._shares_of_path, path[1], path[0], self._means, path[2]]
+        inputs += [*before]
         self._sizes[SLOTS] = slots
         self._status, self._pair_of = real(4), whole(contacts)
         outputs = [real(rows), real(entries), real(n), real(rows), real(rows * k)]
@@ -307,3 +366,8 @@ class BallSteps:
             work + rows + MEMORY + contacts + 2 + entries,
         )
         self.counts = self._loop.counts
+
+
+def contact_arrays(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Keys, descriptions and gaps of contacts."""
+    return np.zeros(count, np.int64), np.zeros((count, 6), np.int32), np.zeros(count)
