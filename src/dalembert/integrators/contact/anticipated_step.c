@@ -15,6 +15,7 @@ static int casadi_fast(casadi_real gap, casadi_real before, casadi_real free, ca
     casadi_real forced, casadi_real slow) {
   casadi_real fall = before - free;
   if (!(fall>0)) fall = 0;
+  if (!(gap>0)) gap = 0;
   return before*before + 2*fall*gap/h>slow*forced*slow*forced;
 }
 /* minimum speed of a contact under pressure: impacting, resting or separating */

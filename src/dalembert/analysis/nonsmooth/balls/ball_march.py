@@ -144,7 +144,7 @@ class BallMarch:
         if not repeats.select(place, displacement):
             steps.leave_path()
             return False
-        repeats.average(place, self._y, displacement)
+        repeats.average(place, displacement)
         place(0.0, displacement)
         self._h[0] = steps.limits[0] = length
         outcome = self._attempt()
