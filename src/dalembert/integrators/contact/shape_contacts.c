@@ -98,7 +98,7 @@ static void casadi_direction_rows(const casadi_real** arg, const casadi_int* iw,
   const int* start = (const int*) arg[30];
   casadi_int width = iw[1], widest = iw[9], dimension = iw[18], a, b, s, k, shape, body, size;
   casadi_int next = row[contact*width], turn;
-  casadi_real arm[3], half = gap>0 ? gap/2 : 0.0;
+  casadi_real arm[3], half = gap/2;
   const casadi_real* along;
   casadi_tangents(direction, dimension);
   for (a=0; a<width; ++a) {

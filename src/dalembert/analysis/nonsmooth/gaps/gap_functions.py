@@ -161,7 +161,7 @@ def gap_function(feature: Feature, dimension: int, turns: bool = False) -> ca.Fu
     speed = point.surface_speeds(
         lambda place: twist[:3] + ca.cross(twist[3:6], place - origins[0]),
         lambda place: twist[6:9] + ca.cross(twist[9:], place - origins[1]),
-        ca.fmax(point.distance, 0),
+        point.distance,
     )
     if turns:
         speed = ca.vertcat(speed, point.turning(twist[3:6], twist[9:]))
