@@ -225,13 +225,20 @@ def seen(model) -> list[Response]:
 LINEAR = ["truss 3-D", "frame 2-D", "Quadrilateral"]
 
 
+STATICS = [(n, True) for n in STRUCTURES] + [(n, False) for n in LINEAR]
+
+
 @pytest.mark.parametrize(
-    ("name", "nonlinear"), [(n, True) for n in STRUCTURES] + [(n, False) for n in LINEAR]
+    ("number", "each"),
+    [(k, 2) for k in range(len(STATICS))]
+    + [pytest.param(k, 1, marks=pytest.mark.thorough) for k in range(len(STATICS))],
 )
-def test_statics(name, nonlinear):
-    """Every element at large displacements, some at small ones."""
+def test_statics(number, each):
+    """Every element at large displacements, some at small ones; responses in turn."""
+    name, nonlinear = STATICS[number]
     model = structure_of(name)
-    checked(da.solve_statics(model, nonlinear=nonlinear), seen(model), h=3e-3)
+    responses = seen(model)[number % each :: each]
+    checked(da.solve_statics(model, nonlinear=nonlinear), responses, h=3e-3)
 
 
 @pytest.mark.parametrize("nonlinear", [False, True])

@@ -2,7 +2,7 @@
 
 A column is quantised in equal steps from its minimum. Differences of the steps, of the order that
 makes them smallest, are stored as byte planes, deflated together and encoded as base64 text, which
-the page unpacks. Integers stay exact.
+the page unpacks. Integers and zeros stay exact.
 """
 
 from __future__ import annotations
@@ -124,13 +124,21 @@ def _encode(column: np.ndarray) -> tuple[dict[str, Any], bytes]:
         step = span / 2**EXACT_BITS
     else:
         step = max(span / 2**BITS, MIN_STEP * max(abs(low), abs(high)))
-    codes, order = _difference_codes(column, low, step)
+    base = _grid_start(low, high, step)
+    codes, order = _difference_codes(column, base, step)
     if step not in (1.0, span / 2**EXACT_BITS) and np.median(codes) > 2 ** (BITS - 6):
         step = max(step, span / 2**ROUGH_BITS)
-        codes, order = _difference_codes(column, low, step)
+        base = _grid_start(low, high, step)
+        codes, order = _difference_codes(column, base, step)
     planes = max(1, (int(codes.max()).bit_length() + 7) // 8)
     table = codes.astype("<u8").view(np.uint8).reshape(-1, 8)[:, :planes]
-    return head | {"step": repr(float(step)), "planes": planes, "order": order}, table.T.tobytes()
+    head |= {"low": repr(float(base)), "step": repr(float(step)), "planes": planes, "order": order}
+    return head, table.T.tobytes()
+
+
+def _grid_start(low: float, high: float, step: float) -> float:
+    """Start of the grid: the minimum; a multiple of the step where zero is to be exact."""
+    return float(np.floor(low / step) * step) if low < 0.0 <= high else float(low)
 
 
 def _difference_codes(column: np.ndarray, low: float, step: float) -> tuple[np.ndarray, int]:

@@ -23,9 +23,15 @@ from dalembert.studio.loose_nodes import parts_of, without_loose_nodes
 from dalembert.studio.problems import Problem, notes_of, problems_of
 
 EMBEDDED = """header.top, #footer, #panels { display: none } body { padding: 0.5rem }
-#ghosts { order: 99 } #ghosts[hidden] { display: inline-flex !important; visibility: hidden }"""
+#ghosts { order: 99 } #ghosts[hidden] { display: inline-flex !important; visibility: hidden }
+@media (max-width: 560px), (max-height: 430px) {
+  .stage { height: calc(100vh - 1rem); height: calc(100dvh - 1rem); min-height: 180px }
+  .toolbar { flex-wrap: nowrap; overflow-x: auto; padding: 5px 8px }
+  .toolbar > *, .toolbar .chips { flex: none; flex-wrap: nowrap; max-height: none }
+  .player { padding: 4px 8px } .player select { max-width: 72px }
+}"""
 """Style of a page in the studio, which has its own heading; while something is dragged, no button
-appears that would move the drawing."""
+appears that would move the drawing. On a phone the tools are in one line."""
 DRAWN = 1_500_000
 """Upper limit of the size of a module that computes what is dragged [bytes]."""
 LOOSE = "is not connected to any element, and not in the picture; connect or remove it"
@@ -93,8 +99,10 @@ def _picture_of(text: str, path: Path, live: bool) -> Picture:
 
 
 def _is_spatial(data: dict[str, Any]) -> bool:
-    """Whether the elements of a mechanism are spatial."""
-    gravity = data.get("gravity")
+    """Whether a model without elements is spatial: by its gravity, or the places of its nodes."""
+    gravity, nodes = data.get("gravity"), data.get("nodes")
+    if isinstance(nodes, dict) and nodes:
+        return all(isinstance(place, list) and len(place) == 3 for place in nodes.values())
     return data.get("dimension", len(gravity) if isinstance(gravity, list) else 2) == 3
 
 

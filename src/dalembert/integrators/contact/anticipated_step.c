@@ -10,13 +10,21 @@ static casadi_real casadi_margin(casadi_real gap, casadi_real before, casadi_rea
   casadi_real open = casadi_open(gap, before, h);
   return margin>open ? margin : open;
 }
+/* whether the speed at the contact, after the fall over the gap, is that of an impact */
+static int casadi_fast(casadi_real gap, casadi_real before, casadi_real free, casadi_real h,
+    casadi_real forced, casadi_real slow) {
+  casadi_real fall = before - free;
+  if (!(fall>0)) fall = 0;
+  return before*before + 2*fall*gap/h>slow*forced*slow*forced;
+}
 /* minimum speed of a contact under pressure: impacting, resting or separating */
 static casadi_real casadi_bounce(casadi_real gap, casadi_real before, casadi_real h,
-    casadi_real restitution, casadi_real forced, casadi_real closing, casadi_real slow) {
-  casadi_real speed = gap>0 ? closing*gap/h : 0.0, open = casadi_open(gap, before, h);
-  if (speed>forced) speed = forced;
-  speed = before>0 ? casadi_margin(gap, before, h, 0.0) : -speed;
-  if (before<-slow*forced) speed = -restitution*before;
+    casadi_real restitution, casadi_real forced, casadi_real closing, int fast) {
+  casadi_real gradual = gap>0 ? closing*gap/h : 0.0, open = casadi_open(gap, before, h);
+  casadi_real speed = casadi_margin(gap, before, h, 0.0);
+  if (gradual>forced) gradual = forced;
+  if (before<=0 && speed<-gradual) speed = -gradual;
+  if (before<0 && fast) speed = -restitution*before;
   return speed>open ? speed : open;
 }
 /* velocity offsets by Newton's law of impact, and the largest change of a normal speed by forces
@@ -30,6 +38,7 @@ static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
   const int* group = (const int*) arg[13];
   casadi_int i, a, r, width = iw[1], linear = iw[2]>0 ? group[1] : 1, laws = 2 + iw[2];
   casadi_real h = arg[36][0], restitution, margin;
+  int fast;
   limits[0] = 0;
   limits[1] = 0;
   for (i=0; i<iw[0]; ++i) {
@@ -46,10 +55,10 @@ static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
     for (a=1; a<width; ++a) {
       res[26][r+a] = a<linear ? arg[28][law[pair[i]]*laws+1]*before[r+a] : 0.0;
     }
-    margin = casadi_margin(res[22][i], before[r], h, restitution);
+    fast = casadi_fast(res[22][i], before[r], free[r], h, limits[0], arg[37][9]);
+    margin = casadi_margin(res[22][i], before[r], h, fast ? restitution : 0.0);
     if (free[r]<margin) {
-      margin = casadi_bounce(res[22][i], before[r], h, restitution, limits[0], arg[37][8],
-        arg[37][9]);
+      margin = casadi_bounce(res[22][i], before[r], h, restitution, limits[0], arg[37][8], fast);
     }
     res[26][r] = -margin;
   }
@@ -67,6 +76,7 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
   casadi_real* changed = res[27];
   casadi_int i, a, r, width = iw[1], rows = iw[0]*iw[1], differs = 0;
   casadi_real bounce, total = 0, magnitude = 0, work;
+  int fast;
   for (r=0; r<rows; ++r) {
     changed[r] = offset[r];
     total += impulse[r]*(after[r] + before[r]);
@@ -74,8 +84,9 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
   }
   for (i=0; i<iw[0]; ++i) {
     r = i*width;
+    fast = casadi_fast(res[22][i], before[r], res[25][r], arg[36][0], forced, arg[37][9]);
     bounce = casadi_bounce(res[22][i], before[r], arg[36][0], arg[28][law[pair[i]]*(2+iw[2])],
-      forced, arg[37][8], arg[37][9]);
+      forced, arg[37][8], fast);
     if (impulse[r]>0 && -offset[r]<bounce && (before[r]<=0 || offset[r]<before[r])) {
       changed[r] = -bounce;
     }
@@ -107,7 +118,11 @@ static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, ca
   for (k=0; k<iw[25]; ++k) {
     for (r=0; r<rows; ++r) velocity[r] = res[25][r] + res[26][r];
     allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
-    residual = casadi_alternate(arg, res, iw, w, allowed);
+    residual = casadi_newton(arg, res, iw, w, allowed);
+    if (!(residual<=allowed)) {
+      allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
+      residual = casadi_centered(arg, res, iw, w, allowed, scale);
+    }
     if (!(residual<=allowed)) {
       allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
       rounds += casadi_proximal(arg, res, iw, w, allowed);

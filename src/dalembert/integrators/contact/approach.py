@@ -12,9 +12,9 @@ if TYPE_CHECKING:
 
 Offsets = np.ndarray
 """(n, k) offsets of the velocities after a step: ``u⁺ + offset`` satisfies the conditions."""
-SLOW = 2.0
-"""Threshold of the approach speed of a resting contact, relative to the change of speed by forces
-in a step [-]."""
+SLOW = 1.9
+"""Threshold of the speed of an impact, relative to the change of speed by forces in a step [-]. No
+fall of round length has it: from rest over ``k a h²`` it is ``√(2 k)``, after ``n`` steps ``n``."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +25,7 @@ class Approach:
     ----------
     contacts : Contacts
     before, free : (n, k) relative velocities at the start, and at the end without impulses
-    h : step [s]
+    h : step [s], of each contact if they act in different ones
     begins : True in the first step, which no earlier step could prepare for an impact
     rounding : gap that counts as closed [m]
     struck : (n, k) relative velocities after impacts at the start; None without any
@@ -35,7 +35,7 @@ class Approach:
     contacts: Contacts
     before: np.ndarray
     free: np.ndarray
-    h: float
+    h: float | np.ndarray
     begins: bool = False
     rounding: float = 0.0
     struck: np.ndarray | None = None
@@ -62,10 +62,22 @@ class Approach:
         return float(np.abs(self.free[:, 0] - start[:, 0]).max(initial=0.0))
 
     @property
+    def fast(self) -> np.ndarray:
+        """(n,) mask of the gaps with ``√(u_N² + 2 a g)``, the speed at the contact, of an impact.
+
+        ``a`` is the acceleration towards the contact. Steps of the midpoint rule conserve this
+        speed in a flight, so that all of its steps agree.
+        """
+        start = self.before if self.struck is None else self.struck
+        fall = np.maximum(start[:, 0] - self.free[:, 0], 0.0)
+        gap = np.maximum(self.contacts.distance, 0.0)
+        squared = self.before[:, 0] ** 2 + 2 * fall * gap / self.h
+        return np.asarray(squared > (SLOW * self.forced) ** 2)
+
+    @property
     def impacting(self) -> np.ndarray:
         """(n,) mask of the gaps that close faster than forces change speeds."""
-        mask: np.ndarray = self.before[:, 0] < -SLOW * self.forced
-        return mask
+        return np.asarray((self.before[:, 0] < 0) & self.fast)
 
     @property
     def is_impact(self) -> bool:

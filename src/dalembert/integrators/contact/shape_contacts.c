@@ -87,17 +87,18 @@ static void casadi_response_rows(const casadi_real** arg, casadi_real** res, con
     }
   }
 }
-/* rows of W of a contact of shapes i and j, appended behind those of the contacts before */
+/* rows of W of a contact of shapes i and j, appended behind those of the contacts before; levers are
+   those of the surfaces, apart by the gap from the place halfway between them */
 static void casadi_direction_rows(const casadi_real** arg, const casadi_int* iw,
     casadi_int contact, casadi_int i, casadi_int j, casadi_real* direction,
-    const casadi_real* place) {
+    const casadi_real* place, casadi_real gap) {
   casadi_real* directions = (casadi_real*) arg[0];
   int* row = (int*) arg[9];
   int* column = (int*) arg[10];
   const int* start = (const int*) arg[30];
   casadi_int width = iw[1], widest = iw[9], dimension = iw[18], a, b, s, k, shape, body, size;
   casadi_int next = row[contact*width], turn;
-  casadi_real arm[3];
+  casadi_real arm[3], half = gap>0 ? gap/2 : 0.0;
   const casadi_real* along;
   casadi_tangents(direction, dimension);
   for (a=0; a<width; ++a) {
@@ -110,7 +111,9 @@ static void casadi_direction_rows(const casadi_real** arg, const casadi_int* iw,
       body = ((const int*) arg[29])[shape];
       if (body<0) continue;
       size = start[body+1] - start[body];
-      for (b=0; b<3; ++b) arm[b] = place[b] - arg[24][3*shape+b];
+      for (b=0; b<3; ++b) {
+        arm[b] = place[b] + (s ? half : -half)*direction[b] - arg[24][3*shape+b];
+      }
       casadi_lever(arg[27] + 6*widest*shape, widest, size, along, arm, turn>=0, s ? 1.0 : -1.0,
         directions + next);
       for (k=0; k<size; ++k) column[next+k] = start[body] + k;
@@ -178,7 +181,7 @@ static void casadi_add_contact(const casadi_real** arg, casadi_real** res, casad
   casadi_int count = iw[0], width = iw[1], groups = iw[2], g, a, r, slot, pair = contact[5];
   iw[0] = count + 1;
   if (count>=iw[19]) return;
-  casadi_direction_rows(arg, iw, count, contact[1], contact[3], direction, place);
+  casadi_direction_rows(arg, iw, count, contact[1], contact[3], direction, place, gap);
   ((casadi_real*) arg[45])[count] = gap;
   res[22][count] = gap>0 ? gap : 0.0;
   slot = casadi_on_path(arg, key);
@@ -337,7 +340,7 @@ static void casadi_path(const casadi_real** arg, casadi_real** res, const casadi
     contact = (const int*) arg[53] + 6*k;
     gaps[k] = casadi_described_gap(arg, iw, contact, direction, point);
     if (arg[36][4]==0) continue;
-    casadi_direction_rows(arg, iw, 0, contact[1], contact[3], direction, point);
+    casadi_direction_rows(arg, iw, 0, contact[1], contact[3], direction, point, gaps[k]);
     for (a=0; a<width; ++a) {
       for (c=row[a]; c<row[a+1]; ++c) {
         mean[(k*width+a)*widest+c-row[a]] += arg[36][4]*arg[52][column[c]]*arg[0][c];

@@ -19,7 +19,6 @@ from dalembert.integrators.contact.compiled_newton import (
 )
 from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.integrators.contact.impulses import (
-    BLOCK_ITERATIONS,
     DECREASE,
     INCREASE,
     RESIDUAL_SHARE,
@@ -34,9 +33,9 @@ from dalembert.integrators.contact.semismooth_newton import OVERSHOOT
 
 FILES = (
     "newton_pieces.c",
-    "sweep.c",
     "block_factors.c",
     "semismooth_newton.c",
+    "interior_point.c",
     "contact_solution.c",
     "free_bodies.c",
     *GEOMETRY,
@@ -51,15 +50,25 @@ CHUNK, RECORDS = 256, 4096
 DEPTH, LOSS, FRICTION, RESIDUAL, ROUNDS_OF, PRESSED, NUMBERS = range(7)
 """Columns of the record: smallest gap at the start, dissipation, that by friction, residual,
 proximal problems and pressing contacts; their number."""
-FIRST_ATTEMPT, FEW_SWEEPS, ATTEMPTS, MANY_PROXIMAL = 6, 10, 2, 100
-"""Upper limit of Newton's steps before a few sweeps, number of these and of attempts in all, and
-upper limit of the proximal problems that follow."""
+MANY_PROXIMAL = 100
+"""Upper limit of the proximal problems."""
+NEWTON_STEPS, INTERIOR_POINTS, POLISHING, SHORT_STEPS = 15, 45, 6, 5
+"""Upper limits of Newton's steps, of interior points, of Newton's steps from one of these, and of
+consecutive short steps of interior points."""
+INTERIOR_STARTS, TO_BOUNDARY, SHORT = (0.1, 1.0), 0.995, 1e-2
+"""Distances of the first interior points from the boundary relative to the largest speed, share of
+a step to the boundary, and share of a short step [-]."""
+INTERIOR_SHARE, INTERIOR_FACTOR, INTERIOR_END = 1e-5, 0.03, 1e-6
+"""Residual relative to the largest speed at which Newton's method begins, factor by which it has to
+fall until it begins again, and residual at which it begins for the last time [-]."""
+REGULARIZATIONS = 1e-6, 1e-4
+"""Regularisation of interior points relative to the mobility, and that below ``INTERIOR_END``."""
 GROWTH = 1.5
 """Ratio of new memory for pairs or contacts to the number that first exceeded it [-]."""
 COUNT, WIDTH, GROUPS, SPEEDS, ENTRIES, UNKNOWNS, OUTCOME, WIDEST, BLOCKS, SIZE = range(10)
 ITERATIONS, MERITS, JUMPING, WORK, SHAPES, BALLS, BODIES, PAIRS, DIMENSION = range(10, 19)
 CONTACTS, STEPS, PRESSING, RECORDED, INERTIA, PROXIMAL, REPEATS = range(19, 26)
-ATTEMPT, SWEPT, TURNED, LAST = range(26, 30)
+CENTRAL, POLISH, STALLED, LAST = range(26, 30)
 """Places among the counts of the loop, and their number."""
 LAST_IMPULSES, FEATURES, NUMBERED, OFFSET, SLOTS, HULLS, ONLY_PATH, PATH, BEFORE, SIZES = range(10)
 """Places among the sizes of the shapes, and their number."""
@@ -116,6 +125,8 @@ class BallSteps:
         self._settings = np.array([0.0, BLOCK_REGULARIZATION, OVERSHOOT])
         shares = [WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN, RESIDUAL_SHARE]
         shares += [TOLERANCE_SHARE, 2 * AHEAD, CLOSING, SLOW, ROUNDING, JAMMED]
+        shares += [REGULARIZATIONS[0], TO_BOUNDARY, INTERIOR_STARTS[0], INTERIOR_SHARE]
+        shares += [INTERIOR_FACTOR, SHORT, INTERIOR_END, REGULARIZATIONS[1], INTERIOR_STARTS[1]]
         self._shares = np.array(shares)
         self._groups = np.cumsum([1, *step.groups]).astype(np.int32)
         self._loop: Loop | None = None
@@ -147,7 +158,7 @@ class BallSteps:
             WIDEST: 2 * widest,
             BLOCKS: bodies,
             SIZE: widest,
-            ITERATIONS: BLOCK_ITERATIONS,
+            ITERATIONS: NEWTON_STEPS,
             MERITS: MEMORY,
             JUMPING: JUMPS,
             SHAPES: shapes,
@@ -157,9 +168,9 @@ class BallSteps:
             INERTIA: self.inertia.size,
             PROXIMAL: min(MANY_PROXIMAL, step.solver.max_iterations),
             REPEATS: ROUNDS,
-            ATTEMPT: FIRST_ATTEMPT,
-            SWEPT: FEW_SWEEPS,
-            TURNED: ATTEMPTS,
+            CENTRAL: INTERIOR_POINTS,
+            POLISH: POLISHING,
+            STALLED: SHORT_STEPS,
         }
         fixed = WIDTH, GROUPS, SIZE, DIMENSION
         constants = tuple((place, int(counts[place])) for place in fixed)
@@ -341,8 +352,9 @@ class BallSteps:
         outputs += [self._pair_of, *(real(rows) for _ in range(4)), self.displacement]
         outputs += [self._last[1]]
         outputs += [self.numbers, pressed, impulses, offsets, real(3 * rows)]
+        outputs += [*(real(rows) for _ in range(8)), real(contacts)]
         blocks, size = self.counts[[BLOCKS, SIZE]]
-        work = 3 * k * (k + 1) + 2 * k + 4 * k * widest
+        work = 12 * k**2 + 3 * k * (k + 1) + 2 * k + 4 * k * widest
         work = int(max(work, blocks * size + size**2))
         self.counts[[WORK, CONTACTS, RECORDED]] = work, contacts, records
         assert self._code is not None

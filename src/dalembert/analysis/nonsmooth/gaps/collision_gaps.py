@@ -268,9 +268,10 @@ def _gap_function(dimension: int, wall: bool, turns: bool) -> ca.Function:
         gap = contact_at_wall(here, first[3 : 3 + dimension], there, second[3])
     else:
         gap = contact_of_balls(here, first[3], there, second[3])
-    speed = gap.speeds(
+    speed = gap.surface_speeds(
         lambda point: twist[:3] + ca.cross(twist[3:6], point - first[:3]),
         lambda point: twist[6:9] + ca.cross(twist[9:], point - second[:3]),
+        ca.fmax(gap.distance, 0),
     )
     if turns:
         speed = ca.vertcat(speed, gap.turning(twist[3:6], twist[9:]))

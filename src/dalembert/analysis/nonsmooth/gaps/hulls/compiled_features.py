@@ -83,7 +83,7 @@ class CompiledFeatures:
         self._pair, self._rounded = np.zeros((pairs, 2), np.int32), np.zeros(pairs, np.int32)
         self._limits, self._listed = np.zeros(pairs), np.zeros((rows, 5), np.int32)
         part, axes = np.zeros((tables.most, 4), np.int32), np.zeros((tables.axes, 3))
-        inputs = [self._corners, self._limits, self._pair, self._rounded]
+        inputs: list[np.ndarray] = [self._corners, self._limits, self._pair, self._rounded]
         inputs += [tables.places, tables.records]
         counts = [0, len(tables.places), self._dimension, rows, 0]
         assert self._code is not None

@@ -14,9 +14,10 @@ from dalembert.analysis.nonsmooth.gaps.cylinders.cylinders import Cylinders
 from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
 from dalembert.analysis.nonsmooth.gaps.hulls.compiled_features import CompiledFeatures
 from dalembert.analysis.nonsmooth.gaps.hulls.feature_pairs import EvaluatePairs, Pairs, some_pairs
-from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry, Positions, Solids
+from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry, Solids
 from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import Rows, planar_features
 from dalembert.analysis.nonsmooth.gaps.hulls.spatial_features import spatial_features
+from dalembert.analysis.nonsmooth.gaps.positions import Positions
 from dalembert.analysis.nonsmooth.gaps.terrain.terrain_search import TerrainSearch
 from dalembert.elements.contact.shapes import Round
 
