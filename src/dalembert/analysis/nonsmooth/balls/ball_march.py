@@ -8,20 +8,17 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.advance import REPETITIONS
 from dalembert.analysis.nonsmooth.balls.ball_motion import BallMotion, ball_motion
-from dalembert.analysis.nonsmooth.balls.ball_steps import (
-    CHUNK,
+from dalembert.analysis.nonsmooth.balls.ball_steps import CHUNK, PRESSING, STEPS, BallSteps
+from dalembert.analysis.nonsmooth.balls.path_repeats import PathRepeats
+from dalembert.analysis.nonsmooth.balls.step_outcome import (
     DEPTH,
     FRICTION,
     LOSS,
     PRESSED,
-    PRESSING,
     RESIDUAL,
     ROUNDS_OF,
-    STEPS,
-    BallSteps,
     StepOutcome,
 )
-from dalembert.analysis.nonsmooth.balls.path_repeats import PathRepeats
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.step_log import StepEntries, StepLog
 from dalembert.analysis.nonsmooth.step_state import LastImpulses

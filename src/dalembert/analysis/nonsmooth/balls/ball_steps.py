@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
-
 import numpy as np
 
 from dalembert.analysis.nonsmooth.advance import AHEAD
 from dalembert.analysis.nonsmooth.balls.ball_motion import BallMotion
+from dalembert.analysis.nonsmooth.balls.path_contacts import (
+    COUNT,
+    SIZES,
+    PathContacts,
+    contact_arrays,
+)
+from dalembert.analysis.nonsmooth.balls.step_outcome import NUMBERS, PRESSED, StepOutcome
 from dalembert.analysis.nonsmooth.contact_step import JAMMED, ROUNDS, ContactStep
 from dalembert.analysis.nonsmooth.gaps.hulls.compiled_features import GEOMETRY
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
@@ -47,9 +52,6 @@ FILES = (
 """Files of the machine code of a step."""
 CHUNK, RECORDS = 256, 4096
 """Steps between transfers of the record, and least number of its contacts."""
-DEPTH, LOSS, FRICTION, RESIDUAL, ROUNDS_OF, PRESSED, NUMBERS = range(7)
-"""Columns of the record: smallest gap at the start, dissipation, that by friction, residual,
-proximal problems and pressing contacts; their number."""
 MANY_PROXIMAL = 100
 """Upper limit of the proximal problems."""
 NEWTON_STEPS, INTERIOR_POINTS, POLISHING, SHORT_STEPS = 15, 45, 6, 5
@@ -65,31 +67,18 @@ REGULARIZATIONS = 1e-6, 1e-4
 """Regularisation of interior points relative to the mobility, and that below ``INTERIOR_END``."""
 GROWTH = 1.5
 """Ratio of new memory for pairs or contacts to the number that first exceeded it [-]."""
-COUNT, WIDTH, GROUPS, SPEEDS, ENTRIES, UNKNOWNS, OUTCOME, WIDEST, BLOCKS, SIZE = range(10)
+WIDTH, GROUPS, SPEEDS, ENTRIES, UNKNOWNS, OUTCOME, WIDEST, BLOCKS, SIZE = range(1, 10)
 ITERATIONS, MERITS, JUMPING, WORK, SHAPES, BALLS, BODIES, PAIRS, DIMENSION = range(10, 19)
 CONTACTS, STEPS, PRESSING, RECORDED, INERTIA, PROXIMAL, REPEATS = range(19, 26)
 CENTRAL, POLISH, STALLED, LAST = range(26, 30)
 """Places among the counts of the loop, and their number."""
-LAST_IMPULSES, FEATURES, NUMBERED, OFFSET, SLOTS, HULLS, ONLY_PATH, PATH, BEFORE, SIZES = range(10)
-"""Places among the sizes of the shapes, and their number."""
+LAST_IMPULSES, FEATURES, NUMBERED, OFFSET, SLOTS, HULLS = range(6)
+"""Places among the sizes of the shapes."""
 RENEWALS = 4
 """Upper limit of the repetitions of a call with other lists and orders."""
 
 
-class StepOutcome(IntEnum):
-    """Outcome of a call."""
-
-    DONE = 0
-    SINGULAR = 1
-    OUTDATED = 2
-    FULL = 3
-    CLOSED = 4
-    UNORDERED = 5
-    UNSOLVED = 6
-    MORE = 7
-
-
-class BallSteps:
+class BallSteps(PathContacts):
     """Arrays of the machine code, and its calls.
 
     Parameters
@@ -233,46 +222,6 @@ class BallSteps:
         self.counts[STEPS] -= 1
         self.counts[PRESSING] -= int(self.numbers[self.counts[STEPS], PRESSED])
 
-    # contacts of a path --------------------------------------------------------------------------
-    def contacts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Keys, descriptions and gaps of the contacts at the start of the last call."""
-        count = self.counts[COUNT]
-        return self._keys[:count].copy(), self._described[:count].copy(), self._gaps[:count].copy()
-
-    def contacts_before(self) -> tuple[np.ndarray, np.ndarray]:
-        """Keys and descriptions of the contacts of the last completed step."""
-        count = self._sizes[BEFORE]
-        return self._before[0][:count].copy(), self._before[1][:count].copy()
-
-    def set_path(self, keys: np.ndarray, described: np.ndarray) -> None:
-        """Contacts of the path, with means that are zero."""
-        self._sizes[PATH] = count = keys.size
-        self._path[0][:count], self._path[1][:count] = keys, described
-        self._means[:] = 0.0
-
-    def path_gaps(self, weight: float = 0.0, shares: np.ndarray | None = None) -> np.ndarray:
-        """Gaps of the contacts of the path where the shapes are; with a weight in the means."""
-        assert self._loop is not None
-        self.limits[4], self._sizes[ONLY_PATH] = weight, 1
-        if shares is not None:
-            self._shares_of_path[:] = shares
-        self._loop()
-        self._sizes[ONLY_PATH] = 0
-        return self._path[2][: self._sizes[PATH]].copy()
-
-    def shift_path_gaps(self, gaps: np.ndarray, displacement: np.ndarray) -> None:
-        """Distances at the start by which gaps at the end are linear in the displacement."""
-        first, body, widest = self._motion.first, self._motion.body, 2 * self._motion.widest
-        means = self._means.reshape(-1, self.width, widest)[:, 0]
-        for k, gap in enumerate(gaps):
-            bodies = [b for b in body[self._path[1][k, [1, 3]]] if b >= 0]
-            own = np.concatenate([np.arange(first[b], first[b + 1]) for b in bodies])
-            self._path[2][k] = gap - means[k, : own.size] @ displacement[own]
-
-    def leave_path(self) -> None:
-        """No means over a path in the following steps."""
-        self._sizes[PATH] = 0
-
     def _renew_list(self, reach: float) -> None:
         """Pairs within reach and a margin."""
         centers, radii = self._shapes.sizes(self.corners, self._radii)
@@ -366,8 +315,3 @@ class BallSteps:
             work + rows + MEMORY + contacts + 2 + entries,
         )
         self.counts = self._loop.counts
-
-
-def contact_arrays(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Keys, descriptions and gaps of contacts."""
-    return np.zeros(count, np.int64), np.zeros((count, 6), np.int32), np.zeros(count)
