@@ -37,6 +37,21 @@ KINDS: dict[str, Callable[[str, Path], Picture]] = {
 }
 """Kind of pictures of a process → makes one of a text and the path of its file."""
 
+FIRST = "still"
+"""Kind of the picture that is shown first."""
+REHEARSAL = """format = 1
+gravity = [0.0, -9.81]
+[bodies]
+crank = { type = "Bar", length = 0.3, mass = 1.0 }
+rod = { type = "Bar", length = 0.5, mass = 1.0 }
+[joints]
+O = { type = "Revolute", connect = ["ground", "crank.start"] }
+A = { type = "Revolute", connect = ["crank.end", "rod.start"] }
+"""
+"""Model whose picture is made while there is nothing to do: later ones find all modules loaded."""
+QUIET = 0.3
+"""Time without a request after which this is done [s]."""
+
 
 @dataclass(frozen=True)
 class Request:
@@ -209,9 +224,11 @@ def work(connection: Connection, kind: str) -> None:
     warnings.simplefilter("ignore")
     with suppress(EOFError, OSError, KeyboardInterrupt):
         connection.send(READY)
+        connection.send(_picture(connection.recv(), kind))
+        if kind == FIRST and not connection.poll(QUIET):
+            _picture(Request(0, REHEARSAL, Path("rehearsal.toml")), kind)
         while True:
-            request: Request = connection.recv()
-            connection.send(_picture(request, kind))
+            connection.send(_picture(connection.recv(), kind))
 
 
 def _picture(request: Request, kind: str) -> Picture:

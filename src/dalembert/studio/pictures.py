@@ -22,16 +22,26 @@ from dalembert.studio.drawn_numbers import Keys, with_drawn_parameters
 from dalembert.studio.loose_nodes import parts_of, without_loose_nodes
 from dalembert.studio.problems import Problem, notes_of, problems_of
 
-EMBEDDED = """header.top, #footer, #panels { display: none } body { padding: 0.5rem }
-#ghosts { order: 99 } #ghosts[hidden] { display: inline-flex !important; visibility: hidden }
+EMBEDDED = """header.top, #footer, #panels { display: none }
+body { padding: 8px } main { padding: 0 }
+.stage, .single .stage { height: auto; min-height: 0 }
+.view, .single .view { flex: none; height: max(280px, 100vh - 200px) }
+@media (min-width: 941px) {
+  .board { min-height: 0 }
+  .view { height: max(280px, 100vh - 132px) }
+}
+.toolbar { order: 1; border-bottom: 0; border-top: 1px solid var(--line) }
+.toolbar .menu-box { top: auto; bottom: calc(100% + 6px) }
+#ghosts { order: 99 }
 @media (max-width: 560px), (max-height: 430px) {
-  .stage { height: calc(100vh - 1rem); height: calc(100dvh - 1rem); min-height: 180px }
+  .view, .single .view { height: max(170px, calc(100dvh - 112px)) }
   .toolbar { flex-wrap: nowrap; overflow-x: auto; padding: 5px 8px }
   .toolbar > *, .toolbar .chips { flex: none; flex-wrap: nowrap; max-height: none }
   .player { padding: 4px 8px } .player select { max-width: 72px }
 }"""
-"""Style of a page in the studio, which has its own heading; while something is dragged, no button
-appears that would move the drawing. On a phone the tools are in one line."""
+"""Style of a page in the studio, which has its own heading. Legend and buttons are below the
+drawing, whose place and height depend on the window only: no row of them moves what is clicked. On
+a phone the tools are in one line."""
 DRAWN = 1_500_000
 """Upper limit of the size of a module that computes what is dragged [bytes]."""
 LOOSE = "is not connected to any element, and not in the picture; connect or remove it"

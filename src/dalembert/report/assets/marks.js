@@ -23,6 +23,9 @@ const SHORTEST = 18;
 /** Limit of the names of nodes that are placed beside each other. */
 const PLACED_NAMES = 60;
 
+/** Whether two texts would be written over each other. @param {{ x: number, y: number, half: number }} a @param {{ x: number, y: number, half: number }} b */
+const overlap = (a, b) => Math.abs(a.x - b.x) < a.half + b.half - 8 && Math.abs(a.y - b.y) < 13;
+
 export class Marks {
   /** @param {Scene} scene */
   constructor(scene) {
@@ -126,7 +129,7 @@ export class Marks {
     return clamp(x, left + half, Math.max(left + half, right - half));
   }
 
-  /** Values beside the arrows, if there are few; equal values side by side are written once. @param {DrawnArrow[]} arrows */
+  /** Values beside the arrows, if there are few; equal values side by side are written once, and of different ones in one place the largest. @param {DrawnArrow[]} arrows */
   writeLoads(arrows) {
     if (arrows.length > 2 * READABLE) return;
     const font = "600 11.5px";
@@ -134,18 +137,19 @@ export class Marks {
       const text = this.scene.motion.mesh ? quantity(value, LOADS[role].unit.replace("·", " "), 3) : loadText(role, value), length = Math.hypot(u, v) || 1, half = this.widthOf(text, font) / 2 + 6;
       const [px, py] = inward ? [x, y] : [x + u, y + v], side = inward ? -1 : 1, level = Math.abs(u) > Math.abs(v);
       const dx = level ? side * Math.sign(u) * (half + 2) : half + 3, dy = level ? 0 : (side * 4 * v) / length, free = this.freeAt(px + dx, py + dy, half);
-      return { text, colour: this.colourOf(role), x: free, y: py + (free === px + dx ? dy : -13) };
+      return { text, half, value, colour: this.colourOf(role), x: free, y: py + (free === px + dx ? dy : -13) };
     }).sort((a, b) => a.y - b.y || a.x - b.x);
     /** @type {(typeof texts)[]} */
     const runs = [];
     for (const one of texts) {
-      const near = runs.find((run) => run[0].text === one.text && run.some((other) => Math.hypot(other.x - one.x, other.y - one.y) < 30));
+      const near = runs.find((run) => run[0].text === one.text && run.some((other) => Math.hypot(other.x - one.x, other.y - one.y) < 30 || overlap(one, other)));
       if (near) near.push(one); else runs.push([one]);
     }
-    for (const run of runs) {
-      const { text: value, x, y, colour } = run[run.length >> 1], text = run.length > 1 ? `${run.length} × ${value}` : value;
-      this.write(text, [this.freeAt(x, y, this.widthOf(text, font) / 2 + 6), y], colour, font);
-    }
+    const joined = runs.map((run) => {
+      const one = run[run.length >> 1], text = run.length > 1 ? `${run.length} × ${one.text}` : one.text, half = this.widthOf(text, font) / 2 + 6;
+      return { ...one, text, half, x: this.freeAt(one.x, one.y, half) };
+    }).sort((a, b) => b.value - a.value);
+    joined.forEach((one, k) => { if (!joined.slice(0, k).some((larger) => overlap(one, larger))) this.write(one.text, [one.x, one.y], one.colour, font); });
   }
 
   // Labels ---------------------------------------------------------------------------------------

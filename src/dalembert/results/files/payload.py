@@ -142,14 +142,17 @@ def _extra_series(
     AnalysisError
         It is a vector.
     """
-    measure = motion[name]
-    if measure.ndim != 1:
+    if name in DATA_ONLY:
+        _, values, attributes = motion.contents.variables[name]
+        source, unit = motion.source(name), str(attributes.get("units", ""))
+    else:
+        expression = motion.expression(name)
+        source, values, unit = expression.sx, motion.values(expression), expression.unit
+    if values.ndim != 1:
         raise AnalysisError(
-            f"plot {name!r}: the measure has {measure.shape[1]} components; take one"
+            f"plot {name!r}: the measure has {values.shape[1]} components; take one"
         )
-    unit, values = str(measure.attrs.get("units", "")), measure.values[keep]
-    source = motion.source(name) if name in DATA_ONLY else motion.expression(name).sx
-    return Series(source, name=name, unit=unit, group=group, values=values)
+    return Series(source, name=name, unit=unit, group=group, values=values[keep])
 
 
 def _default_plots(motion: LabelledRecording, names: set[str]) -> list[list[str]]:

@@ -17,6 +17,7 @@ const KINDS = {
     { type: "Modal", title: "Modes", note: "Natural frequencies and modes of the linearised equations.", fields: [COUNT] },
     { type: "Kinematics", title: "Kinematics", note: "The motion that drivers prescribe, without masses and forces.", fields: [DURATION, OUTPUTS] },
     { type: "Dynamics", title: "Dynamics", note: "The motion under forces from the initial position and velocity.", fields: [DURATION, STEP, OUTPUTS, INTEGRATOR] },
+    { type: "Nonsmooth", title: "Nonsmooth", note: "The motion with impacts and dry friction of contacts, by time stepping: all contacts of a step are solved together.", fields: [DURATION, STEP, OUTPUTS, INTEGRATOR] },
     { type: "InverseDynamics", title: "Inverse dynamics", note: "The efforts of drivers and the reactions of a prescribed motion.", fields: [DURATION, OUTPUTS] },
   ],
   structure: [
@@ -95,7 +96,7 @@ export class AnalysisSheet {
     /** @param {Record<string, unknown>} changed */
     const change = (changed) => this.preview(type, { ...Object.fromEntries(Object.entries(fields ?? {}).filter(([key]) => key !== "type" && kind?.fields.some((field) => field.key === key))), ...changed });
     this.form.replaceChildren(
-      el("p", { class: "muted" }, kind?.note ?? (type ? `${type}: its keys are edited in the text.` : "The file states no analysis: the picture shows 3 s of motion, by drivers if they determine it, else by dynamics.")),
+      el("p", { class: "muted" }, kind?.note ?? (type ? `${type}: its keys are edited in the text.` : "The file states no analysis: the picture shows 3 s of motion, by drivers if they determine it, by time stepping with contacts of several shapes, else by dynamics.")),
       !kind ? "" : el("div", { class: "fields" }, kind.fields.map((field) => numberField(field, shown[field.key], (value) => change({ [field.key]: value })))),
       this.driverFields(), this.problemList(),
       fields ? el("div", { class: "chips" }, button("Write into the text", () => this.actions.request("write_preview"), { class: "button primary", title: "Replace [analysis] of the file" }), button("Back to the text", () => this.preview(null))) : "",

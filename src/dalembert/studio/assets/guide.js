@@ -34,12 +34,16 @@ export class Guide {
     /** Step that is shown; -1 for none. */
     this.step = -1;
     const kept = localStorage.getItem(KEY);
-    if (kept === null) this.offer();
-    else if (/^\d+$/.test(kept)) this.show(Number(kept));
+    /** Whether the guide is offered while nothing is drawn. */
+    this.offered = kept === null;
+    if (kept !== null && /^\d+$/.test(kept)) this.show(Number(kept));
   }
 
+  /** Offer the guide while nothing is drawn. */
   offer() {
-    this.card.hidden = false;
+    const now = this.now(), empty = now.document !== null && !["bodies", "elements", "meshes"].some((section) => entries(now, section).length);
+    this.card.hidden = !empty;
+    if (!empty || this.card.childElementCount) return;
     this.card.replaceChildren(el("p", {}, el("b", {}, "New here?"), " Draw a four-bar linkage in two minutes."), el("div", { class: "chips" }, button("Not now", () => this.leave()), button("Show me", () => this.start(), { class: "button primary" })));
   }
 
@@ -50,6 +54,7 @@ export class Guide {
   }
 
   leave() {
+    this.offered = false;
     localStorage.setItem(KEY, "left");
     this.step = -1;
     this.card.hidden = true;
@@ -58,7 +63,7 @@ export class Guide {
 
   /** @param {number} step */
   show(step) {
-    this.step = step;
+    [this.step, this.offered] = [step, false];
     localStorage.setItem(KEY, String(step));
     this.card.hidden = false;
     const end = step >= STEPS.length;
@@ -69,6 +74,7 @@ export class Guide {
 
   /** Go on when the action of the step is done. */
   check() {
+    if (this.offered) this.offer();
     if (this.step < 0 || this.step >= STEPS.length) return;
     let step = this.step;
     while (step < STEPS.length && STEPS[step].done(this.now())) step++;

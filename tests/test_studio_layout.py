@@ -1,0 +1,59 @@
+"""Layout of the studio: nothing moves or covers what is clicked, at usual widths of windows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from studio_desk import UNTITLED, Desk, opened, reset
+from studio_runs import Studio
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+DRAWING = """(() => {
+    const { left, top, width, height } = studio.pictures.page.scene.canvas.getBoundingClientRect();
+    return [left, top, width, height];
+})()"""
+TABS = """(() => {
+    const list = document.getElementById("sheets"), tabs = [...list.children];
+    const right = Math.max(...tabs.map((tab) => tab.getBoundingClientRect().right));
+    return [new Set(tabs.map((tab) => tab.offsetTop)).size, list.scrollWidth - list.clientWidth,
+        right <= list.getBoundingClientRect().right];
+})()"""
+BARE = """(() => {
+    const palette = [...document.querySelectorAll(".palette")].find((node) => !node.hidden
+        && node.offsetWidth > 0);
+    return studio.pictures.frame.getBoundingClientRect().left
+        - palette.getBoundingClientRect().right;
+})()"""
+
+
+def test_nothing_moves_or_covers_the_drawing(browser: Any, studio_server: Studio) -> None:
+    reset(studio_server)
+    with opened(browser, studio_server, "0", (1180, 820)) as visit:
+        assert visit.page.locator(".guide").is_visible()  # offered while nothing is drawn
+        empty = visit.js(DRAWING)
+        visit.show((EXAMPLES / "four_bar.toml").read_text("utf-8"))
+        assert not visit.page.locator(".guide").is_visible()
+        assert visit.js(DRAWING) == empty  # although two rows of traces appear
+        assert visit.js(BARE) > 0
+        visit.show(UNTITLED.replace("[0.0, -9.81]", "[0.0, 0.0, -9.81]"))
+        visit.until("document.documentElement.dataset.space === 'true'", 20)
+        assert visit.js(BARE) > 0
+        for width in (1440, 1180, 900):
+            visit.page.set_viewport_size({"width": width, "height": 820})
+            assert visit.js(TABS) == [1, 0, True]
+            heights = "[...document.querySelectorAll('.masthead .button')].map((b) => b.offsetTop)"
+            assert len(set(visit.js(heights))) == 1
+
+
+def test_impacts_are_an_analysis_of_the_sheet(browser: Any, studio_server: Studio) -> None:
+    reset(studio_server)
+    with opened(browser, studio_server, "0", (1180, 820), Desk) as visit:
+        visit.show((EXAMPLES / "dominoes.toml").read_text("utf-8"))
+        visit.page.click("#tab-analysis")
+        chosen = visit.page.locator(".analysis .picks [aria-selected=true]")
+        assert chosen.inner_text() == "Nonsmooth"
+        names = visit.js(
+            "[...document.querySelectorAll('.analysis .fields input')].map(i => i.name)"
+        )
+        assert names[:2] == ["duration", "step"]
