@@ -32,6 +32,8 @@ export class Photo {
     this.name = "";
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.waiting = undefined;
+    /** Whether the program has stored the photo as it is shown. */
+    this.stored = true;
     this.opacity = el("input", { type: "range", min: "0.05", max: "1", step: "0.05", "aria-label": "Opacity", oninput: () => this.change({ opacity: Number(this.opacity.value) }) });
     this.modes = { scale: button("Scale", () => this.choose("scale"), { title: "Click two points of the photo, and type their distance" }), move: button("Move", () => this.choose("move"), { title: "Drag the photo" }) };
     this.panel = el("div", { class: "photo card", role: "group", "aria-label": "Photo", hidden: true }, el("span", {}, "Photo"), this.opacity, ...Object.values(this.modes), button("Remove", () => void this.remove()));
@@ -96,10 +98,12 @@ export class Photo {
   /** Let the program store the photo, when it does not change for a while. */
   keep() {
     clearTimeout(this.waiting);
+    this.stored = false;
     const { address, placed } = this;
     this.waiting = setTimeout(async () => {
       const place = placed && JSON.stringify({ x: placed.x, y: placed.y, scale: placed.scale, opacity: placed.opacity });
       const reply = await fetch(address, place ? { method: "PUT", body: placed.blob, headers: { "X-Photo-Place": place } } : { method: "DELETE" }).catch(() => null);
+      this.stored = placed === this.placed && Boolean(reply?.ok);
       if (!reply?.ok) this.say(`The photo is not stored: ${reply ? await reply.text() : "the program does not answer"}.`, true);
     }, REST);
   }
