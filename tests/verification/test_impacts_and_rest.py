@@ -105,3 +105,23 @@ def test_impacts_of_a_contact_with_restitution_have_the_levers_of_the_surfaces()
     system.add(planar.Contact("floor", *shapes, **laws))
     motion = da.solve_nonsmooth(system.build(), 0.3, step=4e-3)
     assert motion["ball.angular_velocity"][-1].item() == pytest.approx(-1 / 1.4 / R, rel=1e-8)
+
+
+@COMPILED
+def test_rebounds_do_not_depend_on_forces_on_other_bodies(compiled, monkeypatch):
+    """Beside a ball that a stiff spring presses on the floor by 900 g."""
+    if not compiled:
+        monkeypatch.setattr(BallMarch, "of", lambda step: None)
+    system = da.System("balls", gravity=(0, -G))
+    falling = system.add(planar.Particle("falling", mass=1.0, position=(0, R + 0.05)))
+    pressed = system.add(planar.Particle("pressed", mass=1.0, position=(1, R)))
+    anchor = system.ground.point(1, 1)
+    spring = {"stiffness": 1e4, "free_length": 0.9 + 0.9}
+    system.add(planar.Spring("press", pressed.center, anchor, **spring))
+    shapes = [contact.Circle(body.center, R) for body in (falling, pressed)]
+    shapes.append(contact.HalfPlane(system.ground))
+    system.add(planar.Collisions("floor", shapes, restitution=1.0))
+    motion = da.solve_nonsmooth(system.build(), 0.2, step=1e-3)
+    height = 0.5 * motion["falling.vy"] ** 2 + G * (motion["falling.y"] - R)
+    np.testing.assert_allclose(height, G * 0.05, rtol=1e-6)
+    assert motion["falling.y"][-1].item() > R + 0.04

@@ -122,7 +122,10 @@ def _rebounds(step: ContactStep, record: ContactRecord, k: int) -> Rebounds | No
     after = contacts.speeds(record.ends.v[:, k + 1])[:, 0]
     rebounds = after >= REBOUND * rebound
     if step.scheme.anticipates:  # of which the impact may be in the next step
-        rebounds |= speed > SLOW * float(np.abs(h * acceleration).max())
+        next_v = record.ends.v[:, min(k + 2, record.t.size - 1)]
+        rebounds |= contacts.speeds(next_v)[:, 0] >= REBOUND * rebound
+        newton = contacts.laws.follows(ImpactLaw.NEWTON)
+        rebounds |= ~newton & (speed > SLOW * float(np.abs(h * acceleration).max()))
     masses = _masses(contacts, mobility)
     missing = np.where(rebounds, 0.0, masses * rebound**2 / 2)
     end = step.selected(step.at(t + h, record.ends.y[:, k + 1]), contacts.key)

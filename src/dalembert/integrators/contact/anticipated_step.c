@@ -28,6 +28,37 @@ static casadi_real casadi_bounce(casadi_real gap, casadi_real before, casadi_rea
   if (before<0 && fast) speed = -restitution*before;
   return speed>open ? speed : open;
 }
+/* the largest change of a normal speed by forces at the bodies of each contact, by their first
+   speeds */
+static void casadi_changes(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
+  casadi_real* largest = res[28];
+  const int* pair = (const int*) res[23];
+  casadi_int i, j, s, body;
+  casadi_real change;
+  for (j=0; j<iw[3]; ++j) largest[j] = 0;
+  for (i=0; i<iw[0]; ++i) {
+    change = fabs(res[25][i*iw[1]] - res[24][i*iw[1]]);
+    for (s=0; s<2; ++s) {
+      body = ((const int*) arg[29])[((const int*) arg[31+s])[pair[i]]];
+      if (body<0) continue;
+      j = ((const int*) arg[30])[body];
+      if (!(change<=largest[j])) largest[j] = change;
+    }
+  }
+}
+/* whether a contact has an impact, by the changes at its bodies */
+static int casadi_strikes(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+    casadi_int i) {
+  casadi_int s, body, r = i*iw[1];
+  casadi_real largest = 0, change;
+  for (s=0; s<2; ++s) {
+    body = ((const int*) arg[29])[((const int*) arg[31+s])[((const int*) res[23])[i]]];
+    if (body<0) continue;
+    change = res[28][((const int*) arg[30])[body]];
+    if (!(change<=largest)) largest = change;
+  }
+  return casadi_fast(res[22][i], res[24][r], res[25][r], arg[36][0], largest, arg[37][9]);
+}
 /* velocity offsets by Newton's law of impact, and the largest change of a normal speed by forces
    and the largest speed in limits */
 static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
@@ -42,6 +73,7 @@ static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
   int fast;
   limits[0] = 0;
   limits[1] = 0;
+  casadi_changes(arg, res, iw);
   for (i=0; i<iw[0]; ++i) {
     r = i*width;
     if (!(fabs(free[r] - before[r])<=limits[0])) limits[0] = fabs(free[r] - before[r]);
@@ -56,7 +88,7 @@ static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
     for (a=1; a<width; ++a) {
       res[26][r+a] = a<linear ? arg[28][law[pair[i]]*laws+1]*before[r+a] : 0.0;
     }
-    fast = casadi_fast(res[22][i], before[r], free[r], h, limits[0], arg[37][9]);
+    fast = casadi_strikes(arg, res, iw, i);
     margin = casadi_margin(res[22][i], before[r], h, fast ? restitution : 0.0);
     if (free[r]<margin) {
       margin = casadi_bounce(res[22][i], before[r], h, restitution, limits[0], arg[37][8], fast);
@@ -85,7 +117,7 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
   }
   for (i=0; i<iw[0]; ++i) {
     r = i*width;
-    fast = casadi_fast(res[22][i], before[r], res[25][r], arg[36][0], forced, arg[37][9]);
+    fast = casadi_strikes(arg, res, iw, i);
     bounce = casadi_bounce(res[22][i], before[r], arg[36][0], arg[28][law[pair[i]]*(2+iw[2])],
       forced, arg[37][8], fast);
     if (impulse[r]>0 && -offset[r]<bounce && (before[r]<=0 || offset[r]<before[r])) {

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy
 
 if TYPE_CHECKING:
     from dalembert.integrators.contact.contacts import Contacts
@@ -58,25 +60,39 @@ class Approach:
     @property
     def forced(self) -> float:
         """The largest change of a normal velocity by forces in the step [m/s]."""
-        start = self.before if self.struck is None else self.struck
-        return float(np.abs(self.free[:, 0] - start[:, 0]).max(initial=0.0))
+        return float(np.abs(self._change).max(initial=0.0))
 
     @property
+    def _change(self) -> np.ndarray:
+        """(n,) change of the normal speeds by forces in the step [m/s]."""
+        start = self.before if self.struck is None else self.struck
+        return np.asarray(self.free[:, 0] - start[:, 0])
+
+    @cached_property
+    def nearby(self) -> np.ndarray:
+        """(n,) largest change of a normal speed by forces in the step at the same bodies [m/s]."""
+        change, n = np.abs(self._change), self.contacts.count
+        rows = scipy.sparse.csr_array(self.contacts.directions)
+        contact = np.repeat(np.arange(n).repeat(self.before.shape[1]), np.diff(rows.indptr))
+        of_speeds, largest = np.zeros(rows.shape[1]), change.copy()
+        np.maximum.at(of_speeds, rows.indices, change[contact])
+        np.maximum.at(largest, contact, of_speeds[rows.indices])
+        return largest
+
+    @cached_property
     def fast(self) -> np.ndarray:
         """(n,) mask of the gaps with ``√(u_N² + 2 a g)``, the speed at the contact, of an impact.
 
         ``a`` is the acceleration towards the contact. Steps of the midpoint rule conserve this
         speed in a flight, so that all of its steps agree.
         """
-        start = self.before if self.struck is None else self.struck
-        fall = np.maximum(start[:, 0] - self.free[:, 0], 0.0)
-        gap = np.maximum(self.contacts.distance, 0.0)
+        fall, gap = np.maximum(-self._change, 0.0), np.maximum(self.contacts.distance, 0.0)
         squared = self.before[:, 0] ** 2 + 2 * fall * gap / self.h
-        return np.asarray(squared > (SLOW * self.forced) ** 2)
+        return np.asarray(squared > (SLOW * self.nearby) ** 2)
 
     @property
     def impacting(self) -> np.ndarray:
-        """(n,) mask of the gaps that close faster than forces change speeds."""
+        """(n,) mask of the gaps that close faster than forces on their bodies change speeds."""
         return np.asarray((self.before[:, 0] < 0) & self.fast)
 
     @property
