@@ -84,33 +84,6 @@ def test_a_structure_is_drawn_by_the_keyboard(browser: Any, studio_server: Studi
         assert len(visit.document["nodes"]) == 1
 
 
-def test_a_spatial_linkage_is_drawn_by_the_keyboard(browser: Any, studio_server: Studio) -> None:
-    """Typed coordinates are on the points and joints that are there."""
-    reset(studio_server, dimension=3)
-    with opened(browser, studio_server, "0") as visit:
-        keys = visit.page.keyboard
-        visit.js("document.getElementById('canvas').focus()")
-
-        def draw(key: str, *places: str) -> None:
-            keys.press(key)
-            for place in places[:-1]:
-                keys.type(place)
-                keys.press("Enter")
-            revision = visit.revision
-            keys.type(places[-1])
-            keys.press("Enter")
-            visit.settle(revision + 1)
-
-        draw("r", "0, 0, 0", "0.2, 0, 0")
-        draw("r", "0.2, 0, 0", "0.2, 0.3, 0")
-        draw("j", "0.2, 0, 0", "0.2, 0.3, 0")
-        draw("j", "0, 0, 0", "-0.4, 0, 0")
-        draw("m", "0, 0, 0")
-        document = visit.document
-        assert document["joints"]["A"]["type"] == "Revolute"
-        assert document["drivers"]["motor1"]["connect"], document
-
-
 POINTS = """(() => {
     const { motion, scene: { view, canvas } } = studio.pictures.page;
     const { clientWidth: width, clientHeight: height } = canvas;

@@ -4,7 +4,6 @@
 /** @import { Space } from "./space.js" */
 
 import { pulled, withTyped } from "./space_gizmo.js";
-import { typedPlace } from "./space_places.js";
 import { SPACE_TOOLS } from "./space_tools.js";
 
 /** Carry out a key; returns whether it has a meaning. @param {Space} space @param {string} key */
@@ -47,6 +46,6 @@ function place(space) {
   const values = space.typed.split(/[\s,;]+/).filter(Boolean).map(Number), { plane } = space.palette, last = space.places.at(-1)?.p, k = "xyz".indexOf(plane.axis);
   const p = values.length === 3 ? values : values.length === 1 && last ? last.map((v, i) => (i === k ? v + values[0] : v)) : null;
   space.typed = "";
-  if (p?.every(Number.isFinite)) space.add(typedPlace(/** @type {Page} */ (space.boundPage), p));
+  if (p?.every(Number.isFinite)) space.add({ p, names: [], body: null, joint: null, normal: null, how: "" });
   else space.actions.refuse("type three coordinates, such as 0.1, 0, 0.25, or one along the normal of the plane from the last place");
 }

@@ -75,13 +75,6 @@ export function spaceSnap(page, pixel, plane, { free = false, onBody = false, fr
   return { ...none, p: free ? cleaned(page, ordered, 1) : ordered, how: free ? "" : "grid" };
 }
 
-/** Place with typed coordinates: it has the points and the joint that are there. @param {Page} page @param {Vec} p @returns {SpacePlace} */
-export function typedPlace({ motion, scene }, p) {
-  const near = (/** @type {Vec | null} */ q) => q !== null && Math.hypot(...minus(q, p)) * scene.view.scaleAt(p) < 1;
-  const point = namedPoints(/** @type {Page} */ ({ motion, scene })).find((place) => near(place.p)), joint = motion.joints.find((/** @type {any} */ item) => near(motion.placeOf(item)));
-  return { p, names: point?.names ?? [], body: point?.bodies[0] ?? null, joint: joint?.name ?? null, normal: null, how: point?.names[0] ?? "" };
-}
-
 /** Fit ground, grid and light to the position at the start, where free bodies go far from it. @param {Page} page */
 export function settleAtStart({ motion, scene }) {
   const { view } = scene, { camera, controls, fitted } = view, cloud = motion.cloud([{ i: 0, f: 0 }]), [low, high] = [Math.min, Math.max].map((limit) => [0, 1, 2].map((k) => cloud.reduce((/** @type {number} */ v, /** @type {Vec} */ p) => limit(v, p[k]), cloud[0]?.[k] ?? 0)));
