@@ -12,6 +12,7 @@ from tests.registry.contact_models import CONTACT_MODELS
 STACKED = {
     "bouncing ball": 0.1,
     "rocking block": 0.05,
+    "discs in a box": 0.02,
     "discs of many sizes": 0.03,
     "spheres that roll": 0.06,
     "ball and box in space": 0.1,
@@ -35,7 +36,7 @@ def test_steps_together_are_those_one_by_one(name):
             steps.x[:, k], steps.x[steps.size :, k + 1], *steps.span(k), steps.active(k)
         )
         pushed, pulled = single.push(dx, 0.7, dp), np.vstack(single.pull(weights))
-        for calm in (False, True):
+        for calm in {False, steps.calm(k) is not None}:
             (own,) = steps.at(k, calm)
             for values, exact in (
                 (own.push(dx, 0.7, dp), pushed),

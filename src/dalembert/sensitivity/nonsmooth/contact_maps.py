@@ -131,7 +131,7 @@ class ContactMaps:
         forced = None
         if contacts is not None and contacts.slopes.forced.any():
             offsets = active.offsets[contacts.slopes.forced > 0]
-            forced = self._forced(y, v, t, h, offsets)
+            forced = self.forced_change(y, v, t, h, offsets)
         next_by_z, next_by_q = slopes
         return MapAt(z, following, factors, by_q, next_by_z, next_by_q, contacts, forced, before)
 
@@ -174,7 +174,7 @@ class ContactMaps:
         motions = Motions(factors, changes, gaps, means, n, self.size)
         return ImpactSlopes(stage, active.keys, motions)
 
-    def _forced(
+    def forced_change(
         self, y: np.ndarray, v: np.ndarray, t: float, h: float, offsets: np.ndarray
     ) -> ForcedChange:
         """The largest change of a normal speed by forces in a step.

@@ -121,14 +121,14 @@ class ContactSteps:
         return StepStacks(self.maps, self.record, self.contacts, self._are_repeated)
 
     def calm(self, k: int) -> ContactChanges | None:
-        """Changes of contact states near a step in which no contact impacts or breaks away; None
-        for other steps, and for those outside of stacks."""
+        """Changes of contact states near a step whose contacts are all among ``by_q``, and in which
+        none impacts or breaks away; None for other steps, and for those outside of stacks."""
         stacked = self.stacks.at(k)
         if stacked is None or k in self.breaks:
             return None
         (maps, place), first = stacked, self.contacts.first
         begins = self.contacts.follows[first[k] : first[k + 1]] < 0
-        if (maps.bounces(place) & begins).any():
+        if maps.forced[place] or (maps.bounces(place) & begins).any():
             return None
         return ContactChanges(changing=bool(maps.changing[place]))
 

@@ -17,7 +17,7 @@ from dalembert.sensitivity.nonsmooth.contact_changes import near_change
 from dalembert.sensitivity.nonsmooth.contact_maps import SOLVED, ContactMaps, terms_of
 from dalembert.sensitivity.nonsmooth.gap_matrices import NAMES, MatrixGaps
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
-from dalembert.sensitivity.nonsmooth.linear_map import MapAt
+from dalembert.sensitivity.nonsmooth.linear_map import ForcedChange, MapAt
 from dalembert.sensitivity.nonsmooth.proximal_factors import (
     Block,
     ProximalFactors,
@@ -70,6 +70,7 @@ class StackedMaps:
     ----------
     solved : (K,) mask of the steps whose recorded solutions satisfy their equations
     following : (n_x, K) states at the ends, before corrections
+    forced : (K,) mask of the steps with offsets that depend on the largest change by forces
     changing : (K,) mask of the steps with a contact that is about to slip or to stick
     """
 
@@ -101,8 +102,8 @@ class StackedMaps:
         residual, largest = np.zeros(steps.count), np.ones(steps.count)
         np.maximum.at(residual, self._step_of, np.abs(right))
         np.maximum.at(largest, self._step_of, terms)
-        forced = np.bincount(owner, self.contacts.slopes.forced != 0, steps.count) > 0
-        self.solved = (residual <= SOLVED * largest) & ~forced
+        self.solved = residual <= SOLVED * largest
+        self.forced = np.bincount(owner, self.contacts.slopes.forced != 0, steps.count) > 0
         change = np.abs(after - v).max(axis=0)
         near = near_change(self.contacts, active.impulses, step.groups, change[owner])
         self.changing = np.bincount(owner, near, steps.count) > 0
@@ -120,7 +121,7 @@ class StackedMaps:
         Parameters
         ----------
         whole : whether ``by_q`` has the derivatives of the contacts, too, in place of their
-            equations
+            equations; not for ``forced`` steps
         """
         begin, end = self._bounds[k : k + 2]
         first, contacts = self._steps.first, None
@@ -129,11 +130,12 @@ class StackedMaps:
         else:
             by_q = self._block(self._by_q, self._maps.speeds, k)
             contacts = self._contacts(k) if first[k] < first[k + 1] else None
+        forced = self._forced(k) if self.forced[k] else None
         factors = ProximalFactors(self._scaled.block(begin, end))
         z = self._z[self._order[begin:end]]
         (by_z, by_state), rows = self._next, self.following.shape[0]
         own = self._block(by_z, rows, k), self._block(by_state, rows, k)
-        return MapAt(z, self.following[:, k], factors, by_q, *own, contacts)
+        return MapAt(z, self.following[:, k], factors, by_q, *own, contacts, forced)
 
     def bounces(self, k: int) -> np.ndarray:
         """Mask of the contacts of a step that may impact."""
@@ -144,6 +146,12 @@ class StackedMaps:
         width = matrix.shape[1] // self._steps.count
         bounds = (rows * k, rows * (k + 1)) if isinstance(rows, int) else rows[k : k + 2]
         return diagonal_block(matrix, *bounds, width * k, width)
+
+    def _forced(self, k: int) -> ForcedChange:
+        steps, rows = self._steps, slice(*self._steps.first[k : k + 2])
+        y, v = np.split(steps.x[:, k], [self._maps.size])
+        offsets = steps.active.offsets[rows][self.contacts.slopes.forced[rows] > 0]
+        return self._maps.forced_change(y, v, float(steps.t[k]), float(steps.h[k]), offsets)
 
     def _contacts(self, k: int) -> ContactEquations:
         """Equations of the contacts of a step."""
