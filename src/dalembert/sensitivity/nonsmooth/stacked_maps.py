@@ -144,8 +144,11 @@ class StackedMaps:
     def _block(self, matrix: Sparse, rows: int | np.ndarray, k: int) -> Sparse:
         """Block of a step, with as many rows in each, or with rows between bounds."""
         width = matrix.shape[1] // self._steps.count
-        bounds = (rows * k, rows * (k + 1)) if isinstance(rows, int) else rows[k : k + 2]
-        return diagonal_block(matrix, *bounds, width * k, width)
+        if isinstance(rows, int):
+            begin, end = rows * k, rows * (k + 1)
+        else:
+            begin, end = rows[k : k + 2]
+        return diagonal_block(matrix, begin, end, width * k, width)
 
     def _forced(self, k: int) -> ForcedChange:
         steps, rows = self._steps, slice(*self._steps.first[k : k + 2])
@@ -168,6 +171,6 @@ class StackedMaps:
         part = MatrixGaps(np.arange(rows.size), values, across, slopes, momentum, size)
         gaps = Gaps([part], values, across)
         own = whole.own[rows], whole.coupled[rows], whole.slopes.some(rows)
-        others = (part[rows] for part in (whole.limit, whole.column, whole.factors))
+        limits = whole.limit[rows], whole.column[rows], whole.factors[rows]
         residual = whole.residual.reshape(total, width)[rows].ravel()
-        return ContactEquations(whole.keys[rows], gaps, *own, *others, residual)
+        return ContactEquations(whole.keys[rows], gaps, *own, *limits, residual)
