@@ -39,8 +39,8 @@ JAMMED = 1e-6
 without any effect where contacts jam [-]."""
 PATHS = 20
 """Upper limit of the repetitions of a step with means over its path."""
-SAME_PATH = 1e-12
-"""Estimated error of the speeds by the path of the means, relative to the speeds [-]."""
+SAME_PATH = 1e-14
+"""Estimated error of the means over a path, by which joints are open at its end [-]."""
 CLOSED = 1e-12
 """Penetration that counts as rounding, by the natural length."""
 APART = 2**54
@@ -178,31 +178,34 @@ class ContactStep:
     ) -> StepResult:
         """A step with some contacts; impulses of the step ``before`` are the starting point.
 
-        Means over the path of the step are those of its own solution, by repetition; a step in
-        which they do not converge has none.
+        Means over the path of the step are those of its own solution, by repetition; where this
+        does not converge, those of the solution that changes least.
         """
         if not self.smooth.takes_means(self.scheme.theta):
             return self._solved(start, start.motion, contacts, before)
-        after, last, warm = start.free, np.inf, before
+        pressed = before is not None and before.pressing[0].size > 0
+        after, last, warm, best = start.v if pressed else start.free, np.inf, before, None
+        stuck = contacts.key[:0] if before is None else before.stuck
         for _ in range(PATHS):
             motion = start.with_impact(self.smooth.along(start.smooth, after))
             result = self._solved(start, motion, contacts, warm)
+            if not result.impulses.accepted:
+                break
             change = self._change(start, result.v, after)
             ratio = change / last if 0 < last < np.inf else 1.0
             if change * min(ratio, 1.0) <= SAME_PATH:
                 return result
-            if not (change < last and result.impulses.accepted):
+            if not change < last:
                 break
-            stuck = contacts.key[:0] if before is None else before.stuck
-            after, last, warm = result.v, change, replace(result.last, stuck=stuck)
-        return self._solved(start, start.motion, contacts, before)
+            after, last, best = result.v, change, result
+            warm = replace(result.last, stuck=stuck)
+        return best or self._solved(start, start.motion, contacts, before)
 
     def _change(self, start: StepStart, speeds: np.ndarray, other: np.ndarray) -> float:
-        """Largest difference of speeds, relative to the largest speed."""
-        size = self.model.scales.displacements
-        largest = np.abs(np.array([start.v, speeds]) / size).max(initial=0.0)
-        difference = np.abs((speeds - other) / size).max(initial=0.0)
-        return float(difference / largest) if difference else 0.0
+        """Largest difference of speeds times the largest displacement, by the natural ones."""
+        size = self.model.scales.displacements / start.h
+        largest = np.abs(np.array([start.v, speeds, other]) / size).max(initial=0.0)
+        return float(np.abs((speeds - other) / size).max(initial=0.0) * largest)
 
     def _solved(
         self,
