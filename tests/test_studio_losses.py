@@ -213,13 +213,13 @@ def test_every_odd_request_is_answered_on_the_same_connection(studio: Studio) ->
 def test_a_refused_text_is_followed_by_a_shorter_one(studio: Studio) -> None:
     """A page counts the texts that it has sent; a refused one is reported with its kind."""
     with page(studio) as socket:
-        revision = receive(socket, "text")["revision"]
-        send(socket, kind="text", text="#" * 2_500_000, revision=revision)
+        state = receive(socket, "text")
+        send(socket, kind="text", text="#" * 2_500_000, revision=state["revision"])
         assert receive(socket, "failure")["request"] == "text"
-        send(socket, kind="text", text=FOUR_BAR + "# shorter\n", revision=revision)
+        send(socket, kind="text", text=state["text"] + "# shorter\n", revision=state["revision"])
         assert receive(socket, "text")["text"] is None
         send(socket, kind="undo")
-        assert receive(socket, "text")["text"] == FOUR_BAR
+        assert receive(socket, "text")["text"] == state["text"]
 
 
 def open_files(process: int) -> int:

@@ -55,7 +55,7 @@ def apply(text: str, operations: Any) -> str:
     names: dict[str, str] = {}
     for operation in operations:
         kind = operation.get("op") if isinstance(operation, dict) else None
-        if kind not in OPERATIONS:
+        if not isinstance(kind, str) or kind not in OPERATIONS:
             raise ModelError(f"unknown operation {str(kind)[:40]!r}")
         OPERATIONS[kind](edits, _named(operation, names), names)
     return edits.text
@@ -116,7 +116,9 @@ def _extract(edits: TextEdits, operation: dict[str, Any], names: dict[str, str])
     keys, at = operation.get("keys"), operation.get("at")
     if isinstance(at, int):
         keys = edits.keys_at(at)
-    if not (isinstance(keys, (list, tuple)) and keys):
+    if not (
+        isinstance(keys, (list, tuple)) and keys and all(isinstance(k, (str, int)) for k in keys)
+    ):
         raise ModelError("place the cursor in a number of an element")
     parts = [str(key) for key in keys[1:]]
     edits.extract(keys, re.sub(r"\W", "_", "_".join(parts)) or "parameter")
