@@ -265,8 +265,8 @@ class BallSteps(PathContacts):
         self._pairs = np.zeros((3, pairs), dtype=np.int32)
         self._pairs[:, : old.shape[1]] = old
         last, self._last = self._last, (np.zeros(contacts, np.int64), np.zeros((contacts, k)))
-        for own, before in zip(self._last, last, strict=True):
-            own[: before.shape[0]] = before
+        for own, old_last in zip(self._last, last, strict=True):
+            own[: old_last.shape[0]] = old_last
         path, before = contact_arrays(contacts), contact_arrays(contacts)[:2]
         for own, old_part in zip((*path, *before), (*self._path, *self._before), strict=True):
             own[: old_part.shape[0]] = old_part
