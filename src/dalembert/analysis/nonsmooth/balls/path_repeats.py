@@ -59,12 +59,12 @@ class PathRepeats:
         start = steps.path_gaps()[own.sum() :]
         return bool(self.keys.size and (start >= -self._rounding).all())
 
-    def average(self, place: PlaceShapes, y: np.ndarray, displacement: np.ndarray) -> None:
-        """Means over the path from a position, and distances by which gaps at its end are linear
-        in the displacement."""
+    def average(self, place: PlaceShapes, displacement: np.ndarray) -> None:
+        """Means over the path, and distances by which gaps at its end are linear in the
+        displacement."""
         steps = self._steps
         for share, weight in LOBATTO.items():
             place(share, displacement)
-            shares = self._manifold.path_shares(y, displacement, share)
+            shares = self._manifold.path_shares(displacement, share)
             gaps = steps.path_gaps(weight, shares)
         steps.shift_path_gaps(gaps, displacement)
