@@ -166,10 +166,12 @@ class BallMarch:
         return self._steps() if self._forces() else StepOutcome.UNSOLVED
 
     def _transfer(self, grid: np.ndarray, begin: int, end: int, log: StepLog) -> int:
-        """Append the steps from ``begin`` to ``end`` to the log; the end."""
-        steps, count = self._steps, end - begin
+        """Append the recorded steps from ``begin`` to ``end`` to the log; the end."""
+        steps = self._steps
+        count = min(end - begin, int(steps.counts[STEPS]))  # a repetition may be interrupted
         if count <= 0:
             return begin
+        end = begin + count
         numbers = steps.numbers[:count].copy()
         contacts = int(numbers[:, PRESSED].sum())
         keys, impulses, offsets = steps.pressing(0, contacts)

@@ -60,8 +60,8 @@ class PathRepeats:
         return bool(self.keys.size and (start >= -self._rounding).all())
 
     def average(self, place: PlaceShapes, displacement: np.ndarray) -> None:
-        """Means over the path, and distances by which gaps at its end are linear
-        in the displacement."""
+        """Means over the path, and distances by which gaps at its end are linear in the
+        displacement."""
         steps = self._steps
         for share, weight in LOBATTO.items():
             place(share, displacement)
