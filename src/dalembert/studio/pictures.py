@@ -23,7 +23,7 @@ from dalembert.studio.loose_nodes import parts_of, without_loose_nodes
 from dalembert.studio.problems import Problem, notes_of, problems_of
 
 EMBEDDED = """header.top, #footer, #panels { display: none }
-body { padding: 8px } main { padding: 0 }
+body { padding: 8px } main, .single main { padding: 0 }
 .stage, .single .stage { height: auto; min-height: 0 }
 .view, .single .view { flex: none; height: max(280px, 100vh - 200px) }
 @media (min-width: 941px) {
