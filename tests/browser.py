@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import functools
 import os
 import shutil
@@ -50,10 +51,24 @@ class Visit:
         """Wait until a JavaScript expression holds; so long only where it never will."""
         # The page forbids eval, and with it playwright's own waiting for a function.
         end = time.monotonic() + seconds
-        while not self.js(expression):
+        while not self._holds(expression):
             assert not self.errors, self.errors
             assert time.monotonic() < end, f"in {seconds} s it did not come true: {expression}"
-            time.sleep(0.02)
+
+    def _holds(self, expression: str) -> bool:
+        """Whether an expression comes true within a fraction of a second; the page looks."""
+        waiting = f"""() => new Promise((done, failed) => {{
+            const end = performance.now() + 300;
+            const look = () => {{
+                try {{
+                    const holds = Boolean(({expression}));
+                    if (holds || performance.now() > end) done(holds);
+                    else setTimeout(look, 15);
+                }} catch (error) {{ failed(error); }}
+            }};
+            look();
+        }})"""
+        return bool(self.page.evaluate(waiting))
 
     def frames(self, count: int = 2) -> None:
         """Wait until the page has drawn some times."""
@@ -102,10 +117,26 @@ def chromium() -> Iterator[Any]:
             browser.close()
 
 
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
+@pytest.fixture(scope="session")
+def session_browser() -> Iterator[tuple[Any, Any]]:
+    """The browser of all modules, and the loop in which its calls run."""
     with chromium() as started:
-        yield started
+        loop = asyncio.events._get_running_loop()
+        asyncio.events._set_running_loop(None)
+        yield started, loop
+        asyncio.events._set_running_loop(loop)
+
+
+@pytest.fixture(scope="module")
+def browser(session_browser: tuple[Any, Any]) -> Iterator[Any]:
+    """The browser; its loop counts as running only in modules that use it.
+
+    Other modules run loops of their own in the same thread.
+    """
+    started, loop = session_browser
+    asyncio.events._set_running_loop(loop)
+    yield started
+    asyncio.events._set_running_loop(None)
 
 
 @contextmanager

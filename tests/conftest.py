@@ -13,8 +13,9 @@ os.environ.setdefault(  # kept for the next run of the tests
 )
 
 import pytest
-from browser import browser, show  # noqa: F401
+from browser import browser, session_browser, show  # noqa: F401
 from hypothesis import settings
+from processor_times import ProcessorTimes
 from studio_desk import desk, studio_server  # noqa: F401
 from thorough import mark_products
 
@@ -42,6 +43,22 @@ class NeverCompiled:
 
 switching.Compilation = NeverCompiled  # type: ignore[assignment,misc]
 gc.set_threshold(50_000, 20, 20)  # models are many objects that stay
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--processor-times",
+        nargs="?",
+        const="",
+        metavar="FILE",
+        help="list the processor time of the slowest files; write that of each test to FILE",
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    path = config.getoption("--processor-times")
+    if path is not None:
+        config.pluginmanager.register(ProcessorTimes(Path(path) if path else None))
 
 
 @pytest.hookimpl(tryfirst=True)  # before thorough cases are taken out

@@ -16,6 +16,8 @@ from studio_runs import Studio, running_studio
 from websockets.sync.client import connect
 
 UNTITLED = 'format = 1\nname = "untitled"\ngravity = [0.0, -9.81]\n'
+WAIT = 180.0
+"""Upper limit of the time for a picture, on a busy machine [s]."""
 PIXEL = """(place) => {
     const { canvas, view } = studio.pictures.page.scene, [u, v] = view.screen(place);
     const inner = canvas.getBoundingClientRect();
@@ -56,8 +58,8 @@ class Desk(Visit):
     def settle(self, revision: int | None = None) -> None:
         """Wait until the picture is that of a revision of the text, by default the present one."""
         wanted = self.revision if revision is None else revision
-        self.until(f"studio.described?.revision >= {wanted}", 90)
-        self.until("studio.pictures.shown === studio.described?.number", 90)
+        self.until(f"studio.described?.revision >= {wanted}", WAIT)
+        self.until("studio.pictures.shown === studio.described?.number", WAIT)
 
     def place(self, *place: float) -> tuple[float, float]:
         return tuple(self.page.evaluate(PIXEL, list(place)))  # type: ignore[return-value]
@@ -133,7 +135,7 @@ def opened(
     page.on("console", lambda m: DRIVER in m.text or visit.console.append(m.text))
     page.on("pageerror", lambda e: visit.errors.append(str(e)))
     page.goto(studio.address)
-    visit.until("window.studio?.pictures.shown >= 1", 60)
+    visit.until("window.studio?.pictures.shown >= 1", WAIT)
     visit.settle()
     visit.base = visit.revision
     visit.js(look)

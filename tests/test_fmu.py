@@ -690,3 +690,14 @@ def test_registry_of_formats_and_command(model, unit, tmp_path, capsys):
     assert result["time"][-1] == pytest.approx(0.7)
     assert main([*arguments, "--kind", "bth"]) == 2
     assert "unknown kind 'bth' (did you mean 'both'?)" in capsys.readouterr().err
+
+
+def test_contacts_among_many_shapes_are_refused(tmp_path):
+    """A unit without them would let bodies fall through the floor."""
+    system = da.System("bounce", gravity=(0.0, -10.0))
+    ball = system.add(planar.Particle("ball", mass=1.0, position=(0.0, 0.3)))
+    floor = planar.contact.HalfPlane(system.ground.center)
+    system.add(planar.Collisions("hits", [planar.contact.Circle(ball.center, 0.1), floor]))
+    with pytest.raises(UnsupportedError, match="hits: contacts among many shapes are not availab"):
+        da.export_fmu(system.build(), tmp_path / "ball.fmu")
+    assert not list(tmp_path.iterdir())

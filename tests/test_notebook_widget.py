@@ -76,6 +76,27 @@ def test_parameters_and_results_in_python() -> None:
     assert chosen.height == 300 and chosen.motion.time[-1] == 0.5
 
 
+def test_two_widgets_of_one_model_are_independent() -> None:
+    """Also with numbers of NumPy, and after a function of ``on_change`` that fails."""
+    pytest.importorskip("anywidget")
+    model = pendulum()
+    analysis = da.Dynamics(duration=0.1, step=0.01)
+    one, two = model.explore(analysis), model.explore(analysis)
+    for k, kind in enumerate((np.float32, np.float64, np.int64, int, float) * 20):
+        one.parameters = {"m": kind(k + 1)}
+    assert one.parameters == {"l": 0.5, "m": 100.0} and two.parameters == {"l": 0.5, "m": 1.0}
+    assert one.result.parameters[1] == 100.0 and two.result.parameters[1] == 1.0
+
+    def fails(values: dict[str, float]) -> None:
+        raise RuntimeError("by the user")
+
+    two.on_change(fails)
+    with pytest.raises(RuntimeError, match="by the user"):
+        two.parameters = {"l": 0.4}
+    assert two.parameters["l"] == 0.4 == two.result.parameters[0]
+    assert one.parameters["l"] == 0.5
+
+
 def test_sliders_and_parameters_follow_each_other(browser: Any) -> None:  # noqa: F811
     pytest.importorskip("anywidget")
     widget = pendulum().explore(da.Dynamics(duration=0.5, step=0.01))

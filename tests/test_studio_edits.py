@@ -1,4 +1,7 @@
-"""Many random edits of a drawing: the picture shows the model after each, and undo returns all."""
+"""Random edits of a drawing: the picture shows the model after each, and undo returns all.
+
+``test_studio_walks.py`` makes 1,000 of more kinds.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,6 @@ import random
 from pathlib import Path
 
 import numpy as np
-import pytest
 from studio_desk import Desk
 from studio_runs import Studio
 from test_studio_editing import MECHANISM
@@ -16,6 +18,8 @@ from dalembert.io import load_model_file
 
 KEYS = ("h", "H", "r", "R", "ArrowUp", "ArrowLeft", "Control+d")
 """Mirrored, rotated, moved and copied."""
+COUNT = 12
+"""Number of edits."""
 MOST = 14
 """Bodies beyond which the copies are removed."""
 SHOWN = """(() => {
@@ -38,15 +42,12 @@ def check_picture(visit: Desk, path: Path) -> None:
         assert np.allclose(place, wanted, atol=2e-6), (name, place, wanted)
 
 
-@pytest.mark.parametrize("count", [12, pytest.param(1000, marks=pytest.mark.thorough)])
-def test_random_edits_are_shown_and_undone(
-    count: int, desk: tuple[Desk, Studio], tmp_path: Path
-) -> None:
+def test_random_edits_are_shown_and_undone(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     visit, _ = desk
     visit.show(MECHANISM)
-    rng = random.Random(count)
+    rng = random.Random(COUNT)
     done = 0
-    for _ in range(count):
+    for _ in range(COUNT):
         bodies = list(visit.document["bodies"])
         visit.js("studio.drawing.rest()")
         if len(bodies) > MOST:

@@ -85,7 +85,7 @@ def test_random_changes_change_nothing_else(path: Path, seed: int) -> None:
     rng, text = random.Random(seed), path.read_text("utf-8")
     data = tomllib.loads(text)
     for _ in range(12):
-        section = rng.choice(["supports", "loads", "tractions", "line_loads"])
+        section = rng.choice(["supports", "loads", "tractions", "line_loads", "temperatures"])
         entries = data.setdefault(section, [])
         if entries and rng.random() < 0.5:
             index = rng.randrange(len(entries))

@@ -1,4 +1,4 @@
-"""A photo under the drawing: scaled by two points, moved, stored by the browser."""
+"""A photo under the drawing: scaled by two points, moved, stored by the program."""
 
 from __future__ import annotations
 
@@ -54,6 +54,7 @@ def test_a_photo_is_scaled_moved_and_stored(desk: tuple[Desk, Studio], tmp_path:
     assert visit.js(PLACED)[:2] == pytest.approx([x + 0.1, y - 0.05], abs=3 * scale)
     visit.page.click(".photo >> text=Move")
     moved = visit.js(PLACED)
+    visit.until("studio.photo.stored", 10)
     visit.page.reload()
     visit.until("Boolean(window.studio?.photo?.image)", 20)
     assert visit.js(PLACED) == moved

@@ -1,28 +1,21 @@
+# ruff: noqa: F811
 """Structures that are drawn in the studio: their results by hand, undo, mechanisms, improvement."""
 
 from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from browser import browser  # noqa: F401
+from structure_desk import NEW, desk, page, problems, solved, start, use  # noqa: F401
 from studio_desk import Desk
-from studio_runs import running_studio
 
 import dalembert as da
 from dalembert.io import load_model_file
 
-NEW = 'format = 1\nkind = "structure"\nname = "untitled"\n'
-LOOK = """(() => {
-    const { view } = studio.pictures.page.scene;
-    Object.assign(view, { x: 1, y: 0.4, s: 190, fitted: false });
-    view.onChange();
-})()"""
 TRUSS = (
     ("b", [(0, 0), (1, 0), (2, 0), (1, 1), (0, 1)], "", "Escape"),
     ("b", [(0, 1), (1, 0), (1, 1)], "", "Escape"),
@@ -31,76 +24,6 @@ TRUSS = (
     ("f", [(2, 0)], "10 kN<-90", "Enter"),
 )
 """Keys of tools, clicks, what is typed and the key that ends it: a cantilever of two panels."""
-
-
-@pytest.fixture(scope="module")
-def page(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Desk, Path]]:  # noqa: F811
-    folder = tmp_path_factory.mktemp("studio")
-    with running_studio(folder) as studio:
-        tab = browser.new_page(viewport={"width": 1400, "height": 850}, reduced_motion="reduce")
-        visit = Desk(tab)
-        tab.on("console", lambda m: visit.console.append(m.text))
-        tab.on("pageerror", lambda e: visit.errors.append(str(e)))
-        tab.goto(studio.address)
-        visit.until("window.studio?.pictures.shown >= 1", 60)
-        tab.click("text=Open…")
-        tab.click("text=New structure")
-        visit.until("document.documentElement.dataset.structure === 'true'", 20)
-        visit.until("studio.described?.revision >= studio.file.revision", 20)
-        yield visit, folder
-        assert (visit.console, visit.errors) == ([], [])
-        tab.close()
-
-
-@pytest.fixture
-def desk(page: tuple[Desk, Path]) -> Desk:
-    """The studio with an empty structure."""
-    visit, _ = page
-    visit.page.keyboard.press("Escape")
-    start(visit, NEW)
-    visit.js(LOOK)
-    return visit
-
-
-def start(visit: Desk, text: str) -> None:
-    """Replace the text, and wait for its picture."""
-    if visit.text != text:
-        revision = visit.js("studio.file.revision")
-        send = "text => { studio.editor.show(text); studio.sendText(text); }"
-        visit.page.evaluate(send, text)
-        visit.settle(revision + 1)
-    visit.js("studio.structure.choose('select')")
-    visit.js("studio.structure.select([])")
-
-
-def use(
-    visit: Desk, key: str, clicks: list[tuple[float, float]], typed: str = "", end: str = ""
-) -> None:
-    """Use a tool: each change is awaited, so that a slow machine loses no click."""
-    visit.page.locator("#structure-palette button").first.focus()
-    visit.page.keyboard.press(key)
-    revision = visit.js("studio.file.revision")
-    chain = key in "be"
-    for k, place in enumerate(clicks):
-        visit.click(*place)
-        if chain and k:
-            visit.until(f"studio.file.revision >= {revision + k}", 20)
-    if typed:
-        visit.page.keyboard.type(typed)
-    if end:
-        visit.page.keyboard.press(end)
-    visit.until(f"studio.file.revision > {revision} && !studio.pending", 20)
-    visit.settle(visit.js("studio.file.revision"))
-
-
-def problems(visit: Desk) -> list[str]:
-    return visit.page.locator("#problems .error").all_inner_texts()
-
-
-def solved(text: str, folder: Path) -> Any:
-    path = folder / "drawn.toml"
-    path.write_text(text, encoding="utf-8")
-    return da.solve_statics(load_model_file(path).model())
 
 
 def test_a_cantilever_truss_by_equilibrium(desk: Desk, tmp_path: Path) -> None:

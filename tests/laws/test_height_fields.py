@@ -216,7 +216,7 @@ def test_a_ball_oscillates_in_a_bowl():
         bowl = contact.HeightField(system.ground.frame(), (0.4, 0.4), heights)
         shapes = [contact.Sphere(system.add(ball).center, radius), bowl]
         system.add(spatial.Collisions("touch", shapes))
-        motion = da.solve_nonsmooth(system.build(), 0.6 * period, step=2e-3)
+        motion = da.solve_nonsmooth(system.build(), 0.53 * period, step=2e-3)
         assert motion.status.success
         across, times = motion["b.vx"].values, motion.time
         turn = np.flatnonzero((across[:-1] < 0) & (across[1:] >= 0))[-1]

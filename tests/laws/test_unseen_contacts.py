@@ -90,6 +90,6 @@ def test_modes_beside_a_contact_in_a_motion():
         assert any("the gap of floor is closed" in text for text in modes.warnings)
 
 
-def test_dynamics_refuses_many_gaps():
+def test_steppers_refuse_many_gaps():
     with pytest.raises(UnsupportedError, match="floor: gaps among many shapes"):
-        da.solve_dynamics(hung("collisions", 1.0), 1.0)
+        da.Stepper(hung("collisions", 1.0), step=1e-3)

@@ -102,6 +102,48 @@ def discs_in_a_box() -> da.Model:
     return system.build()
 
 
+def discs_of_many_sizes() -> da.Model:
+    """Radius, mass and velocity of each disc in a box are parameters of their own."""
+    system = da.System("sizes", gravity=(0.0, -9.81))
+    friction, bounce = system.parameter("friction", 0.3), system.parameter("bounce", 0.2)
+    shapes: list[planar.contact.Shape] = []
+    for k in range(12):
+        row, column = divmod(k, 4)
+        size = system.parameter(f"size{k}", 0.1 - 0.002 * (k % 3), "m")
+        mass = system.parameter(f"mass{k}", 1.0 + 0.1 * k, "kg")
+        across = system.parameter(f"across{k}", 0.05 * (k % 5) - 0.1, "m/s")
+        fall = system.parameter(f"fall{k}", -0.4 - 0.02 * k, "m/s")
+        place = 0.21 * column - 0.315 + 0.017 * row, 0.104 + 0.204 * row
+        start = {"position": place, "velocity": (across, fall), "inertia": mass * size**2 / 2}
+        disc = system.add(planar.Body(f"disc{k}", mass=mass, **start))
+        shapes.append(planar.contact.Circle(disc, size))
+    shapes.append(planar.contact.HalfPlane(system.ground))
+    for side in (-0.5, 0.5):
+        wall = system.ground.point(0.88 * side, 0.0)
+        shapes.append(planar.contact.HalfPlane(wall, normal=(-2 * side, 0.0)))
+    system.add(planar.Collisions("box", shapes, friction=friction, restitution=bounce))
+    return system.build()
+
+
+def spheres_that_roll() -> da.Model:
+    """Size and velocity of each sphere, sliding, rolling and spinning friction."""
+    system = da.System("spheres", gravity=(0.3, 0.0, -9.81))
+    friction, rolling = system.parameter("friction", 0.25), system.parameter("rolling", 0.003, "m")
+    spinning, bounce = system.parameter("spinning", 0.002, "m"), system.parameter("bounce", 0.3)
+    shapes: list[spatial.contact.Shape] = []
+    for k in range(3):
+        size = system.parameter(f"size{k}", 0.1 + 0.01 * k, "m")
+        speed = system.parameter(f"speed{k}", 0.5 - 0.4 * k, "m/s")
+        start = {"position": (0.24 * k, 0.02 * k, 0.115 + 0.01 * k), "rotation": np.eye(3)}
+        start |= {"velocity": (speed, 0.1, -0.2), "angular_velocity": (0.2, 1.0 + k, 0.7)}
+        body = spatial.Body(f"sphere{k}", mass=1.0 + k, inertia=(0.006,) * 3, **start)
+        shapes.append(spatial.contact.Sphere(system.add(body), size))
+    shapes.append(spatial.contact.HalfSpace(system.ground.frame()))
+    law = {"friction": friction, "rolling": rolling, "spinning": spinning, "restitution": bounce}
+    system.add(spatial.Collisions("touch", shapes, **law))
+    return system.build()
+
+
 def ball_and_box_in_space() -> da.Model:
     """Friction in two directions, rotations, and features of a box."""
     system = da.System("spatial", gravity=(0.5, 0.0, -9.81))
@@ -200,17 +242,41 @@ def disc_on_a_soft_disc() -> da.Model:
     return system.build()
 
 
+def spatial_links() -> da.Model:
+    """A double pendulum in space with a spring and a damper, which hits a floor."""
+    system = da.System("links", gravity=(0.0, 0.3, -9.81))
+    length, mass = system.parameter("length", 0.5, "m"), system.parameter("mass", 1.0, "kg")
+    stiffness, damping = system.parameter("stiffness", 60.0, "N/m"), system.parameter("d", 0.5)
+    friction, height = system.parameter("friction", 0.3), system.parameter("height", 0.4, "m")
+    last, links = system.ground.point(0.0, 0.0, height), []
+    for k in range(2):
+        start = {"position": (length * (k + 0.5), 0.0, height), "rotation": np.eye(3)}
+        spin = {"angular_velocity": (0.5, 2.0, 1.0), "inertia": (0.01 * mass, 0.03, 0.035)}
+        links.append(system.add(spatial.Body(f"link{k}", mass=mass, **start, **spin)))
+        system.add(spatial.Spherical(f"joint{k}", last, links[k].point(-length / 2, 0, 0)))
+        last = links[k].point(length / 2, 0, 0)
+    ends = system.ground.point(0.3, 0.4, 0.6), links[0].center
+    law = {"stiffness": stiffness, "damping": damping, "free_length": 0.2}
+    system.add(spatial.Spring("spring", *ends, **law))
+    shapes = [spatial.contact.Sphere(last, 0.05), spatial.contact.HalfSpace(system.ground.frame())]
+    system.add(spatial.Collisions("hits", shapes, restitution=0.5, friction=friction))
+    return system.build()
+
+
 CONTACT_MODELS = {
     "bouncing ball": ContactModel(bouncing_ball, 0.3, 5e-3),
     "rocking block": ContactModel(rocking_block, 0.3, 5e-3),
     "pendulum at a moving wall": ContactModel(pendulum_at_a_moving_wall, 0.4, 5e-3),
     "driven rod and disc": ContactModel(driven_rod_and_disc, 0.2, 5e-3),
     "discs in a box": ContactModel(discs_in_a_box, 0.05, 1e-3),
+    "discs of many sizes": ContactModel(discs_of_many_sizes, 0.04, 2e-3),
+    "spheres that roll": ContactModel(spheres_that_roll, 0.12, 4e-3),
     "ball and box in space": ContactModel(ball_and_box_in_space, 0.2, 5e-3),
     "rods, Poisson": ContactModel(lambda: thrown_rods("poisson"), 0.2, 2e-3),
     "rods, energetic": ContactModel(lambda: thrown_rods("energetic"), 0.2, 2e-3),
     "box in space, Poisson": ContactModel(lambda: thrown_box("poisson"), 0.15, 2e-3),
     "box in space, energetic": ContactModel(lambda: thrown_box("energetic"), 0.15, 2e-3),
     "compliant box and disc": ContactModel(compliant_box_and_disc, 0.06, 1e-3),
+    "spatial links": ContactModel(spatial_links, 0.35, 5e-3),
     "disc on a soft disc": ContactModel(disc_on_a_soft_disc, 0.1, 1e-3),
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from functools import cache
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 from dalembert.analysis.dynamics.dynamics import Dynamics
@@ -13,7 +14,6 @@ from dalembert.analysis.kinematics.kinematics import Kinematics
 from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.errors import ModelError
-from dalembert.integrators.contact.schemes import MoreauJean
 from dalembert.packages import optional_package
 from dalembert.report.page import render_page
 from dalembert.report.scripts import asset
@@ -41,8 +41,7 @@ def usual_analysis(model: ParametricModel) -> Analysis[Any, Any]:
         return Statics()
     mechanism: Any = model
     if any(isinstance(e, Collisions) for e in mechanism.closure.description.elements.values()):
-        integrator = MoreauJean()  # its contact forces at rest do not alternate
-        return Nonsmooth(duration=DURATION, step=STEP, outputs=OUTPUTS, integrator=integrator)
+        return Nonsmooth(duration=DURATION, step=STEP, outputs=OUTPUTS)
     kind: Any = Dynamics if mechanism.diagnosis.free > 0 else Kinematics
     analysis: Analysis[Any, Any] = kind(duration=DURATION, outputs=OUTPUTS)
     return analysis
@@ -140,7 +139,7 @@ def _widget_class() -> Any:
                 if name not in declared:
                     raise ModelError(unknown("parameter", name, declared))
                 number = declared[name].in_si(value) if isinstance(value, str) else value
-                if isinstance(number, bool) or not isinstance(number, (int, float)):
+                if isinstance(number, bool) or not isinstance(number, Real):
                     raise ModelError(f"expected a number, got {value!r:.60}", name)
                 if not math.isfinite(number):
                     raise ModelError(f"expected a finite number, got {value!r:.60}", name)

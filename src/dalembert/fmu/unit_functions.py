@@ -9,6 +9,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.contact.located_pairs import collisions_of
 from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.live.start import violation
 from dalembert.elements.blocks.sampled import Sampled
@@ -205,6 +206,12 @@ def _obstacle(model: Model, kinds: Sequence[str]) -> str:
     """Reason why a model cannot be a unit; empty if it can."""
     if model.equations.contacts:
         return "rigid contacts change during the run; use compliant contacts"
+    if shapes := collisions_of(model):
+        names = ", ".join(element.name for element in shapes)
+        return (
+            f"{names}: contacts among many shapes are not available; give a Contact with a force "
+            "law for each pair"
+        )
     sampled = [e for e in model.parts.elements.values() if isinstance(e, Sampled)]
     if functions := [block.name for block in sampled if block.python_law is not None]:
         return f"{', '.join(functions)}: Python functions are not; use blocks"

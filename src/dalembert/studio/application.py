@@ -21,12 +21,16 @@ from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, R
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
+from dalembert.errors import DalembertError
 from dalembert.io.documents import json_schema
 from dalembert.studio.connection import Connection
 from dalembert.studio.exporting import CHOICES
+from dalembert.studio.photos import MAX_PHOTO, Photo, Photos
 from dalembert.studio.session import Session
 
 MEDIA = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
+PLACE_HEADER = "X-Photo-Place"
+"""Header with the place of a photo."""
 DOWNLOAD = "application/octet-stream"
 """Media type of files that are stored, not shown."""
 POLICY = "; ".join(
@@ -103,6 +107,14 @@ def make_application(session: Session, token: str, port: int, stop: Callable[[],
             return PlainTextResponse("this result is outdated", 404, HEADERS)
         return HTMLResponse(state.outcome.page, headers=HEADERS | {"X-Frame-Options": "SAMEORIGIN"})
 
+    async def photo(request: Request) -> Response:
+        name = session.photo_name
+        if request.query_params.get("name") != name:
+            return PlainTextResponse("another model is shown", 409, HEADERS)
+        if request.method == "GET":
+            return _photo(session.photos.read(name))
+        return await _store_photo(session.photos, name, request)
+
     async def socket(websocket: WebSocket) -> None:
         await Connection(session, websocket, stop).run()
 
@@ -112,6 +124,7 @@ def make_application(session: Session, token: str, port: int, stop: Callable[[],
         Route("/export/{number:int}", export),
         Route("/examples/{name}", example),
         Route("/task/{number:int}", task),
+        Route("/photo", photo, methods=["GET", "PUT", "DELETE"]),
         Route("/assets/schema.json", schema),
         Route("/assets/exports.json", exports),
         Route("/assets/{name}", asset),
@@ -161,6 +174,32 @@ class Guard:
         if not slash or not hmac.compare_digest(token.encode(), self.token.encode()):
             return "wrong or missing token; use the address that 'dalembert studio' printed"
         return ""
+
+
+def _photo(photo: Photo | None) -> Response:
+    """An image with its place; empty if there is none."""
+    if photo is None:
+        return Response(status_code=204, headers=HEADERS)
+    headers = HEADERS | {PLACE_HEADER: json.dumps(photo.place)}
+    return Response(photo.image, 200, headers, DOWNLOAD)
+
+
+async def _store_photo(photos: Photos, name: str, request: Request) -> Response:
+    """Store or delete the photo of a model."""
+    if request.method == "DELETE":
+        photos.remove(name)
+        return Response(status_code=204, headers=HEADERS)
+    parts, size = [], 0
+    async for part in request.stream():
+        size += len(part)
+        if size > MAX_PHOTO:
+            return PlainTextResponse("the photo is too large", 413, HEADERS)
+        parts.append(part)
+    try:
+        photos.write(name, request.headers.get(PLACE_HEADER, ""), b"".join(parts))
+    except DalembertError as error:
+        return PlainTextResponse(str(error), 400, HEADERS)
+    return Response(status_code=204, headers=HEADERS)
 
 
 async def _refuse(scope: Scope, receive: Receive, send: Send, reason: str) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import threading
 import time
 import traceback
@@ -12,15 +11,18 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 from dalembert.studio.assemblies import assemblies_of
-from dalembert.studio.child import MEMORY, TIME, begin_child, memory_of
+from dalembert.studio.child import MEMORY, TIME, begin_child, child_context, memory_of
 from dalembert.studio.pictures import Picture, picture_of
 from dalembert.studio.problems import Problem
 
 GRACE = 1.5
 """Time after which outdated work is cancelled; earlier its process is worth more [s]."""
+READY = "ready"
+"""First message of a process, once it has started."""
 FRESH = "the building process ended unexpectedly; change the model to build it again"
 CANCELLED = "building was stopped; change the model to build it again"
 SMALLER = "use a shorter duration, fewer outputs or a coarser mesh"
@@ -94,18 +96,22 @@ class BuildingProcess:
         self._since = 0.0
         self._closed = False
         self._changed = threading.Condition(self._lock)
-        self._start()
+        self._process: BaseProcess | None = None
+        self._is_ready, self._is_ended = False, False
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
         self._watch = threading.Thread(target=self._keep_limits, daemon=True)
         self._watch.start()
 
     def _start(self) -> None:
-        context = multiprocessing.get_context("spawn")
+        """Start a process; the first one waits until modules are imported."""
+        context = child_context()
         self._connection, other = context.Pipe()
-        self._process = context.Process(target=work, args=(other, self.kind), daemon=True)
-        self._process.start()
+        process = context.Process(target=work, args=(other, self.kind), daemon=True)
+        process.start()
         other.close()
+        self._process = process
+        self._is_ready, self._is_ended = False, False
 
     def request(self, request: Request) -> None:
         """Make a picture of a text, in place of former requests."""
@@ -124,18 +130,21 @@ class BuildingProcess:
         """End the process."""
         with self._changed:
             self._closed = True
-            self._process.kill()
+            self._kill()
             self._changed.notify_all()
         self._thread.join(5.0)
-        self._process.join(5.0)
+        if self._process is not None:
+            self._process.join(5.0)
 
     def _run(self) -> None:
-        """Send requests to the process and receive their pictures."""
+        """Start the process, send it requests and receive their pictures."""
+        self._start()
         while True:
             with self._changed:
                 while self._waiting is None and not self._closed:
                     self._changed.wait()
                 if self._closed:
+                    self._kill()
                     return
                 request, self._waiting = self._waiting, None
                 self._working, self._since = request, time.monotonic()
@@ -154,17 +163,29 @@ class BuildingProcess:
                 self.receive(request.number, Picture(problems=(Problem("error", self._reason),)))
 
     def _picture(self, request: Request) -> Picture | None:
-        """Picture of a request; None if the process has ended, which is started again."""
+        """Picture of a request; None if the process has ended meanwhile."""
+        assert self._process is not None
+        if self._is_ended or not self._process.is_alive():
+            self._restart()
         try:
             self._connection.send(request)
+            if not self._is_ready:
+                self._connection.recv()
+                with self._changed:  # the time to start a process is none of the work
+                    self._is_ready, self._since = True, time.monotonic()
             picture: Picture = self._connection.recv()
             return picture
         except (EOFError, OSError):
-            with self._changed:
-                if not self._closed:
-                    self._process.join(5.0)
-                    self._start()
+            self._restart()
             return None
+
+    def _restart(self) -> None:
+        """Start another process in place of one that has ended."""
+        with self._changed:
+            if not self._closed:
+                assert self._process is not None
+                self._process.join(5.0)
+                self._start()
 
     def _keep_limits(self) -> None:
         """End the process if its work is outdated, or takes too much time or memory."""
@@ -174,11 +195,11 @@ class BuildingProcess:
                     self._changed.wait()
                     continue
                 spent = time.monotonic() - self._since
-                if self._waiting is not None and spent > GRACE:
+                if self._waiting is not None and self._is_ready and spent > GRACE:
                     self._end(FRESH)
                 elif spent > self.time:
                     self._end(f"building took more than {self.time:g} s and was stopped; {SMALLER}")
-                elif memory_of(self._process.pid or 0) > self.memory:
+                elif memory_of(getattr(self._process, "pid", None) or 0) > self.memory:
                     size = f"{self.memory / 1e9:.3g} GB"
                     self._end(
                         f"building took more than {size} of memory and was stopped; {SMALLER}"
@@ -188,8 +209,13 @@ class BuildingProcess:
     def _end(self, reason: str) -> None:
         """End the work of the process, which is started again."""
         self._reason = reason
-        self._process.kill()
+        self._is_ended = True
+        self._kill()
         self._working = None
+
+    def _kill(self) -> None:
+        if self._process is not None:
+            self._process.kill()
 
 
 def work(connection: Connection, kind: str) -> None:
@@ -197,6 +223,7 @@ def work(connection: Connection, kind: str) -> None:
     begin_child()
     warnings.simplefilter("ignore")
     with suppress(EOFError, OSError, KeyboardInterrupt):
+        connection.send(READY)
         connection.send(_picture(connection.recv(), kind))
         if kind == FIRST and not connection.poll(QUIET):
             _picture(Request(0, REHEARSAL, Path("rehearsal.toml")), kind)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import re
+import traceback
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,11 +20,20 @@ from dalembert.studio.preview import analysis_fields, section_operation
 from dalembert.studio.session import (
     MAX_TEXT,
     UNTITLED_SPATIAL,
+    UNTITLED_SPATIAL_STRUCTURE,
     UNTITLED_STRUCTURE,
     Session,
     failure,
 )
 from dalembert.studio.text_edits import TextEdits
+
+NEW = {
+    (False, True): UNTITLED_SPATIAL,
+    (True, False): UNTITLED_STRUCTURE,
+    (True, True): UNTITLED_SPATIAL_STRUCTURE,
+}
+"""Texts of new models: whether it is a structure, whether it is spatial."""
+OUTDATED = "another page has changed the model; its text is shown now"
 
 
 class Connection:
@@ -81,27 +91,34 @@ class Connection:
 
     async def answer(self, data: str) -> None:
         """Carry out one request."""
+        kind = None
         try:
             request = json.loads(data)
             kind = request.get("kind") if isinstance(request, dict) else None
             if not isinstance(kind, str) or kind not in self.requests:
                 raise FileError("unknown request; reload the page")
             self.requests[kind](request)
-        except (ValueError, RecursionError):
-            await self.send({"kind": "failure", "text": "unreadable request; reload the page"})
         except Conflict as conflict:
             await self.send({"kind": "conflict", "text": str(conflict), "path": conflict.path})
         except DalembertError as error:
-            await self.send(failure(error))
+            await self.send(failure(error) | {"request": kind})
+        except (ValueError, RecursionError):
+            await self.send({"kind": "failure", "text": "unreadable request; reload the page"})
+        except Exception:  # the page stays connected, and the text as it is
+            text = f"internal error; please report it:\n{traceback.format_exc(limit=-3)}"
+            await self.send({"kind": "failure", "text": text, "request": kind})
 
     def text(self, request: dict[str, Any]) -> None:
         """Replace the text by one that was typed on the base of the present revision."""
         text, revision = request.get("text"), request.get("revision")
         if not isinstance(text, str) or len(text) > MAX_TEXT:
             raise FileError(f"the text has more than {MAX_TEXT} characters; it was not stored")
+        _check_characters(text)
         if revision != self.session.draft.revision:
             self.session.broadcast(self.session.state())
-            raise FileError("another page has changed the model; its text is shown now")
+            message = {"kind": "failure", "text": OUTDATED}
+            self.session.reply(self.send, message)
+            return
         if self.session.draft.replace(text, "edit text", typed=True):
             self.session.changed(self.send)
         else:
@@ -114,6 +131,7 @@ class Connection:
         text = apply(self.session.draft.text, request.get("operations"))
         if len(text) > MAX_TEXT:
             raise FileError(f"the text would have more than {MAX_TEXT} characters")
+        _check_characters(text)
         label = request.get("label")
         if self.session.draft.replace(text, str(label)[:60] if label else "draw"):
             self.session.changed()
@@ -154,8 +172,7 @@ class Connection:
 
     def save(self, request: dict[str, Any]) -> None:
         """Write the file."""
-        path = request.get("path")
-        target = Path(path).expanduser() if isinstance(path, str) and path else None
+        target = _path(request)
         replace = request.get("replace") is True
         try:
             saved = self.session.save(target, replace)
@@ -178,17 +195,37 @@ class Connection:
 
     def open(self, request: dict[str, Any]) -> None:
         """Edit another file, an example, or a new model."""
-        path, example = request.get("path"), request.get("example")
+        example = request.get("example")
         if isinstance(example, str) and re.fullmatch(r"\w+", example):
             text = read_text(example_folder() / f"{example}.toml")
             self.session.open(None, text, example_folder())
-        elif request.get("dimension") == 3:
-            self.session.open(None, UNTITLED_SPATIAL)
-        elif request.get("structure") is True:
-            self.session.open(None, UNTITLED_STRUCTURE)
+        elif request.get("structure") is True or request.get("dimension") == 3:
+            key = request.get("structure") is True, request.get("dimension") == 3
+            self.session.open(None, NEW[key])
         else:
-            target = Path(path).expanduser() if isinstance(path, str) and path else None
-            self.session.open(target)
+            self.session.open(_path(request))
+
+
+def _path(request: dict[str, Any]) -> Path | None:
+    """Path that a request names; None if it names none."""
+    path = request.get("path")
+    if not isinstance(path, str) or not path:
+        return None
+    try:
+        target = Path(path).expanduser()
+        target.resolve().exists()
+    except (OSError, RuntimeError, ValueError) as error:  # an unknown user, a too long name
+        reason = getattr(error, "strerror", None) or error
+        raise FileError(f"{path[:80]!r}: is no path ({reason})") from None
+    return target
+
+
+def _check_characters(text: str) -> None:
+    """Refuse halves of pairs of UTF-16, which no file can contain."""
+    try:
+        text.encode()
+    except UnicodeEncodeError as error:
+        raise FileError(f"character {error.start} of the text is no character; remove it") from None
 
 
 class Conflict(DalembertError):

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from dalembert.errors import FileError
 from dalembert.files import atomic_path, readable
+from dalembert.studio.common_ends import common_ends
 
 PAUSE = 1.0
 """Typed changes within this time of each other are undone together [s]."""
@@ -19,18 +20,32 @@ BOM = b"\xef\xbb\xbf"
 
 @dataclass(frozen=True)
 class Change:
-    """Text before a change.
+    """Replacement in a text that returns the text before a change, or after one.
 
     Attributes
     ----------
-    text : before it
+    start : of the replaced characters
+    length : their number
+    text : in their place
     label : description of the change, such as ``add bar``
     typed : whether it was typed into the text
     """
 
+    start: int
+    length: int
     text: str
     label: str
     typed: bool = False
+
+    @classmethod
+    def between(cls, now: str, other: str, label: str, typed: bool = False) -> Change:
+        """Change that turns the present text into another one."""
+        start, tail = common_ends(now, other)
+        return cls(start, len(now) - tail - start, other[start : len(other) - tail], label, typed)
+
+    def apply(self, text: str) -> str:
+        """The other text."""
+        return text[: self.start] + self.text + text[self.start + self.length :]
 
 
 class Draft:
@@ -92,8 +107,8 @@ class Draft:
             return False
         now = self._clock()
         joins = typed and self._undo and self._undo[-1].typed and now - self._typed_at < PAUSE
-        if not joins:
-            self._undo.append(Change(self.text, label, typed))
+        before = self._undo.pop().apply(self.text) if joins else self.text
+        self._undo.append(Change.between(text, before, label, typed))
         self._typed_at = now if typed else -PAUSE
         self._redo.clear()
         self._set(text)
@@ -111,9 +126,10 @@ class Draft:
         if not source:
             return False
         change = source.pop()
-        target.append(Change(self.text, change.label))
+        text = change.apply(self.text)
+        target.append(Change.between(text, self.text, change.label))
         self._typed_at = -PAUSE
-        self._set(change.text)
+        self._set(text)
         return True
 
     def _set(self, text: str) -> None:

@@ -7,7 +7,9 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from dalembert.errors import ModelError
+from dalembert.studio.array_edits import append_item, remove_item
 from dalembert.studio.contact_edits import remove_group, without_shapes_of
+from dalembert.studio.key_edits import drop_key
 from dalembert.studio.list_edits import append_entry, remove_entry, remove_from_lists
 from dalembert.studio.section_edits import set_section
 from dalembert.studio.text_edits import TextEdits
@@ -38,7 +40,9 @@ def apply(text: str, operations: Any) -> str:
         ``parameter`` has ``name`` and ``value``, ``extract`` has ``keys``, or the character ``at``
         in the text. ``section`` has ``section`` and ``fields``: the new values of its keys, null
         for a removed one. ``append`` has ``section``, a list of tables such as ``supports``, and
-        ``fields``; ``remove_entry`` has ``section`` and ``index``.
+        ``fields``; ``remove_entry`` has ``section`` and ``index``. ``append_item`` has the
+        ``keys`` of an array and a ``value``, ``remove_item`` the ``keys`` of an item.
+        ``drop`` has the ``keys`` of a value that is removed from its table, if it is there.
 
     Raises
     ------
@@ -51,7 +55,7 @@ def apply(text: str, operations: Any) -> str:
     names: dict[str, str] = {}
     for operation in operations:
         kind = operation.get("op") if isinstance(operation, dict) else None
-        if kind not in OPERATIONS:
+        if not isinstance(kind, str) or kind not in OPERATIONS:
             raise ModelError(f"unknown operation {str(kind)[:40]!r}")
         OPERATIONS[kind](edits, _named(operation, names), names)
     return edits.text
@@ -85,10 +89,7 @@ def _add(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> 
 
 
 def _set(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
-    keys = operation.get("keys")
-    if not (isinstance(keys, list) and keys and all(isinstance(k, (str, int)) for k in keys)):
-        raise ModelError("the operation set needs the list 'keys'")
-    edits.set_value(keys, operation.get("value"), operation.get("written") is True)
+    edits.set_value(_path(operation), operation.get("value"), operation.get("written") is True)
 
 
 def _remove(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
@@ -115,7 +116,9 @@ def _extract(edits: TextEdits, operation: dict[str, Any], names: dict[str, str])
     keys, at = operation.get("keys"), operation.get("at")
     if isinstance(at, int):
         keys = edits.keys_at(at)
-    if not (isinstance(keys, (list, tuple)) and keys):
+    if not (
+        isinstance(keys, (list, tuple)) and keys and all(isinstance(k, (str, int)) for k in keys)
+    ):
         raise ModelError("place the cursor in a number of an element")
     parts = [str(key) for key in keys[1:]]
     edits.extract(keys, re.sub(r"\W", "_", "_".join(parts)) or "parameter")
@@ -142,6 +145,28 @@ def _remove_entry(edits: TextEdits, operation: dict[str, Any], names: dict[str, 
     remove_entry(edits, _text(operation, "section"), index)
 
 
+def _path(operation: Mapping[str, Any]) -> tuple[str | int, ...]:
+    keys = operation.get("keys")
+    if not (isinstance(keys, list) and keys and all(isinstance(k, (str, int)) for k in keys)):
+        raise ModelError(f"the operation {operation.get('op')} needs the list 'keys'")
+    return tuple(keys)
+
+
+def _append_item(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    append_item(edits, _path(operation), operation.get("value"))
+
+
+def _remove_item(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    *keys, index = _path(operation)
+    if not isinstance(index, int) or isinstance(index, bool):
+        raise ModelError("the operation remove_item needs the number of an item")
+    remove_item(edits, tuple(keys), index)
+
+
+def _drop(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    drop_key(edits, _path(operation))
+
+
 def _remove_group(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
     remove_group(edits, _text(operation, "name"), _text(operation, "group"))
 
@@ -157,6 +182,9 @@ OPERATIONS: dict[str, Callable[[TextEdits, dict[str, Any], dict[str, str]], None
     "section": _section,
     "append": _append,
     "remove_entry": _remove_entry,
+    "append_item": _append_item,
+    "remove_item": _remove_item,
+    "drop": _drop,
 }
 
 

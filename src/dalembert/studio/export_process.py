@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import shutil
 import tempfile
 import threading
@@ -14,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from dalembert.errors import DalembertError, FileError
-from dalembert.studio.child import begin_child
+from dalembert.studio.child import begin_child, child_context
 from dalembert.studio.exporting import CHOICES, ExportRequest, write_export
 
 Report = Callable[[dict[str, Any]], None]
@@ -56,7 +55,7 @@ class Exports:
         self._number += 1
         folder = self._folder / str(self._number)
         folder.mkdir()
-        context = multiprocessing.get_context("spawn")
+        context = child_context()
         receiver, sender = context.Pipe(duplex=False)
         request = ExportRequest(to, text, path, share, folder)
         process = context.Process(target=work, args=(sender, request), daemon=True)

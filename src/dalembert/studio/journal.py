@@ -1,8 +1,8 @@
 """Unsaved changes of drafts on disk, so that they survive the end of the program.
 
-Every process has a file of its own for each draft, and locks another one while it runs, in
+Every draft that is edited has a file of its own with a random name, and locks another one, in
 ``$XDG_STATE_HOME/dalembert/studio``, else ``~/.local/state/dalembert/studio``. A draft whose
-process has ended is offered when its file is opened again.
+process has ended, or edits another file, is offered when its file is opened again.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import secrets
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -21,7 +22,7 @@ from dalembert.errors import FileError
 from dalembert.files import atomic_path, locked_file
 
 KEPT = 30 * 24 * 3600.0
-"""Age at which a draft that nobody has opened is deleted [s]."""
+"""Age at which a draft is deleted when another file is opened [s]."""
 
 PATIENCE = 2.0
 """Time to wait for another program that saves the same file [s]."""
@@ -64,7 +65,7 @@ class Journal:
     def __init__(self, path: Path | None, folder: Path | None = None):
         self.path = path
         self.folder = journal_folder() if folder is None else folder
-        self.file = self.folder / f"{_key(path)}-{os.getpid()}.json"
+        self.file = self.folder / f"{_key(path)}-{secrets.token_hex(8)}.json"
         self._lock = None
         with suppress(OSError):  # ``write`` reports a folder that cannot be written
             self.folder.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -102,10 +103,10 @@ class Journal:
             data = _load(file)
             if data is None or file == self.file or not _is_free(file.with_suffix(LOCK)):
                 continue
-            if time.time() - data["time"] > KEPT:
-                file.unlink(missing_ok=True)
-            elif file.name.startswith(f"{_key(self.path)}-"):
+            if file.name.startswith(f"{_key(self.path)}-"):
                 yield Recovered(data["text"], data["time"], file)
+            elif time.time() - data["time"] > KEPT:
+                file.unlink(missing_ok=True)
 
 
 @contextmanager

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from dalembert.errors import ModelError
 from dalembert.io.messages import key_path
+from dalembert.studio.array_edits import append_item, remove_item
 from dalembert.studio.toml_values import NAME, as_toml
 
 if TYPE_CHECKING:
@@ -17,11 +18,12 @@ LISTS = {
     "loads": "nodes",
     "line_loads": "elements",
     "tractions": "nodes",
+    "temperatures": "elements",
 }
 """Lists that the drawing changes, and the key of the names of their parts."""
 REFERENCES = ("nodes", "elements")
 """Keys of names of nodes, elements and meshes in these and other lists."""
-OTHERS = ("temperatures", "initial")
+OTHERS = ("initial",)
 """Further lists that refer to nodes and elements."""
 
 
@@ -49,13 +51,7 @@ def append_entry(edits: TextEdits, section: str, fields: Mapping[str, Any]) -> N
         rows = "".join(f"{key} = {as_toml(value)}\n" for key, value in fields.items())
         edits.insert(section, False, f"[[{section}]]\n{rows}", "\n\n")
         return
-    entries = edits.data[section]
-    if not isinstance(entries, list):
-        raise ModelError("is no list of tables", section)
-    ends = [edits.places[section, k].end for k in range(len(entries))]
-    at = ends[-1] if ends else place.value + 1
-    text = (", " if ends else "") + as_toml(dict(fields))
-    edits.set_text(edits.text[:at] + text + edits.text[at:])
+    append_item(edits, (section,), dict(fields))
 
 
 def remove_entry(edits: TextEdits, section: str, index: int) -> None:
@@ -78,13 +74,7 @@ def remove_entry(edits: TextEdits, section: str, index: int) -> None:
             text = text[:start] + text[end:]
         edits.set_text(text)
         return
-    own = edits.places[section, index]
-    if index + 1 < len(entries):
-        start, end = own.start, edits.places[section, index + 1].start
-    else:
-        start = edits.places[section, index - 1].end if index else own.start
-        end = own.end
-    edits.set_text(text[:start] + text[end:])
+    remove_item(edits, (section,), index)
 
 
 def remove_from_lists(edits: TextEdits, names: Collection[str]) -> None:

@@ -32,9 +32,16 @@ body { padding: 8px } main, .single main { padding: 0 }
 }
 .toolbar { order: 1; border-bottom: 0; border-top: 1px solid var(--line) }
 .toolbar .menu-box { top: auto; bottom: calc(100% + 6px) }
-#ghosts { order: 99 }"""
+#ghosts { order: 99 }
+@media (max-width: 560px), (max-height: 430px) {
+  .view, .single .view { height: max(170px, calc(100dvh - 112px)) }
+  .toolbar { flex-wrap: nowrap; overflow-x: auto; padding: 5px 8px }
+  .toolbar > *, .toolbar .chips { flex: none; flex-wrap: nowrap; max-height: none }
+  .player { padding: 4px 8px } .player select { max-width: 72px }
+}"""
 """Style of a page in the studio, which has its own heading. Legend and buttons are below the
-drawing, whose place and height depend on the window only: no row of them moves what is clicked."""
+drawing, whose place and height depend on the window only: no row of them moves what is clicked. On
+a phone the tools are in one line."""
 DRAWN = 1_500_000
 """Upper limit of the size of a module that computes what is dragged [bytes]."""
 LOOSE = "is not connected to any element, and not in the picture; connect or remove it"
@@ -102,8 +109,10 @@ def _picture_of(text: str, path: Path, live: bool) -> Picture:
 
 
 def _is_spatial(data: dict[str, Any]) -> bool:
-    """Whether the elements of a mechanism are spatial."""
-    gravity = data.get("gravity")
+    """Whether a model without elements is spatial: by its gravity, or the places of its nodes."""
+    gravity, nodes = data.get("gravity"), data.get("nodes")
+    if isinstance(nodes, dict) and nodes:
+        return all(isinstance(place, list) and len(place) == 3 for place in nodes.values())
     return data.get("dimension", len(gravity) if isinstance(gravity, list) else 2) == 3
 
 

@@ -12,6 +12,7 @@ from dalembert.errors import DalembertError, ModelError
 from dalembert.io.fields import keyed_fields
 from dalembert.io.strategies import ANALYSES, STRUCTURAL_ANALYSES
 from dalembert.io.toml_places import line_and_column
+from dalembert.studio.common_ends import common_ends
 from dalembert.studio.drawing_edits import apply
 from dalembert.studio.problems import Problem
 from dalembert.text.wording import unknown
@@ -93,11 +94,7 @@ class Preview:
         text : without it
         """
         shown = self._text
-        limit = min(len(shown), len(text))
-        head = next((k for k in range(limit) if shown[k] != text[k]), limit)
-        tail = 0
-        while tail < limit - head and shown[-1 - tail] == text[-1 - tail]:
-            tail += 1
+        head, tail = common_ends(shown, text)
 
         def moved(start: int, end: int) -> int | None:
             """Distance by which a range is moved; None for one that the text does not have."""

@@ -18,6 +18,7 @@ from dalembert.studio.event_loop import in_loop
 from dalembert.studio.export_process import Exports
 from dalembert.studio.journal import Journal, Recovered, saving
 from dalembert.studio.listed_files import listed_files
+from dalembert.studio.photos import Photos
 from dalembert.studio.picture_feed import PictureFeed
 from dalembert.studio.preview import Preview
 from dalembert.studio.recent_files import remember
@@ -31,6 +32,8 @@ UNTITLED_SPATIAL = UNTITLED.replace("[0.0, -9.81]", "[0.0, 0.0, -9.81]")
 """Text of a new spatial model."""
 UNTITLED_STRUCTURE = 'format = 1\nkind = "structure"\nname = "untitled"\n'
 """Text of a new structure."""
+UNTITLED_SPATIAL_STRUCTURE = UNTITLED_STRUCTURE + "gravity = [0.0, 0.0, 0.0]  # without weight\n"
+"""Text of a new spatial structure."""
 RESTORED = "unsaved changes were restored; undo returns to the file"
 MAX_TEXT = 2_000_000
 """Upper limit of the length of a text [characters]."""
@@ -54,6 +57,7 @@ class Session:
         self.draft = Draft(path, UNTITLED)
         self.journal = Journal(self.draft.path, journals)
         self._journals = journals
+        self.photos = Photos(journals)
         self.exports = Exports()
         self._is_stored = True
         self._folder: Path | None = None
@@ -195,6 +199,11 @@ class Session:
             "document": self._document(),
         }
 
+    @property
+    def photo_name(self) -> str:
+        """Name under which the photo of the draft is stored."""
+        return str(self.draft.path or self.draft.name)
+
     def _document(self) -> dict[str, Any] | None:
         """Contents of the text for the drawing; None if it is not valid."""
         if self._parsed[0] != self.draft.text:
@@ -274,7 +283,7 @@ class Session:
         FileError
             As ``Draft.save``.
         """
-        former = self.journal
+        former, name = self.journal, self.photo_name
         target = self.draft.path if path is None else path.resolve()
         with saving(target or Path.cwd(), self._journals):
             saved = self.draft.save(path, replace)
@@ -282,6 +291,7 @@ class Session:
             self.journal = Journal(saved, self._journals)
             former.clear()
             former.close()
+            self.photos.copy(name, self.photo_name)
         else:
             former.clear()
         remember(saved, self._journals)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from dalembert.studio.child import child_context
 from dalembert.studio.task_work import STOP, Iteration, Outcome, TaskRequest, work
 
 PATIENCE = 5.0
@@ -78,7 +78,7 @@ class TaskProcess:
         self._report = report
         self._reported = 0.0
         self._stopped = False
-        context = multiprocessing.get_context("spawn")
+        context = child_context()
         self._connection, other = context.Pipe()
         self.process = context.Process(target=work, args=(other, request), daemon=True)
         self.process.start()

@@ -24,6 +24,7 @@ from dalembert.io.reading import parse_document
 from dalembert.io.report import report_choices
 from dalembert.report.page import render_page
 from dalembert.studio.candidates import cards
+from dalembert.studio.child import end_with_parent
 from dalembert.studio.problems import Problem, problems_of
 
 SECTIONS = tuple(RUNS)
@@ -81,6 +82,7 @@ class Outcome:
 
 def work(connection: Connection, request: TaskRequest) -> None:
     """Run a task; the process ends with the connection."""
+    end_with_parent()
     if os.name == "posix":
         signal.signal(signal.SIGINT, signal.default_int_handler)
     warnings.simplefilter("ignore")

@@ -19,7 +19,7 @@ from dalembert.studio.uses import VALUES, uses_of
 ORDER = (
     *("parameters", "derived", "inputs", "outputs", "ground", "nodes", "elements", "meshes"),
     *("bodies", "beams", "joints", "drivers", "forces", "blocks"),
-    *("supports", "loads", "line_loads", "tractions", "analysis"),
+    *("supports", "loads", "line_loads", "tractions", "temperatures", "analysis"),
 )
 """Order of the sections of a file, for new ones."""
 
@@ -309,7 +309,8 @@ class TextEdits:
             raise ModelError(f"{new[:60]!r} is no name; use letters, digits and _", section)
         if new in self.names():
             raise ModelError("the name is already used; choose another", new)
-        if old not in self.data.get(section, {}):
+        entries = self.data.get(section)
+        if not isinstance(entries, dict) or old not in entries:
             raise ModelError("there is no such entry", key_path(section, old))
         text = self.text
         for start, end in sorted(uses_of(text, self.places, section, old), reverse=True):

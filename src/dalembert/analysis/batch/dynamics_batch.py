@@ -17,6 +17,7 @@ from dalembert.analysis.batch.batch_residuals import BatchResiduals
 from dalembert.analysis.batch.individual_runs import STOPPED, completed_batch
 from dalembert.analysis.batch.starts import Starts, first_states, starting_mode
 from dalembert.analysis.batch.states import MarchedStates
+from dalembert.analysis.contact.located_pairs import collisions_of
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.run import DynamicsRun
 from dalembert.analysis.dynamics.variant import Variant
@@ -60,7 +61,7 @@ class DynamicsBatch(ABC):
     @staticmethod
     def starting_variant(analysis: Any, model: Model) -> Variant | None:
         """The variant of the nominal start; None if runs may change it."""
-        if analysis.events or model.closure.lost:
+        if analysis.events or model.closure.lost or collisions_of(model):
             return None
         if analysis.strict and model.closure.recipe.projected:
             return None

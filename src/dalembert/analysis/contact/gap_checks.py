@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.contact.collisions import Collisions
+from dalembert.analysis.contact.located_pairs import collisions_of, with_located_pairs
 from dalembert.errors import AnalysisError, DalembertError, UnsupportedError
 from dalembert.model.graph.model import Model
 from dalembert.model.graph.rigid_gaps import RigidGap
@@ -35,7 +35,7 @@ def refuse_overlap(model: Model, start: float) -> None:
 
 
 def contact_start(model: Model, p: np.ndarray, start: float, contacts: bool) -> tuple[Model, str]:
-    """``touching_model`` for pairs of shapes.
+    """``touching_model`` with contacts of all pairs of shapes.
 
     Parameters
     ----------
@@ -46,12 +46,11 @@ def contact_start(model: Model, p: np.ndarray, start: float, contacts: bool) -> 
     AnalysisError
         As of ``touching_model``.
     UnsupportedError
-        The model has gaps among many shapes.
+        There are gaps among many shapes whose impacts cannot be located.
     """
     if not contacts:
         return model, ""
-    refuse_collisions(model)
-    return touching_model(model, p, start)
+    return touching_model(with_located_pairs(model), p, start)
 
 
 def touching_model(model: Model, p: np.ndarray, start: float) -> tuple[Model, str]:
@@ -145,16 +144,12 @@ def refuse_collisions(model: Model) -> None:
     UnsupportedError
         The model has such elements.
     """
-    if names := [element.name for element in _collisions_of(model)]:
+    if names := [element.name for element in collisions_of(model)]:
         raise UnsupportedError(
             f"{', '.join(names)}: gaps among many shapes need solve_nonsmooth, which treats all "
             "rigid contacts of the model together; to locate the impacts of a few bodies, give a "
             "Contact with law=contact.Restitution(…) for each pair"
         )
-
-
-def _collisions_of(model: Model) -> list[Collisions]:
-    return [e for e in model.parts.elements.values() if isinstance(e, Collisions)]
 
 
 Smallest = tuple[str, int, float, str]
@@ -176,7 +171,7 @@ def _single_gaps(model: Model, s: Trajectory, p: np.ndarray) -> Iterator[Smalles
 
 def _collisions(model: Model, s: Trajectory, p: np.ndarray) -> Iterator[Smallest]:
     """Smallest gaps among many shapes that are closed or nearly closed."""
-    if not _collisions_of(model):
+    if not collisions_of(model):
         return
     from dalembert.analysis.nonsmooth.gaps.collision_gaps import collision_gaps
     from dalembert.analysis.nonsmooth.gaps.configuration import Configuration

@@ -31,7 +31,7 @@ def advance(
     direction over the path, so that its work is the change of its elastic energy.
     """
     smooth = step.smooth.step(t, y, v, step.p, h, step.scheme.theta)
-    start = StepStart(t, h, y, v, *smooth, before is None)
+    start = StepStart(smooth, smooth.free, before is None)
     contacts = step.near(step.at(t, y), AHEAD * h * np.column_stack([v, start.free]))
     result = _advanced(step, start, contacts, before)
     for _ in range(PATHS if step.force_laws.elements else 0):

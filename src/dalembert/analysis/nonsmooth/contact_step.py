@@ -13,8 +13,8 @@ from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapSource
 from dalembert.analysis.nonsmooth.gaps.joined_gaps import selected_of, separating_of
 from dalembert.analysis.nonsmooth.impact_stage import impact_stage
-from dalembert.analysis.nonsmooth.mobility import Mobility, delassus
-from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
+from dalembert.analysis.nonsmooth.mobility import delassus
+from dalembert.analysis.nonsmooth.smooth_motion import FreeMotion, SmoothMotion
 from dalembert.analysis.nonsmooth.step_state import LastImpulses, StepResult, StepStart, warm_start
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import UnsupportedError
@@ -37,6 +37,10 @@ ROUNDS = 50
 JAMMED = 1e-6
 """Upper limit of the residual relative to the speeds before the impulses, which may be large
 without any effect where contacts jam [-]."""
+PATHS = 20
+"""Upper limit of the repetitions of a step with means over its path."""
+SAME_PATH = 1e-14
+"""Estimated error of the means over a path, by which joints are open at its end [-]."""
 CLOSED = 1e-12
 """Penetration that counts as rounding, by the natural length."""
 APART = 2**54
@@ -155,7 +159,7 @@ class ContactStep:
         if contacts.laws.follows(ImpactLaw.NEWTON).all():
             return start
         approach = start.approach(contacts, self.rounding)
-        stage = impact_stage(approach, start.mobility, self.solver)
+        stage = impact_stage(approach, start.motion.mobility, self.solver)
         return start if stage is None else start.after(stage)
 
     def late(self, start: StepStart, result: StepResult) -> np.ndarray:
@@ -172,16 +176,54 @@ class ContactStep:
     def solved(
         self, start: StepStart, contacts: Contacts, before: LastImpulses | None
     ) -> StepResult:
-        """A step with some contacts; impulses of the step ``before`` are the starting point."""
+        """A step with some contacts; impulses of the step ``before`` are the starting point.
+
+        Means over the path of the step are those of its own solution, by repetition; where this
+        does not converge, those of the solution that changes least.
+        """
+        if not self.smooth.takes_means(self.scheme.theta):
+            return self._solved(start, start.motion, contacts, before)
+        pressed = before is not None and before.pressing[0].size > 0
+        after, last, warm, best = start.v if pressed else start.free, np.inf, before, None
+        stuck = contacts.key[:0] if before is None else before.stuck
+        for _ in range(PATHS):
+            motion = start.with_impact(self.smooth.along(start.smooth, after))
+            result = self._solved(start, motion, contacts, warm)
+            if not result.impulses.accepted:
+                break
+            change = self._change(start, result.v, after)
+            ratio = change / last if 0 < last < np.inf else 1.0
+            if change * min(ratio, 1.0) <= SAME_PATH:
+                return result
+            if not change < last:
+                break
+            after, last, best = result.v, change, result
+            warm = replace(result.last, stuck=stuck)
+        return best or self._solved(start, start.motion, contacts, before)
+
+    def _change(self, start: StepStart, speeds: np.ndarray, other: np.ndarray) -> float:
+        """Largest difference of speeds times the largest displacement, by the natural ones."""
+        size = self.model.scales.displacements / start.h
+        largest = np.abs(np.array([start.v, speeds, other]) / size).max(initial=0.0)
+        return float(np.abs((speeds - other) / size).max(initial=0.0) * largest)
+
+    def _solved(
+        self,
+        start: StepStart,
+        motion: FreeMotion,
+        contacts: Contacts,
+        before: LastImpulses | None,
+    ) -> StepResult:
+        """A step with some contacts and the motion that it has without their impulses."""
         v, theta = start.v, self.scheme.theta
         approach = start.approach(contacts, self.rounding)
-        impulses, offsets, stuck, compliant = self._impulses(approach, start.mobility, before)
+        impulses, offsets, stuck, compliant = self._impulses(approach, motion, before)
         momentum = contacts.directions.T @ impulses.impulses.ravel()
-        change, reactions = start.mobility(momentum)
-        after = start.free + change
+        change, reactions = motion.mobility(momentum)
+        after = motion.speeds + change
         displacement = start.h * (theta * after + (1 - theta) * v)
         position = self.model.equations.manifold.go(start.y, displacement)
-        position = start.states.added(position, after - v)
+        position = start.smooth.states.added(position, after - v)
         mean = 0.5 * (contacts.directions @ (after + v)).reshape(offsets.shape)
         ends = contacts.speeds(after)[:, 0]
         work = np.zeros(contacts.count)
@@ -191,11 +233,11 @@ class ContactStep:
             impulses = start.impact.added(contacts, impulses)
         loss = -0.5 * float(momentum @ (after + v)) - compliant.stored(ends)
         solution = contacts, impulses, offsets, stuck, loss, work, compliant.fractions(ends)
-        multiplier = start.multiplier + reactions
+        multiplier = motion.multiplier + reactions
         return StepResult(position, after, multiplier, *solution, impact=start.impact)
 
     def _impulses(
-        self, approach: Approach, mobility: Mobility, before: LastImpulses | None
+        self, approach: Approach, motion: FreeMotion, before: LastImpulses | None
     ) -> tuple[Impulses, np.ndarray, np.ndarray, CompliantContacts]:
         """Impulses of the contacts, their offsets, which are updated until they no longer change,
         keys of the sticking contacts with static friction, and the compliant contacts."""
@@ -205,8 +247,8 @@ class ContactStep:
             empty = Impulses(np.zeros(shape), 0.0, True)
             absent = CompliantContacts(*soft, np.zeros(0), self.scheme.theta)
             return empty, np.zeros(shape), contacts.key[:0], absent
-        matrix = delassus(contacts.directions, mobility)
-        own = np.zeros(contacts.count)
+        matrix = delassus(contacts.directions, motion.mobility)
+        free, own = contacts.speeds(motion.speeds), np.zeros(contacts.count)
         if self.force_laws.elements:
             own = matrix.diagonal().reshape(shape)[:, 0]
         compliant = CompliantContacts(*soft, own, self.scheme.theta)
@@ -218,7 +260,7 @@ class ContactStep:
         start, rounds = warm_start(contacts, before, shape), 0
         for _ in range(ROUNDS):
             offsets[compliant.rows, 0] = compliant.offsets
-            velocity = approach.free + offsets
+            velocity = free + offsets
             problem = FrictionProblem(matrix, velocity, laws.friction, contacts.groups, scale)
             if compliant.rows.size:
                 problem = compliant_problem(problem, compliant.compliance)
@@ -235,7 +277,7 @@ class ContactStep:
             after = problem.speeds(solution.impulses) - offsets
             pushes = solution.impulses
             if compliant.rows.size:
-                after = (matrix @ start.ravel()).reshape(shape) + approach.free
+                after = (matrix @ start.ravel()).reshape(shape) + free
                 pushes = start.copy()
                 pushes[compliant.rows, 0] = 0.0  # force laws may do work
             changed = self.scheme.again(approach, offsets, pushes, after)

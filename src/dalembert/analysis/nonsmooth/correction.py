@@ -132,10 +132,29 @@ def correct_position(
     return newton.solve(PositionCorrection(step, t, open_gaps, travel), y, SETTINGS)
 
 
+@dataclass(frozen=True)
+class ConsistentSpeeds:
+    """Speeds that satisfy the joints.
+
+    Attributes
+    ----------
+    v : (n,)
+    lost, input : kinetic energy lost, and work of moving joints in the change of speeds [J]
+    """
+
+    v: np.ndarray
+    lost: float = 0.0
+    input: float = 0.0
+
+
 def consistent_speeds(
     step: ContactStep, t: float, y: np.ndarray, v: np.ndarray
-) -> tuple[np.ndarray, float]:
-    """The nearest speeds, by kinetic energy, with ``C v = −Φ_t``, and the kinetic energy lost."""
+) -> ConsistentSpeeds:
+    """The nearest speeds ``v + c``, by kinetic energy, with ``C (v + c) = −Φ_t``.
+
+    Kinetic energy changes by ``cᵀM(v + c) − cᵀM c/2``: the work of moving joints, and a loss.
+    """
     mobility, _, still, joints = step.smooth.at(t, y, step.p)
     change = mobility(np.zeros(v.size), -still - joints @ v)[0]
-    return v + change, -float(change @ (mobility.matrix @ (v + change / 2)))
+    momentum, after = mobility.matrix @ change, v + change
+    return ConsistentSpeeds(after, float(momentum @ change) / 2, float(momentum @ after))

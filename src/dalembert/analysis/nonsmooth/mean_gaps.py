@@ -43,7 +43,7 @@ def mean_gaps(
         parts.append(gaps_at(t + s * h, manifold.go(y, s * displacement)))
     directions = []
     for (s, weight), gaps in zip(LOBATTO.items(), parts, strict=True):
-        shares = manifold.path_shares(y, displacement, s)
+        shares = manifold.path_shares(displacement, s)
         directions.append(_scaled(gaps.directions, weight * shares))
     drift = np.tensordot(list(LOBATTO.values()), [gaps.drift for gaps in parts], axes=1)
     mean = replace(parts[0], directions=sum(directions[1:], directions[0]), drift=drift)

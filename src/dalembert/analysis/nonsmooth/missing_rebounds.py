@@ -1,9 +1,10 @@
-"""Warning about impacts that fall within a step, so that bodies do not rebound.
+"""Warnings about rebounds with a wrong energy, as impacts fall within a step.
 
 A body with the normal speed ``s`` and the gap ``g`` at the start of a step, accelerated by ``a``,
-hits at ``√(s² + 2 a g)``, and rebounds with the share ``e²`` of this energy. ``AnticipatedImpacts``
-counts contacts with ``s ≤ 2 a h`` as resting, and ``MoreauJean`` returns ``e s``, which is nothing
-for a body that begins to fall: it then stands in front of the gap.
+hits at ``√(s² + 2 a g)``, and rebounds with the share ``e²`` of this energy. A scheme returns
+``e s`` while the gap is open, so that ``(1 − e²) a g`` remain. ``AnticipatedImpacts`` counts slow
+contacts as resting, and ``MoreauJean`` returns ``e s``, which is nothing for a body that begins to
+fall: it then stands in front of the gap.
 """
 
 from __future__ import annotations
@@ -14,12 +15,14 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.mobility import delassus
+from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.integrators.contact.approach import SLOW
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.results.nonsmooth_motion import ContactRecord
 
-SHARE = 0.01
-"""Missing energy of a step, relative to the energy in the motion, that causes a warning [-]."""
+SHARE, ROUGH = 0.01, 0.03
+"""Missing energy of a step, and error of the energy of its rebounds, relative to the energy in the
+motion, that cause a warning [-]."""
 ENOUGH = 10.0
 """Recommended approach speed, relative to the change of speed by forces in a step [-]."""
 MOST = 200
@@ -30,28 +33,30 @@ REBOUND = 0.5
 
 
 @dataclass(frozen=True)
-class MissingRebound:
-    """Rebounds missing in one step.
+class Rebounds:
+    """Rebounds in one step.
 
     Attributes
     ----------
-    energy : of all contacts [J]
+    missing, error : energy of missing rebounds, and error of the energy of the others [J]
     step : its number
-    owner : number of the element with the largest part
-    speed, restitution, acceleration : of its contact: speed of the impact [m/s], ``e``, ``a``
-        [m/s²]
+    owner, other : numbers of the elements with the largest parts of both
+    speed, restitution, acceleration : of the contact with the largest missing energy: speed of the
+        impact [m/s], ``e``, ``a`` [m/s²]
     """
 
-    energy: float
+    missing: float
+    error: float
     step: int
     owner: int
+    other: int
     speed: float
     restitution: float
     acceleration: float
 
 
 def rebound_warnings(step: ContactStep, record: ContactRecord, moved: float) -> list[str]:
-    """Warning about a run in which impacts within a step have no rebound.
+    """Warnings about a run in which impacts within a step have no rebound, or a wrong one.
 
     Parameters
     ----------
@@ -62,23 +67,41 @@ def rebound_warnings(step: ContactStep, record: ContactRecord, moved: float) -> 
     if step.scheme.anticipates:
         size, chosen = record.loss, np.flatnonzero(record.loss > SHARE * moved)
     chosen = chosen[np.argsort(-size[chosen])][:MOST]
-    losses = [missing for k in chosen if (missing := _missing(step, record, int(k))) is not None]
-    worst = max(losses, key=lambda missing: missing.energy, default=None)
-    if worst is None or not worst.energy > SHARE * moved:
-        return []
+    rebounds = [of for k in chosen if (of := _rebounds(step, record, int(k))) is not None]
+    worst = max(rebounds, key=lambda of: of.missing, default=None)
+    if worst is not None and worst.missing > SHARE * moved:
+        return [_missing_text(record, worst, moved)]
+    worst = max(rebounds, key=lambda of: of.error, default=None)
+    if worst is not None and worst.error > ROUGH * moved:
+        return [_error_text(record, worst, moved)]
+    return []
+
+
+def _missing_text(record: ContactRecord, worst: Rebounds, moved: float) -> str:
     k = worst.step
     shorter = worst.speed / (ENOUGH * worst.acceleration)
-    return [
+    return (
         f"{record.names[worst.owner]} closes a gap at {worst.speed:.3g} m/s within the step at "
         f"t = {record.t[k]:.9g} s, in which forces change speeds by "
         f"{worst.acceleration * (record.t[k + 1] - record.t[k]):.3g} m/s: the rebound by its "
-        f"restitution of {worst.restitution:.3g} is missing, {worst.energy:.3g} J, where "
+        f"restitution of {worst.restitution:.3g} is missing, {worst.missing:.3g} J, where "
         f"{moved:.3g} J took part in the motion; use step={shorter:.1g} or shorter"
-    ]
+    )
 
 
-def _missing(step: ContactStep, record: ContactRecord, k: int) -> MissingRebound | None:
-    """Rebounds missing in step ``k``; None without any."""
+def _error_text(record: ContactRecord, worst: Rebounds, moved: float) -> str:
+    k = worst.step
+    shorter = (record.t[k + 1] - record.t[k]) * ROUGH * moved / worst.error
+    return (
+        f"the energy after an impact of {record.names[worst.other]} at t = {record.t[k]:.9g} s "
+        f"differs by {worst.error:.3g} J from that by its restitution, where {moved:.3g} J took "
+        f"part in the motion, as the impact is applied before the gap is closed; use "
+        f"step={shorter:.1g} or shorter"
+    )
+
+
+def _rebounds(step: ContactStep, record: ContactRecord, k: int) -> Rebounds | None:
+    """Rebounds of the contacts that begin to press in step ``k``; None without any."""
     own, before = (record.key[record.step == number] for number in (k, k - 1))
     keys = np.sort(own[~np.isin(own, before)])
     t, y, v = float(record.t[k]), record.ends.y[:, k], record.ends.v[:, k]
@@ -89,21 +112,32 @@ def _missing(step: ContactStep, record: ContactRecord, k: int) -> MissingRebound
     contacts = contacts.some(contacts.laws.restitution > 0)
     if not contacts.count:
         return None
-    free, _, mobility, _ = step.smooth.step(t, y, v, step.p, h, step.scheme.theta)
+    motion = step.smooth.step(t, y, v, step.p, h, step.scheme.theta).free
+    free, mobility = motion.speeds, motion.mobility
     start = -contacts.speeds(v)[:, 0]
     acceleration = (-contacts.speeds(free)[:, 0] - start) / h
     fall = 2 * np.maximum(acceleration, 0.0) * np.maximum(contacts.distance, 0.0)
     speed = np.sqrt(np.maximum(start, 0.0) ** 2 + fall)
-    forced = float(np.abs(h * acceleration).max())
     rebound = contacts.laws.restitution * speed
-    rebounds = contacts.speeds(record.ends.v[:, k + 1])[:, 0] >= REBOUND * rebound
+    after = contacts.speeds(record.ends.v[:, k + 1])[:, 0]
+    rebounds = after >= REBOUND * rebound
     if step.scheme.anticipates:  # of which the impact may be in the next step
-        rebounds |= start > SLOW * forced
-    energy = np.where(rebounds, 0.0, _masses(contacts, mobility) * rebound**2 / 2)
-    worst = int(np.argmax(energy))
+        next_v = record.ends.v[:, min(k + 2, record.t.size - 1)]
+        rebounds |= contacts.speeds(next_v)[:, 0] >= REBOUND * rebound
+        newton = contacts.laws.follows(ImpactLaw.NEWTON)
+        rebounds |= ~newton & (speed > SLOW * float(np.abs(h * acceleration).max()))
+    masses = _masses(contacts, mobility)
+    missing = np.where(rebounds, 0.0, masses * rebound**2 / 2)
+    end = step.selected(step.at(t + h, record.ends.y[:, k + 1]), contacts.key)
+    height = np.maximum(acceleration, 0.0) * np.maximum(end.distance, 0.0)
+    error = masses * np.abs(after**2 / 2 + height - rebound**2 / 2)
+    exact = rebounds & (after > 0) & contacts.laws.follows(ImpactLaw.NEWTON)
+    error = np.where(exact, error, 0.0)
+    worst, other = int(np.argmax(missing)), int(np.argmax(error))
     of = speed[worst], contacts.laws.restitution[worst], max(acceleration[worst], 1e-300)
-    owner = int(contacts.owner[worst])
-    return MissingRebound(float(energy.sum()), k, owner, *(float(value) for value in of))
+    owners = int(contacts.owner[worst]), int(contacts.owner[other])
+    energies = float(missing.sum()), float(error.sum())
+    return Rebounds(*energies, k, *owners, *(float(value) for value in of))
 
 
 def _masses(contacts: Contacts, mobility) -> np.ndarray:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import casadi as ca
 import numpy as np
 import scipy
 
+from dalembert.analysis.nonsmooth.saddle import Entries, SaddlePattern, saddle, stored_entries
 from dalembert.errors import SingularityError
 from dalembert.integrators.contact.block_ordering import BlockOrderings
 from dalembert.integrators.contact.delassus import Delassus
@@ -17,6 +18,8 @@ from dalembert.symbolic.evaluation.kernel import Matrix
 
 WIDEST = 6
 """Largest number of coupled speeds without joints whose matrix is inverted as a block."""
+PATTERNS = 3
+"""Upper limit of the stored patterns of matrices: those of steps, and of mass alone."""
 COLUMNS = 256
 """Right-hand sides solved at once with the factors of coupled bodies."""
 
@@ -33,6 +36,8 @@ class Coupling:
     sizes : (groups,) numbers of speeds of the blocks
     coupled : speeds in larger groups or with joints
     orderings : orders of elimination of the speeds of free bodies; None with joints
+    entries : rows and columns of the entries of the matrix and of the joints
+    patterns : the last ones of the matrix of the coupled speeds with their joints
     """
 
     group: np.ndarray
@@ -41,6 +46,27 @@ class Coupling:
     sizes: np.ndarray
     coupled: np.ndarray
     orderings: BlockOrderings | None = None
+    entries: tuple[Entries, Entries] | None = None
+    patterns: list[SaddlePattern] = field(default_factory=list)
+
+    def saddle(self, matrix: Matrix, joints: Matrix) -> Matrix:
+        """``[[A, Cᵀ], [C, 0]]`` of the coupled speeds."""
+        if not self.coupled.size and not joints.shape[0]:
+            return np.zeros((0, 0))
+        if not (scipy.sparse.issparse(matrix) or scipy.sparse.issparse(joints)):
+            speeds = self.coupled
+            if speeds.size < matrix.shape[0]:
+                matrix, joints = matrix[speeds][:, speeds], joints[:, speeds]
+            return saddle(matrix, joints)
+        for pattern in self.patterns:
+            if pattern.fits(matrix, joints):
+                return pattern.filled(matrix, joints)
+        assert self.entries is not None
+        pairs = zip((matrix, joints), self.entries, strict=True)
+        first, second = (stored_entries(part, entries) for part, entries in pairs)
+        pattern = SaddlePattern.of((first, second), self.coupled, joints.shape)
+        self.patterns[:] = [pattern, *self.patterns][:PATTERNS]
+        return pattern.filled(matrix, joints)
 
     @classmethod
     def of(cls, pattern: ca.Sparsity, joints: ca.Sparsity, bodies: Sequence[int] = ()) -> Coupling:
@@ -73,7 +99,8 @@ class Coupling:
         if sum(bodies) == n and not joints.size1():
             orderings = BlockOrderings(np.array(bodies, dtype=int), np.stack(own))
         coupled = np.flatnonzero(group < 0)
-        return cls(group, position, order[place], sizes[blocked], coupled, orderings)
+        entries = own, (rows, columns)
+        return cls(group, position, order[place], sizes[blocked], coupled, orderings, entries)
 
 
 class Mobility:
@@ -101,7 +128,7 @@ class Mobility:
                     raise np.linalg.LinAlgError("singular")
             else:
                 self._inverses = self._inverted()
-                self._factors = general_factors(self._saddle())
+                self._factors = general_factors(coupling.saddle(matrix, joints))
         except np.linalg.LinAlgError:
             text = "inertia and joints of a step have no solution; look for a singular position"
             raise SingularityError(text) from None
@@ -166,6 +193,8 @@ class Mobility:
         members = self.coupling.members
         count, width = members.shape
         blocks = np.zeros((count, width, width))
+        if not count:
+            return blocks
         blocks[:] = np.eye(width)
         row, column, value = _entries(self.matrix)
         free = self.coupling.group[row] >= 0
@@ -173,14 +202,6 @@ class Mobility:
         place = self.coupling.group[row], self.coupling.position[row]
         blocks[(*place, self.coupling.position[column])] = value[free]
         return np.linalg.inv(blocks)
-
-    def _saddle(self) -> Matrix:
-        """``[[A, Cᵀ], [C, 0]]`` of the coupled speeds."""
-        coupled = self.coupling.coupled
-        matrix, joints = self.matrix, self.joints
-        if coupled.size < matrix.shape[0]:
-            matrix, joints = matrix[coupled][:, coupled], joints[:, coupled]
-        return saddle(matrix, joints)
 
 
 def delassus(directions: Matrix, mobility: Mobility) -> np.ndarray | Delassus:
@@ -192,17 +213,6 @@ def delassus(directions: Matrix, mobility: Mobility) -> np.ndarray | Delassus:
     matrices = mobility.matrix, mobility.joints
     orderings = mobility.coupling.orderings
     return Delassus(directions, responses, *matrices, none, orderings=orderings)
-
-
-def saddle(matrix: Matrix, joints: Matrix) -> Matrix:
-    """``[[A, Cᵀ], [C, 0]]``."""
-    m, n = joints.shape
-    if scipy.sparse.issparse(matrix) or scipy.sparse.issparse(joints):
-        blocks = [[matrix, joints.T], [joints, None]] if m else [[matrix]]
-        return scipy.sparse.block_array(blocks, format="csc")
-    whole = np.zeros((n + m, n + m))
-    whole[:n, :n], whole[n:, :n], whole[:n, n:] = matrix, joints, joints.T
-    return whole
 
 
 def _columns(pattern: ca.Sparsity) -> np.ndarray:

@@ -11,9 +11,9 @@ import numpy as np
 from dalembert.analysis.dynamics.residual_check import check_balance
 from dalembert.analysis.keywords import NonsmoothKeywords
 from dalembert.analysis.kinematics.kinematics import refuse_outside
+from dalembert.analysis.nonsmooth.between_steps import interpolate
 from dalembert.analysis.nonsmooth.contact_forces import contact_forces
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
-from dalembert.analysis.nonsmooth.step_log import interpolate
 from dalembert.analysis.timeline import OverTime
 from dalembert.analysis.times import Time, analysis_of
 from dalembert.errors import AnalysisError

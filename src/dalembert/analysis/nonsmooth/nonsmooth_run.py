@@ -15,13 +15,18 @@ from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.model_residuals import Violation
 from dalembert.analysis.nonsmooth.advance import advance
 from dalembert.analysis.nonsmooth.balls.ball_march import BallMarch
+from dalembert.analysis.nonsmooth.between_steps import interpolate
 from dalembert.analysis.nonsmooth.contact_durations import duration_warnings
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
-from dalembert.analysis.nonsmooth.correction import consistent_speeds, correct_position
+from dalembert.analysis.nonsmooth.correction import (
+    ConsistentSpeeds,
+    consistent_speeds,
+    correct_position,
+)
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.missing_rebounds import rebound_warnings
 from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
-from dalembert.analysis.nonsmooth.step_log import StepLog, interpolate
+from dalembert.analysis.nonsmooth.step_log import StepLog
 from dalembert.analysis.nonsmooth.step_state import StepResult
 from dalembert.analysis.nonsmooth.touching_shapes import bodies_of, refuse_lonely_shapes
 from dalembert.analysis.progress import progress_reporter
@@ -118,8 +123,7 @@ class NonsmoothRun:
                 position = self.corrected(t + h, h, result)
                 if not position.accepted:
                     return self.not_corrected(t, h, position)
-                v, lost = self.speeds(t + h, position.x, result)
-                log.add(t + h, h, position.x, v, result, lost)
+                log.add(t + h, h, position.x, self.speeds(t + h, position.x, result), result)
                 k, last = k + 1, result.last
                 report((grid[k] - self.start) / (self.end - self.start))
         except KeyboardInterrupt:
@@ -135,10 +139,11 @@ class NonsmoothRun:
         travel, projection = h * result.v[:, None], self.analysis.integrator.projection
         return correct_position(self.step, t, result.y, projection, travel)
 
-    def speeds(self, t: float, y: np.ndarray, result: StepResult) -> tuple[np.ndarray, float]:
-        """Speeds consistent with the joints at a position, and the kinetic energy lost."""
-        joints = self.step.smooth.has_joints
-        return consistent_speeds(self.step, t, y, result.v) if joints else (result.v, 0.0)
+    def speeds(self, t: float, y: np.ndarray, result: StepResult) -> ConsistentSpeeds:
+        """Speeds consistent with the joints at a position."""
+        if not self.step.smooth.has_joints:
+            return ConsistentSpeeds(result.v)
+        return consistent_speeds(self.step, t, y, result.v)
 
     def not_corrected(self, t: float, h: float, position: Solution[np.ndarray]) -> Status:
         """Status of a run in which the correction of positions failed."""

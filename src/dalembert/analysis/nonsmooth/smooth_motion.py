@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
 from dalembert.analysis.nonsmooth.mobility import Coupling, Mobility
+from dalembert.analysis.nonsmooth.path_forces import path_forces, takes_means
 from dalembert.analysis.nonsmooth.step_forces import position_lift, step_forces
 from dalembert.elements.blocks.sampled import Sampled
 from dalembert.errors import UnsupportedError
+from dalembert.integrators.contact.mean_force import NODES, WEIGHTS
 from dalembert.model.graph.assembly.assembly import ROUNDING
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel, Matrix, Patterned
@@ -39,6 +42,49 @@ class StateChange:
         return position
 
 
+@dataclass(frozen=True, eq=False)
+class FreeMotion:
+    """Motion of a step without impulses, in which it is linear.
+
+    Attributes
+    ----------
+    speeds, multiplier : speeds at the end, and multipliers times ``h``
+    mobility : Mobility
+    """
+
+    speeds: np.ndarray
+    multiplier: np.ndarray
+    mobility: Mobility
+
+    def after(self, momentum: np.ndarray) -> FreeMotion:
+        """The motion with a momentum at the start."""
+        change, reactions = self.mobility(momentum)
+        return FreeMotion(self.speeds + change, self.multiplier + reactions, self.mobility)
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothStep:
+    """Start of a step, and its motion with forces linearised and joints at one position.
+
+    Attributes
+    ----------
+    t, h, y, v, p : start, length, state and parameters
+    force, mass : at the middle of the step
+    free : the motion without impulses
+    states : change of the states of first order
+    """
+
+    t: float
+    h: float
+    y: np.ndarray
+    v: np.ndarray
+    p: np.ndarray
+    force: np.ndarray
+    mass: Matrix
+    free: FreeMotion
+    states: StateChange
+
+
 class SmoothMotion:
     """Functions of a model for steps by the θ-method,
 
@@ -48,7 +94,8 @@ class SmoothMotion:
     this is the θ-method itself. Gyroscopic forces of free bodies do no work (``smooth_forces``).
     ``C`` and ``Φ_t`` are taken at ``y ⊕ σ h v``, ``σ = max(θ, 1/2)``:
     with constraints on the speeds at the end alone the centripetal forces within the step are lost.
-    States of first order are eliminated (``step_forces``).
+    States of first order are eliminated (``step_forces``). Steps by the midpoint rule with joints
+    are repeated with means over their path (``along``, ``path_forces``).
 
     Parameters
     ----------
@@ -74,7 +121,7 @@ class SmoothMotion:
                 "blocks are sampled, which solve_nonsmooth does not do; use solve_dynamics, or "
                 "blocks of continuous time"
             )
-        self.forces, self.lead = forces, lead
+        self.forces, self.lead, self._equations = forces, lead, e
         inputs_at_position = [e.t, e.y, e.p]
         still = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
         inputs = [e.t, e.y, e.v, e.p, lead]
@@ -98,9 +145,8 @@ class SmoothMotion:
 
     def step(
         self, t: float, y: np.ndarray, v: np.ndarray, p: np.ndarray, h: float, theta: float
-    ) -> tuple[np.ndarray, np.ndarray, Mobility, StateChange]:
-        """Speeds at the end without impulses, multipliers times ``h``, the mobility of the step,
-        and the change of the states."""
+    ) -> SmoothStep:
+        """The step with forces linearised about its start and joints at one position."""
         fraction = constrained_fraction(theta)
         middle, between = self._go(y, theta * h * v), self._go(y, fraction * h * v)
         arguments = t + theta * h, middle, v, p, theta * h
@@ -112,7 +158,52 @@ class SmoothMotion:
         joints, still = self._joints(t + fraction * h, between, p)[:2]
         mobility = Mobility(matrix, joints, self._coupling)
         change, multiplier = mobility(h * force, -(still + joints @ v) / fraction)
-        return v + change, multiplier, mobility, StateChange(self._states, h * rates, gain)
+        free, states = (
+            FreeMotion(v + change, multiplier, mobility),
+            StateChange(self._states, h * rates, gain),
+        )
+        return SmoothStep(t, h, y, v, p, force, mass, free, states)
+
+    def along(self, start: SmoothStep, after: np.ndarray) -> FreeMotion:
+        """The motion with joints and forces along the path with speeds ``after`` at its end.
+
+        With ``A = M − h θ D − h² θ² K``, whose solution for ``v⁺ = after`` is that of the means,
+
+            A (v⁺ − v) + C̄ᵀ Λ = h F̄ + (A − M)(after − v),     C̄ (v⁺ + v)/2 = −Φ̄_t − Φ(y)/h
+
+        Forces with states of first order stay linearised.
+        """
+        joints, still, force, open_by = self._means(
+            start.t, start.y, start.v, start.p, start.h, after
+        )
+        matrix, momentum = start.free.mobility.matrix, start.h * start.force
+        if not self._states:
+            momentum = start.h * force
+            if self._reacts:
+                momentum = momentum + (matrix - start.mass) @ (after - start.v)
+        mobility = Mobility(matrix, joints, self._coupling)
+        rates = -2 * (still + open_by / start.h + joints @ start.v)
+        change, multiplier = mobility(momentum, rates)
+        return FreeMotion(start.v + change, multiplier, mobility)
+
+    def takes_means(self, theta: float) -> bool:
+        """Whether steps have means over their path."""
+        return takes_means(self._equations, theta)
+
+    def path_nodes(self, theta: float) -> list[tuple[float, float]]:
+        """Fractions of a step at which its forces are evaluated, and their weights."""
+        if not self.takes_means(theta):
+            return [(0.5, 1.0)]
+        return [(float(s), float(weight)) for s, weight in zip(NODES, WEIGHTS, strict=True)]
+
+    @cached_property
+    def _means(self) -> Patterned:
+        """``(t, y, v, p, h, v⁺) → C̄, Φ̄_t, F̄, Φ``."""
+        e, h = self._equations, ca.SX.sym("h")
+        after = ca.SX.sym("after", e.speed_count)
+        means = path_forces(e, h, (e.v + after) / 2)
+        outputs = [means.joints, means.still, means.force, ca.densify(e.constraints)]
+        return Patterned("means", [e.t, e.y, e.v, e.p, h, after], outputs)
 
     def open_by(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """``Φ``, and its rounding error."""

@@ -1,15 +1,17 @@
-"""Record of the steps of a run with contacts, and its interpolation between steps."""
+"""Record of the steps of a run with contacts."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 
 import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics.residual_check import energy_errors
 from dalembert.analysis.model_residuals import ModelResiduals
+from dalembert.analysis.nonsmooth.between_steps import between
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.correction import ConsistentSpeeds
 from dalembert.analysis.nonsmooth.step_state import StepResult
 from dalembert.model.graph.model import Model
 from dalembert.results.nonsmooth_motion import ContactRecord
@@ -104,6 +106,7 @@ class StepLog:
         self.lengths: list[float] = []
         self.parts: list[StepEntries] = []
         self.speed_losses: list[float] = []
+        self.speed_inputs: list[float] = []
         self.depths, self.stored = [self._depth(t, y)], [self._stored(t, y)]
         self.scheme_losses, self.correction_work = np.zeros(1), 0.0
 
@@ -130,17 +133,17 @@ class StepLog:
         return max(self.depths)
 
     def add(
-        self, t: float, h: float, y: np.ndarray, v: np.ndarray, result: StepResult, lost: float
+        self, t: float, h: float, y: np.ndarray, speeds: ConsistentSpeeds, result: StepResult
     ) -> None:
-        """Append a step and the corrected state at its end, whose kinetic energy is smaller by
-        ``lost``."""
+        """Append a step, and the corrected position and consistent speeds at its end."""
         self.times.append(t)
         self.lengths.append(h)
         self.uncorrected.append(result.y)
         self.parts.append(StepEntries.of(result, self.v))
         self.positions.append(y)
-        self.speeds.append(v)
-        self.speed_losses.append(lost)
+        self.speeds.append(speeds.v)
+        self.speed_losses.append(speeds.lost)
+        self.speed_inputs.append(speeds.input)
         self.depths.append(self._depth(t, y))
         self.stored.append(self._stored(t, y))
 
@@ -155,6 +158,7 @@ class StepLog:
         self.positions += list(y)
         self.speeds += list(v)
         self.speed_losses += [0.0] * t.size
+        self.speed_inputs += [0.0] * t.size
         self.depths += list(depths)
         self.stored += [0.0] * t.size
         self.parts.append(part)
@@ -220,15 +224,22 @@ class StepLog:
         return np.vstack(parts)
 
     def _work(self, y, v, a, multiplier, h: np.ndarray, loss: np.ndarray) -> np.ndarray:
-        """Dissipated energy and input at the ends of the steps, by the midpoint rule."""
+        """Dissipated energy and input at the ends of the steps, by the rule of their forces."""
         work = np.zeros((2, h.size + 1))
         if not h.size:
             return work
-        t, middle = np.array(self.times), _between(self.step.model, y[:, :-1], y[:, 1:], 0.5)
-        powers = Kernel(self.step.smooth.powers.function.map(h.size))
+        t, manifold = np.array(self.times)[:-1], self.step.model.equations.manifold
+        smooth, theta = self.step.smooth, self.step.scheme.theta
+        powers = Kernel(smooth.powers.function.map(h.size))
         speeds, p = (v[:, 1:] + v[:, :-1]) / 2, np.tile(self.step.p[:, None], h.size)
-        rates = powers(t[:-1] + h / 2, middle, speeds, a, multiplier, p)[0]
-        work[:, 1:] = np.cumsum(h * rates + np.vstack([loss, np.zeros_like(loss)]), axis=1)
+        if smooth.takes_means(theta):  # speeds before they are made consistent
+            speeds = manifold.lead(y[:, :-1], np.stack(self.uncorrected, 1)) / h
+        rates = np.zeros((2, h.size))
+        for s, weight in smooth.path_nodes(theta):
+            at = between(self.step.model, y[:, :-1], y[:, 1:], s)
+            shares = manifold.path_shares(h * speeds, s)
+            rates += weight * powers(t + s * h, at, shares * speeds, a, multiplier, p)[0]
+        work[:, 1:] = np.cumsum(h * rates + np.vstack([loss, self.speed_inputs]), axis=1)
         return work
 
     def _scheme_losses(self, ends: Trajectory) -> np.ndarray:
@@ -264,30 +275,6 @@ def _potential(model: Model, count: int) -> Kernel:
     e = model.equations
     function = ca.Function("potential", [e.t, e.y, e.p], [ca.densify(e.potential)])
     return Kernel(function.map(count))
-
-
-def interpolate(model: Model, record: ContactRecord, times: np.ndarray) -> Trajectory:
-    """States at times within the steps, linear between their ends."""
-    ends = record.ends
-    if ends.t.size == 1:
-        return replace(ends.some(np.zeros(times.size, dtype=int)), t=times)
-    k = np.clip(np.searchsorted(ends.t, times), 1, ends.t.size - 1)
-    share = (times - ends.t[k - 1]) / (ends.t[k] - ends.t[k - 1])
-    v, work = (s[:, k - 1] + share * (s[:, k] - s[:, k - 1]) for s in (ends.v, ends.work))
-    between = _between(model, ends.y[:, k - 1], ends.y[:, k], share)
-    y = np.where(share == 1, ends.y[:, k], between)
-    return Trajectory(times, y, v, ends.a[:, k], ends.multiplier[:, k], work)
-
-
-def _between(
-    model: Model, y: np.ndarray, other: np.ndarray, share: float | np.ndarray
-) -> np.ndarray:
-    """Positions at a share of the way from columns ``y`` to ``other``, and states likewise."""
-    manifold, states = model.equations.manifold, list(model.equations.states)
-    between = manifold.go(y, share * manifold.lead(y, other))
-    if states:
-        between[states] = y[states] + share * (other[states] - y[states])
-    return between
 
 
 def _with_start(means: np.ndarray) -> np.ndarray:

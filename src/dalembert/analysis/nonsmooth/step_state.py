@@ -7,8 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from dalembert.analysis.nonsmooth.impact_stage import ImpactStage
-from dalembert.analysis.nonsmooth.mobility import Mobility
-from dalembert.analysis.nonsmooth.smooth_motion import StateChange
+from dalembert.analysis.nonsmooth.smooth_motion import FreeMotion, SmoothStep
 from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.integrators.contact.impulses import Impulses
@@ -81,30 +80,47 @@ class StepStart:
 
     Attributes
     ----------
-    t, h : start time and length
-    y, v : state
-    free, multiplier : speeds and multipliers at the end without impulses
-    mobility : of the step
-    states : change of the states of first order
+    smooth : the step without contacts
+    motion : the motion without impulses
     begins : True in the first step
-    impact : impacts that ``free`` includes; None without any
+    impact : impacts that ``motion`` includes; None without any
     """
 
-    t: float
-    h: float
-    y: np.ndarray
-    v: np.ndarray
-    free: np.ndarray
-    multiplier: np.ndarray
-    mobility: Mobility
-    states: StateChange
+    smooth: SmoothStep
+    motion: FreeMotion
     begins: bool
     impact: ImpactStage | None = None
 
+    @property
+    def t(self) -> float:
+        """Start time [s]."""
+        return self.smooth.t
+
+    @property
+    def h(self) -> float:
+        """Length [s]."""
+        return self.smooth.h
+
+    @property
+    def y(self) -> np.ndarray:
+        return self.smooth.y
+
+    @property
+    def v(self) -> np.ndarray:
+        return self.smooth.v
+
+    @property
+    def free(self) -> np.ndarray:
+        """Speeds at the end without impulses."""
+        return self.motion.speeds
+
     def after(self, impact: ImpactStage) -> StepStart:
         """The start with impacts."""
-        free, multiplier = self.free + impact.change, self.multiplier + impact.multiplier
-        return replace(self, free=free, multiplier=multiplier, impact=impact)
+        return replace(self, motion=self.motion.after(impact.momentum), impact=impact)
+
+    def with_impact(self, motion: FreeMotion) -> FreeMotion:
+        """Another motion without impulses, with the impacts at the start."""
+        return motion if self.impact is None else motion.after(self.impact.momentum)
 
     def approach(self, contacts: Contacts, rounding: float) -> Approach:
         """Contacts with their velocities; gaps up to ``rounding`` count as closed."""

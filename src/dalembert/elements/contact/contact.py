@@ -154,7 +154,12 @@ class ShapeContact(Compliant):
 
     @cached_property
     def _gaps(self) -> list[Gap]:
-        return [Gap(p.distance, p.slip, p.weight) for p in self.contact_points]
+        rigid = isinstance(self.law, Restitution)
+        slips = [p.surface_slip if rigid else p.slip for p in self.contact_points]
+        return [
+            Gap(p.distance, slip, p.weight)
+            for p, slip in zip(self.contact_points, slips, strict=True)
+        ]
 
     def gaps(self, rate: Rate) -> list[Gap]:
         return self._gaps

@@ -53,6 +53,17 @@ class ContactPoint:
         place = ca.vertcat(self.place, ca.SX.zeros(3 - n))
         return ca.mtimes(self.directions.T, (at_j(place) - at_i(place))[:n])
 
+    def surface_speeds(self, at_i: VelocityAt, at_j: VelocityAt, gap: ca.SX) -> ca.SX:
+        """(n,) as ``speeds``, of a point of each body, a gap apart, halfway around the place.
+
+        Fixed steps apply an impact while the bodies are apart. At its instant they are not: the
+        levers of friction are those of the surfaces.
+        """
+        n, half = self.normal.numel(), gap / 2 * self.normal
+        none = ca.SX.zeros(3 - n)
+        here, there = (ca.vertcat(self.place + side, none) for side in (-half, half))
+        return ca.mtimes(self.directions.T, (at_j(there) - at_i(here))[:n])
+
     def turning(self, of_i: ca.SX, of_j: ca.SX) -> ca.SX:
         """(1,) or (3,) angular velocity (3,) of the second body relative to the first: in the
         plane; in space about the tangents, then about the normal."""
@@ -67,6 +78,12 @@ class ContactPoint:
         """(1,) or (2,) velocity of the second body along the surface of the first."""
         at_i, at_j = (body.velocity_at for body in self.bodies or ())
         return self.speeds(at_i, at_j)[1:]
+
+    @property
+    def surface_slip(self) -> ca.SX:
+        """(1,) or (2,) as ``slip``, of the surfaces, which a gap may separate."""
+        at_i, at_j = (body.velocity_at for body in self.bodies or ())
+        return self.surface_speeds(at_i, at_j, self.distance)[1:]
 
 
 def contact_of_balls(

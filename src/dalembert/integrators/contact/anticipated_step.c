@@ -1,4 +1,4 @@
-/* One step of free bodies with balls and walls by the scheme of anticipated impacts */
+/* One step of free bodies with balls, hulls and walls by the scheme of anticipated impacts */
 /* minimum speed that leaves a gap open */
 static casadi_real casadi_open(casadi_real gap, casadi_real before, casadi_real h) {
   return -2*gap/h - before;
@@ -6,52 +6,58 @@ static casadi_real casadi_open(casadi_real gap, casadi_real before, casadi_real 
 /* minimum speed that permits an impact in the next step */
 static casadi_real casadi_margin(casadi_real gap, casadi_real before, casadi_real h,
     casadi_real restitution) {
-  casadi_real margin = -(gap + h*before/2)/(h*(1 - restitution/2));
+  casadi_real margin = -((gap>0 ? gap : 0.0) + h*before/2)/(h*(1 - restitution/2));
   casadi_real open = casadi_open(gap, before, h);
   return margin>open ? margin : open;
 }
+/* whether the speed at the contact, after the fall over the gap, is that of an impact */
+static int casadi_fast(casadi_real gap, casadi_real before, casadi_real free, casadi_real h,
+    casadi_real forced, casadi_real slow) {
+  casadi_real fall = before - free;
+  if (!(fall>0)) fall = 0;
+  if (!(gap>0)) gap = 0;
+  return before*before + 2*fall*gap/h>slow*forced*slow*forced;
+}
 /* minimum speed of a contact under pressure: impacting, resting or separating */
 static casadi_real casadi_bounce(casadi_real gap, casadi_real before, casadi_real h,
-    casadi_real restitution, casadi_real forced, casadi_real closing, casadi_real slow) {
-  casadi_real speed = closing*gap/h, open = casadi_open(gap, before, h);
-  if (speed>forced) speed = forced;
-  speed = before>0 ? casadi_margin(gap, before, h, 0.0) : -speed;
-  if (before<-slow*forced) speed = -restitution*before;
+    casadi_real restitution, casadi_real forced, casadi_real closing, int fast) {
+  casadi_real gradual = gap>0 ? closing*gap/h : 0.0, open = casadi_open(gap, before, h);
+  casadi_real speed = casadi_margin(gap, before, h, 0.0);
+  if (gradual>forced) gradual = forced;
+  if (before<=0 && speed<-gradual) speed = -gradual;
+  if (before<0 && fast) speed = -restitution*before;
   return speed>open ? speed : open;
 }
-/* contacts within reach, with their gaps, laws and velocities, and the deepest penetration */
-static casadi_real casadi_contacts(const casadi_real** arg, casadi_real** res, casadi_int* iw,
-    casadi_real reach) {
-  const int* law = (const int*) arg[33];
-  casadi_real* friction = (casadi_real*) arg[3];
-  casadi_real* before = res[24];
-  casadi_real* free = res[25];
-  const int* row = (const int*) arg[9];
-  const int* column = (const int*) arg[10];
-  int* pair = (int*) res[23];
-  casadi_int e, g, r, width = iw[1], groups = iw[2], count = 0;
-  casadi_real deepest = 0, gap, direction[9], place[3];
-  ((int*) arg[9])[0] = 0;
-  for (e=0; e<iw[17]; ++e) {
-    gap = casadi_gap(arg, iw, e, direction, place);
-    if (!(gap>=deepest)) deepest = gap;
-    if (gap>reach) continue;
-    if (count==iw[19]) {
-      ++count;
-      break;
+/* the largest change of a normal speed by forces at the bodies of each contact, by their first
+   speeds */
+static void casadi_changes(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
+  casadi_real* largest = res[28];
+  const int* pair = (const int*) res[23];
+  casadi_int i, j, s, body;
+  casadi_real change;
+  for (j=0; j<iw[3]; ++j) largest[j] = 0;
+  for (i=0; i<iw[0]; ++i) {
+    change = fabs(res[25][i*iw[1]] - res[24][i*iw[1]]);
+    for (s=0; s<2; ++s) {
+      body = ((const int*) arg[29])[((const int*) arg[31+s])[pair[i]]];
+      if (body<0) continue;
+      j = ((const int*) arg[30])[body];
+      if (!(change<=largest[j])) largest[j] = change;
     }
-    casadi_contact_rows(arg, res, iw, count, e, direction, place);
-    res[22][count] = gap>0 ? gap : 0.0;
-    pair[count] = e;
-    for (g=0; g<groups; ++g) friction[count*groups+g] = arg[28][law[e]*(2+groups)+2+g];
-    for (r=count*width; r<(count+1)*width; ++r) {
-      before[r] = casadi_row(arg[0], column, row[r], row[r+1], arg[22]);
-      free[r] = casadi_row(arg[0], column, row[r], row[r+1], res[19]);
-    }
-    ++count;
   }
-  iw[0] = count;
-  return deepest;
+}
+/* whether a contact has an impact, by the changes at its bodies */
+static int casadi_strikes(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+    casadi_int i) {
+  casadi_int s, body, r = i*iw[1];
+  casadi_real largest = 0, change;
+  for (s=0; s<2; ++s) {
+    body = ((const int*) arg[29])[((const int*) arg[31+s])[((const int*) res[23])[i]]];
+    if (body<0) continue;
+    change = res[28][((const int*) arg[30])[body]];
+    if (!(change<=largest)) largest = change;
+  }
+  return casadi_fast(res[22][i], res[24][r], res[25][r], arg[36][0], largest, arg[37][9]);
 }
 /* velocity offsets by Newton's law of impact, and the largest change of a normal speed by forces
    and the largest speed in limits */
@@ -64,8 +70,10 @@ static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
   const int* group = (const int*) arg[13];
   casadi_int i, a, r, width = iw[1], linear = iw[2]>0 ? group[1] : 1, laws = 2 + iw[2];
   casadi_real h = arg[36][0], restitution, margin;
+  int fast;
   limits[0] = 0;
   limits[1] = 0;
+  casadi_changes(arg, res, iw);
   for (i=0; i<iw[0]; ++i) {
     r = i*width;
     if (!(fabs(free[r] - before[r])<=limits[0])) limits[0] = fabs(free[r] - before[r]);
@@ -80,10 +88,10 @@ static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
     for (a=1; a<width; ++a) {
       res[26][r+a] = a<linear ? arg[28][law[pair[i]]*laws+1]*before[r+a] : 0.0;
     }
-    margin = casadi_margin(res[22][i], before[r], h, restitution);
+    fast = casadi_strikes(arg, res, iw, i);
+    margin = casadi_margin(res[22][i], before[r], h, fast ? restitution : 0.0);
     if (free[r]<margin) {
-      margin = casadi_bounce(res[22][i], before[r], h, restitution, limits[0], arg[37][8],
-        arg[37][9]);
+      margin = casadi_bounce(res[22][i], before[r], h, restitution, limits[0], arg[37][8], fast);
     }
     res[26][r] = -margin;
   }
@@ -101,6 +109,7 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
   casadi_real* changed = res[27];
   casadi_int i, a, r, width = iw[1], rows = iw[0]*iw[1], differs = 0;
   casadi_real bounce, total = 0, magnitude = 0, work;
+  int fast;
   for (r=0; r<rows; ++r) {
     changed[r] = offset[r];
     total += impulse[r]*(after[r] + before[r]);
@@ -108,8 +117,9 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
   }
   for (i=0; i<iw[0]; ++i) {
     r = i*width;
+    fast = casadi_strikes(arg, res, iw, i);
     bounce = casadi_bounce(res[22][i], before[r], arg[36][0], arg[28][law[pair[i]]*(2+iw[2])],
-      forced, arg[37][8], arg[37][9]);
+      forced, arg[37][8], fast);
     if (impulse[r]>0 && -offset[r]<bounce && (before[r]<=0 || offset[r]<before[r])) {
       changed[r] = -bounce;
     }
@@ -141,7 +151,11 @@ static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, ca
   for (k=0; k<iw[25]; ++k) {
     for (r=0; r<rows; ++r) velocity[r] = res[25][r] + res[26][r];
     allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
-    residual = casadi_alternate(arg, res, iw, w, allowed);
+    residual = casadi_newton(arg, res, iw, w, allowed);
+    if (!(residual<=allowed)) {
+      allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
+      residual = casadi_centered(arg, res, iw, w, allowed, scale);
+    }
     if (!(residual<=allowed)) {
       allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
       rounds += casadi_proximal(arg, res, iw, w, allowed);
@@ -163,13 +177,14 @@ static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, ca
 /* record of the step: losses, residual, and keys, impulses and offsets of pressing contacts */
 static void casadi_record(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real deepest, casadi_int rounds) {
-  const int* pair = (const int*) res[23];
+  const casadi_int* key = (const casadi_int*) arg[43];
+  casadi_int* last = (casadi_int*) arg[44];
+  casadi_int* sizes = (casadi_int*) arg[47];
+  casadi_int* keys = (casadi_int*) res[31];
   casadi_real* impulse = res[0];
   casadi_real* numbers = res[30] + 6*iw[20];
-  int* keys = (int*) res[31];
   casadi_int i, a, r, width = iw[1], rows = iw[0]*iw[1], pressing = 0;
   casadi_real loss = 0, friction = 0;
-  for (r=0; r<iw[17]*width; ++r) res[29][r] = 0;
   for (i=0; i<iw[0]; ++i) {
     r = i*width;
     for (a=0; a<width; ++a) {
@@ -177,10 +192,10 @@ static void casadi_record(const casadi_real** arg, casadi_real** res, casadi_int
       if (a>0) friction -= 0.5*impulse[r+a]*(res[5][r+a] + res[24][r+a]);
     }
     if (!(impulse[r]>0)) continue;
-    keys[2*(iw[21]+pressing)] = ((const int*) arg[31])[pair[i]];
-    keys[2*(iw[21]+pressing)+1] = ((const int*) arg[32])[pair[i]];
+    last[pressing] = key[i];
+    keys[iw[21]+pressing] = key[i];
     for (a=0; a<width; ++a) {
-      res[29][pair[i]*width+a] = impulse[r+a];
+      res[29][pressing*width+a] = impulse[r+a];
       res[32][(iw[21]+pressing)*width+a] = impulse[r+a];
       res[33][(iw[21]+pressing)*width+a] = res[26][r+a];
     }
@@ -192,39 +207,51 @@ static void casadi_record(const casadi_real** arg, casadi_real** res, casadi_int
   numbers[3] = rows>0 ? res[11][1] : 0.0;
   numbers[4] = rounds;
   numbers[5] = pressing;
+  sizes[0] = pressing;
+  sizes[8] = iw[0];
+  for (i=0; i<iw[0]; ++i) {
+    ((casadi_int*) arg[57])[i] = key[i];
+    for (a=0; a<6; ++a) ((int*) arg[58])[6*i+a] = ((const int*) arg[51])[6*i+a];
+  }
   iw[21] += pressing;
   ++iw[20];
 }
 /* a step; iw[6] is its outcome: 0 done, 1 singular inertia, 2 the list is outdated, 3 more
-   contacts than memory, 4 a gap is closed, 5 the order of elimination misses a pair of bodies, 6
-   the impulses did not converge */
+   contacts than memory of the record, 4 a gap is closed, 5 the order of elimination misses a pair of
+   bodies, 6 the impulses did not converge, 7 more contacts than memory */
 static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w,
     int mem) {
   const int* start = (const int*) arg[30];
   casadi_real* v = (casadi_real*) arg[22];
   casadi_real* free = res[19];
-  casadi_real h = arg[36][0], reach, other, deepest;
-  casadi_int i, a, j, width = iw[1], rounds = 0;
+  casadi_real h = arg[36][0], reach[2], deepest;
+  casadi_int j, rounds = 0;
+  iw[6] = 0;
+  if (((const casadi_int*) arg[47])[6]) {
+    casadi_path(arg, res, iw);
+    return 0;
+  }
   iw[6] = 1;
   if (casadi_invert(arg, res, iw, w)) return 0;
   for (j=0; j<iw[3]; ++j) free[j] = v[j];
   casadi_accelerate(res[20], start, iw[16], iw[9], h, arg[23], free);
-  reach = casadi_fastest(arg, iw, v);
-  other = casadi_fastest(arg, iw, free);
-  reach = arg[37][7]*h*sqrt(other>reach ? other : reach);
-  res[11][3] = reach;
+  reach[0] = 0;
+  reach[1] = 0;
+  casadi_fastest(arg, iw, v, reach);
+  casadi_fastest(arg, iw, free, reach);
+  for (j=0; j<2; ++j) reach[j] = arg[37][7]*h*reach[j];
+  res[11][3] = reach[0]>reach[1] ? reach[0] : reach[1];
   iw[6] = 2;
-  if (!casadi_listed(arg, iw, reach)) return 0;
+  if (!casadi_listed(arg, iw, res[11][3])) return 0;
   deepest = casadi_contacts(arg, res, iw, reach);
+  iw[6] = 7;
+  if (iw[0]>iw[19]) return 0;
   iw[6] = 3;
-  if (iw[0]>iw[19] || iw[21]+iw[0]>iw[22]) return 0;
+  if (iw[21]+iw[0]>iw[22]) return 0;
   iw[6] = 4;
   if (!(deepest>=-arg[36][2])) return 0;
   iw[6] = 5;
   if (casadi_contact_places(arg, res, iw)) return 0;
-  for (i=0; i<iw[0]; ++i) {
-    for (a=0; a<width; ++a) res[0][i*width+a] = res[29][((const int*) res[23])[i]*width+a];
-  }
   iw[6] = 6;
   for (j=0; j<iw[3]; ++j) res[10][j] = 0;
   if (iw[0]>0) rounds = casadi_impulses(arg, res, iw, w);

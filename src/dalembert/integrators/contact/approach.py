@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy
 
 if TYPE_CHECKING:
     from dalembert.integrators.contact.contacts import Contacts
 
 Offsets = np.ndarray
 """(n, k) offsets of the velocities after a step: ``u⁺ + offset`` satisfies the conditions."""
-SLOW = 2.0
-"""Threshold of the approach speed of a resting contact, relative to the change of speed by forces
-in a step [-]."""
+SLOW = 1.9
+"""Threshold of the speed of an impact, relative to the change of speed by forces in a step [-]. No
+fall of round length has it: from rest over ``k a h²`` it is ``√(2 k)``, after ``n`` steps ``n``."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +27,7 @@ class Approach:
     ----------
     contacts : Contacts
     before, free : (n, k) relative velocities at the start, and at the end without impulses
-    h : step [s]
+    h : step [s], of each contact if they act in different ones
     begins : True in the first step, which no earlier step could prepare for an impact
     rounding : gap that counts as closed [m]
     struck : (n, k) relative velocities after impacts at the start; None without any
@@ -35,7 +37,7 @@ class Approach:
     contacts: Contacts
     before: np.ndarray
     free: np.ndarray
-    h: float
+    h: float | np.ndarray
     begins: bool = False
     rounding: float = 0.0
     struck: np.ndarray | None = None
@@ -58,14 +60,40 @@ class Approach:
     @property
     def forced(self) -> float:
         """The largest change of a normal velocity by forces in the step [m/s]."""
+        return float(np.abs(self._change).max(initial=0.0))
+
+    @property
+    def _change(self) -> np.ndarray:
+        """(n,) change of the normal speeds by forces in the step [m/s]."""
         start = self.before if self.struck is None else self.struck
-        return float(np.abs(self.free[:, 0] - start[:, 0]).max(initial=0.0))
+        return np.asarray(self.free[:, 0] - start[:, 0])
+
+    @cached_property
+    def nearby(self) -> np.ndarray:
+        """(n,) largest change of a normal speed by forces in the step at the same bodies [m/s]."""
+        change, n = np.abs(self._change), self.contacts.count
+        rows = scipy.sparse.csr_array(self.contacts.directions)
+        contact = np.repeat(np.arange(n).repeat(self.before.shape[1]), np.diff(rows.indptr))
+        of_speeds, largest = np.zeros(rows.shape[1]), change.copy()
+        np.maximum.at(of_speeds, rows.indices, change[contact])
+        np.maximum.at(largest, contact, of_speeds[rows.indices])
+        return largest
+
+    @cached_property
+    def fast(self) -> np.ndarray:
+        """(n,) mask of the gaps with ``√(u_N² + 2 a g)``, the speed at the contact, of an impact.
+
+        ``a`` is the acceleration towards the contact. Steps of the midpoint rule conserve this
+        speed in a flight, so that all of its steps agree.
+        """
+        fall, gap = np.maximum(-self._change, 0.0), np.maximum(self.contacts.distance, 0.0)
+        squared = self.before[:, 0] ** 2 + 2 * fall * gap / self.h
+        return np.asarray(squared > (SLOW * self.nearby) ** 2)
 
     @property
     def impacting(self) -> np.ndarray:
-        """(n,) mask of the gaps that close faster than forces change speeds."""
-        mask: np.ndarray = self.before[:, 0] < -SLOW * self.forced
-        return mask
+        """(n,) mask of the gaps that close faster than forces on their bodies change speeds."""
+        return np.asarray((self.before[:, 0] < 0) & self.fast)
 
     @property
     def is_impact(self) -> bool:

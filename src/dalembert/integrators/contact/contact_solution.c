@@ -50,21 +50,58 @@ static casadi_real casadi_newton(const casadi_real** arg, casadi_real** res, cas
   casadi_state(arg, res, iw, w);
   return res[11][1];
 }
-/* residual after Newton's method and sweeps in turns */
-static casadi_real casadi_alternate(const casadi_real** arg, casadi_real** res, casadi_int* iw,
-    casadi_real* w, casadi_real tolerance) {
-  casadi_int most = iw[10], turn, k;
-  casadi_real residual = 0;
-  for (turn=0; turn<iw[28]; ++turn) {
-    iw[10] = turn==iw[28]-1 ? most : iw[26];
-    residual = casadi_newton(arg, res, iw, w, tolerance);
-    iw[10] = most;
-    if (residual<=tolerance || turn==iw[28]-1) return residual;
-    casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], res[0], iw[0]*iw[1],
-      iw[3], res[10]);
-    for (k=0; k<iw[27]; ++k) casadi_sweep(arg, res[0], res[10], iw[0], iw[1], iw[2], w);
+/* the best impulses, those with the least residual, in res[35] */
+static casadi_real casadi_keep(casadi_real** res, casadi_int rows, casadi_real least) {
+  casadi_int r;
+  if (!(res[11][1]<least)) return least;
+  for (r=0; r<rows; ++r) res[35][r] = res[0][r];
+  return res[11][1];
+}
+/* least residual after interior points from the impulses in res[0], at a share of the largest speed
+   from the boundary, and Newton's method from these as often as the residual falls by a factor */
+static casadi_real casadi_central(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    casadi_real* w, casadi_real allowed, casadi_real largest, casadi_real start,
+    casadi_real least) {
+  casadi_int most = iw[10], rows = iw[0]*iw[1], k, short_steps = 0;
+  casadi_real limit = arg[37][15]*largest, share;
+  casadi_interior_start(arg, res, iw, largest, start, w);
+  for (k=0; k<iw[26] && short_steps<iw[28]; ++k) {
+    casadi_interior_impulses(arg, res, iw, w);
+    least = casadi_keep(res, rows, least);
+    if (!(res[11][1]<1e300) || least<=allowed) break;
+    if (res[11][1]<=limit) {
+      limit = arg[37][16]*res[11][1];
+      iw[10] = iw[27];
+      casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
+      casadi_newton(arg, res, iw, w, allowed);
+      iw[10] = most;
+      least = casadi_keep(res, rows, least);
+      if (least<=allowed || least<arg[37][18]*largest) break;
+      casadi_interior_impulses(arg, res, iw, w);
+    }
+    share = casadi_interior(arg, res, iw, w, largest);
+    if (share<0) break;
+    short_steps = share<arg[37][17] ? short_steps + 1 : 0;
   }
-  return residual;
+  return least;
+}
+/* the best impulses in res[0] after interior points from these, and again from zero; the residual
+ */
+static casadi_real casadi_centered(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    casadi_real* w, casadi_real allowed, casadi_real largest) {
+  const int* group = (const int*) arg[13];
+  casadi_int rows = iw[0]*iw[1], r;
+  casadi_real least = casadi_keep(res, rows, 1e300);
+  if (iw[2]>1 || (iw[2]==1 && group[1]!=iw[1])) return least;
+  least = casadi_central(arg, res, iw, w, allowed, largest, arg[37][14], least);
+  if (least>arg[37][18]*largest) {
+    for (r=0; r<rows; ++r) res[0][r] = 0;
+    least = casadi_central(arg, res, iw, w, allowed, largest, arg[37][20], least);
+  }
+  for (r=0; r<rows; ++r) res[0][r] = res[35][r];
+  casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
+  res[11][1] = least;
+  return least;
 }
 /* proximal problems from the impulses in res[0], at most iw[24]; their number, and the residual in
    status[1]. The best impulses are in res[0] */
@@ -118,23 +155,4 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
   for (r=0; r<rows; ++r) impulse[r] = best[r];
   res[11][1] = least;
   return rounds;
-}
-/* impulses in their cones: those beyond by less than the tolerance are shortened */
-static void casadi_shorten(const casadi_real** arg, casadi_real* impulse, const casadi_int* iw) {
-  const int* group = (const int*) arg[13];
-  casadi_int i, g, a, width = iw[1];
-  casadi_real length, limit;
-  for (i=0; i<iw[0]; ++i) {
-    if (!(impulse[i*width]>0)) impulse[i*width] = 0;
-    for (g=0; g<iw[2]; ++g) {
-      length = 0;
-      for (a=group[g]; a<group[g+1]; ++a) length += impulse[i*width+a]*impulse[i*width+a];
-      length = sqrt(length);
-      limit = arg[3][i*iw[2]+g]*impulse[i*width];
-      if (!(length>limit)) continue;
-      for (a=group[g]; a<group[g+1]; ++a) {
-        impulse[i*width+a] = impulse[i*width+a]*(limit/length);
-      }
-    }
-  }
 }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -32,6 +32,10 @@ class OffsetSlopes:
     idle: np.ndarray
     bounces: np.ndarray
 
+    def some(self, selected: np.ndarray) -> OffsetSlopes:
+        """Those of the selected contacts."""
+        return OffsetSlopes(*(getattr(self, field.name)[selected] for field in fields(self)))
+
 
 def newton_slopes(approach: Approach, offsets: np.ndarray) -> OffsetSlopes:
     """Derivatives of Newton's law, ``e u_N⁻`` and ``e_T u_T⁻``, or of the speeds after impacts at
@@ -57,7 +61,7 @@ def _rebound(approach: Approach) -> tuple[np.ndarray, ...]:
 
 
 def anticipated_slopes(
-    approach: Approach, offsets: np.ndarray, closing: float, rounding: float
+    approach: Approach, offsets: np.ndarray, closing: float, rounding: float | np.ndarray
 ) -> OffsetSlopes:
     """Derivatives of the branch of ``AnticipatedImpacts`` that an offset equals.
 
@@ -99,7 +103,6 @@ def anticipated_slopes(
     tied = np.abs(branches[:, 0] - offsets[:, 0]) <= rounding
     tied[0] &= ~tied[2] | (np.abs(u) <= rounding)
     tied[1] &= (u <= 0) | overlaps
-    tied[3] &= u > 0
     tied[-1] &= (u <= rounding) & (offsets[:, 0] >= 0) & (offsets[:, 0] <= branches[0, 0])
     if not tied.any(axis=0).all():
         speed = -offsets[np.argmin(tied.any(axis=0)), 0]

@@ -53,7 +53,9 @@ class ContactScheme(ABC):
         return None
 
     @abstractmethod
-    def slopes(self, approach: Approach, offsets: Offsets, rounding: float) -> OffsetSlopes:
+    def slopes(
+        self, approach: Approach, offsets: Offsets, rounding: float | np.ndarray
+    ) -> OffsetSlopes:
         """Derivatives of the last offsets of a step.
 
         Where branches tie within ``rounding`` of a speed, as at rest, closed contacts remain
@@ -115,7 +117,9 @@ class MoreauJean(ContactScheme):
         offsets[hit, 0] = np.maximum(-approach.rebound, lower)[hit]
         return offsets
 
-    def slopes(self, approach: Approach, offsets: Offsets, rounding: float) -> OffsetSlopes:
+    def slopes(
+        self, approach: Approach, offsets: Offsets, rounding: float | np.ndarray
+    ) -> OffsetSlopes:
         return newton_slopes(approach, offsets)
 
 
@@ -141,8 +145,9 @@ class AnticipatedImpacts(ContactScheme):
     condition for the gap itself, and impulses along ``W̄`` do the work ``P_N (g(y⁺) − g)/h``, which
     is not positive (discrete gradient: Gonzalez 1996). An impact needs
     part of the gap for the half step before it, so it is applied one step early, while the gap is
-    large enough: ``u_N⁺ ≥ max(−e u_N⁻, s)``. A contact whose approach speed is within the change of
-    speed by forces in two steps is at rest, and closes its gap gradually. An impact in the first
+    large enough: ``u_N⁺ ≥ max(−e u_N⁻, s)``. A contact whose speed after the fall over the gap is
+    within 1.9 times the change of speed by forces in a step comes to rest: it closes its gap
+    gradually, and leaves room to stop. An impact in the first
     step may penetrate; the gap is opened after the step. The work ``P·(u⁺ + u⁻)/2`` of an impact is
     not positive. A contact may do positive work if a force reverses the motion within the step; if
     the work of all contacts is positive, ``u⁺ + u⁻`` replaces ``u⁺`` there, which does no work, so
@@ -200,7 +205,9 @@ class AnticipatedImpacts(ContactScheme):
             changed[work > 0] = idle[work > 0]
         return changed if (changed != offsets).any() else None
 
-    def slopes(self, approach: Approach, offsets: Offsets, rounding: float) -> OffsetSlopes:
+    def slopes(
+        self, approach: Approach, offsets: Offsets, rounding: float | np.ndarray
+    ) -> OffsetSlopes:
         return anticipated_slopes(approach, offsets, CLOSING, rounding)
 
 
@@ -216,17 +223,19 @@ def _margin(approach: Approach, restitution: np.ndarray | float) -> np.ndarray:
 
 
 def _room(approach: Approach) -> np.ndarray:
-    """Minimum speed that permits an impact in the next step, without restitution by other laws
-    than Newton's."""
+    """Minimum speed that permits an impact in the next step, or a stop: without restitution if the
+    contact is slow, and by other laws than Newton's."""
     laws = approach.contacts.laws
-    return _margin(approach, np.where(laws.follows(ImpactLaw.NEWTON), laws.restitution, 0.0))
+    rebounds = laws.follows(ImpactLaw.NEWTON) & approach.fast
+    return _margin(approach, np.where(rebounds, laws.restitution, 0.0))
 
 
 def _bounce(approach: Approach) -> np.ndarray:
     """Minimum speed of contacts under pressure: impacting, resting or separating."""
     before, forced = approach.before[:, 0], approach.forced
     closing = CLOSING * np.maximum(approach.contacts.distance, 0) / approach.h
-    resting = np.where(before > 0, _margin(approach, 0.0), -np.minimum(closing, forced))
+    stopping, gradual = _margin(approach, 0.0), -np.minimum(closing, forced)
+    resting = np.where(before > 0, stopping, np.maximum(stopping, gradual))
     impact = approach.impacting
     lower = np.where(impact & approach.begins, -np.inf, _open(approach))  # opened after the step
     return np.maximum(np.where(impact, approach.rebound, resting), lower)

@@ -43,6 +43,46 @@ static casadi_real casadi_piece(const casadi_real* z, const casadi_real* frictio
   }
   return varies ? -piece : piece;
 }
+/* add W^T gain W of a contact to the matrix, with a gain by rows */
+static void casadi_add_blocks(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+    casadi_int i, const casadi_real* gain, casadi_real* w) {
+  const int* row = (const int*) arg[9];
+  const int* local = (const int*) res[16];
+  const int* place = (const int*) res[18] + ((const int*) res[17])[i];
+  casadi_int width = iw[1], size = ((const int*) res[14])[i+1] - ((const int*) res[14])[i];
+  casadi_int a, b, c, j, r = i*width;
+  casadi_real* across = w;
+  casadi_real* weighted = w + width*iw[7];
+  casadi_real share;
+  for (a=0; a<width*size; ++a) across[a] = 0;
+  for (a=0; a<width; ++a) {
+    for (j=row[r+a]; j<row[r+a+1]; ++j) across[a*size+local[j]] = arg[0][j];
+  }
+  for (a=0; a<width; ++a) {
+    for (c=0; c<size; ++c) {
+      share = 0;
+      for (b=0; b<width; ++b) share += gain[a*width+b]*across[b*size+c];
+      weighted[a*size+c] = share;
+    }
+  }
+  for (b=0; b<size; ++b) {
+    for (c=0; c<size; ++c) {
+      share = 0;
+      for (a=0; a<width; ++a) share += across[a*size+c]*weighted[a*size+b];
+      res[1][place[b*size+c]] += share;
+    }
+  }
+}
+/* add W^T free of a contact to the right-hand side */
+static void casadi_add_push(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+    casadi_int i, const casadi_real* free) {
+  const int* row = (const int*) arg[9];
+  const int* column = (const int*) arg[10];
+  casadi_int r, j;
+  for (r=i*iw[1]; r<(i+1)*iw[1]; ++r) {
+    for (j=row[r]; j<row[r+1]; ++j) res[2][column[j]] += arg[0][j]*free[r];
+  }
+}
 /* residual and, above the tolerance, the equations of a step; 1 if a contact is singular. The
    matrix remains if the pieces are those of the step before, and their derivatives are the same or
    that step reduced the residual enough: pieces[count] is then 1. pieces[count+1] is its residual
@@ -72,21 +112,15 @@ static int casadi_assemble(const casadi_real** arg, casadi_real** res, const cas
   casadi_real* moved = res[10];
   casadi_real* status = res[11];
   const casadi_real* constant = res[12];
-  const int* start = (const int*) res[14];
-  const int* column = (const int*) res[15];
-  const int* local = (const int*) res[16];
-  const int* block = (const int*) res[17];
-  const int* place = (const int*) res[18];
   casadi_int count = iw[0], width = iw[1], groups = iw[2], speeds = iw[3], entries = iw[4];
-  casadi_int unknowns = iw[5], widest = iw[7], rows = count*width;
+  casadi_int unknowns = iw[5], rows = count*width;
   casadi_real* own = w;
   casadi_real* coupled = own + width*width;
   casadi_real* z = coupled + width*width;
   casadi_real* both = z + width;
   casadi_real* violation = both + width*(width+1);
   casadi_real* across = violation + width;
-  casadi_real* weighted = across + width*widest;
-  casadi_int i, a, b, c, j, r, size, first, varies = 0;
+  casadi_int i, a, b, j, r, varies = 0;
   casadi_real share, u;
   casadi_state(arg, res, iw, violation);
   if (!(status[1]>settings[0])) return 0;
@@ -135,36 +169,12 @@ static int casadi_assemble(const casadi_real** arg, casadi_real** res, const cas
     }
     if (!casadi_eliminate(own, both, width, width + 1)) return 1;
     for (a=0; a<width; ++a) free[r+a] = both[a*(width+1)+width];
-    size = start[i+1] - start[i];
-    if (pieces[count]==1) {
-      for (a=0; a<width; ++a) {
-        for (j=w_row[r+a]; j<w_row[r+a+1]; ++j) push[w_column[j]] += directions[j]*free[r+a];
-      }
-      continue;
-    }
-    for (a=0; a<width*size; ++a) across[a] = 0;
+    casadi_add_push(arg, res, iw, i, free);
+    if (pieces[count]==1) continue;
     for (a=0; a<width; ++a) {
       for (b=0; b<width; ++b) gain[(r+a)*width+b] = both[a*(width+1)+b];
-      for (j=w_row[r+a]; j<w_row[r+a+1]; ++j) across[a*size+local[j]] = directions[j];
     }
-    for (a=0; a<width; ++a) {
-      for (c=0; c<size; ++c) {
-        share = 0;
-        for (b=0; b<width; ++b) share += both[a*(width+1)+b]*across[b*size+c];
-        weighted[a*size+c] = share;
-      }
-    }
-    first = block[i];
-    for (b=0; b<size; ++b) {
-      for (c=0; c<size; ++c) {
-        share = 0;
-        for (a=0; a<width; ++a) share += across[a*size+c]*weighted[a*size+b];
-        system[place[first+b*size+c]] += share;
-      }
-      share = 0;
-      for (a=0; a<width; ++a) share += across[a*size+b]*free[r+a];
-      push[column[start[i]+b]] += share;
-    }
+    casadi_add_blocks(arg, res, iw, i, gain + r*width, across);
   }
   return 0;
 }

@@ -7,7 +7,7 @@ equations, steps and gradients treat both as parameters. Gradients follow by the
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from copy import copy
 from functools import cached_property
 from typing import Any
@@ -15,7 +15,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Constraint, ForceElement
+from dalembert.elements.base import Constraint, Element, ForceElement
 from dalembert.elements.computed import ComputedNumbers
 from dalembert.elements.loads import Gravity
 from dalembert.errors import ModelError
@@ -53,6 +53,15 @@ class Description(MechanismParts):
         """The same parts with additional initial conditions."""
         changed = copy(self)
         changed.initial_conditions = [*self.initial_conditions, *conditions]
+        return changed
+
+    def with_elements(self, elements: Iterable[Element]) -> Description:
+        """The same parts with additional elements, which have no coordinates or parameters."""
+        kind = type(self)
+        changed = copy(self)
+        for name in [n for n in vars(self) if isinstance(getattr(kind, n, None), cached_property)]:
+            delattr(changed, name)
+        changed.elements = self.elements | {element.name: element for element in elements}
         return changed
 
     @cached_property

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -17,9 +18,6 @@ import numpy as np
 from dalembert.elements.coordinates import Coordinates
 from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.formulas.expression import stack
-
-STILL = 1e-6
-"""Displacements below this share of the largest one have the limit for small ones [-]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,31 +116,23 @@ class Manifold:
         """``other ⊖ y`` of a pair of positions, or of all columns."""
         return other - y if self.flat else _evaluated(self._leading, self._lead, y, other)
 
-    def path_shares(self, y: np.ndarray, delta: np.ndarray, s: float) -> np.ndarray:
-        """Displacement per ``s`` at ``y ⊕ s δ``, relative to ``δ``, by components."""
-        if self.flat or s == 0:
-            return np.ones(delta.size)
-        return self._path_shares(y, delta, s)[0].ravel()
+    def path_shares(self, delta: np.ndarray, s: float) -> np.ndarray:
+        """Displacement per ``s`` at ``y ⊕ s δ``, relative to ``δ``, by components; of columns."""
+        shares = np.ones(delta.shape)
+        for _, first in self.attitudes:
+            turn = slice(first, first + 3)
+            shares[turn] = _turning_share(s, (delta[turn] ** 2).sum(axis=0))
+        return shares
 
     @cached_property
     def path(self) -> tuple[ca.SX, ca.SX, ca.SX]:
         """Symbol ``s``, ``y ⊕ s δ``, and the displacement per ``s`` there relative to ``δ``."""
-        share, count = ca.SX.sym("s"), self.delta.numel()
-        moved = self.retract(self.y, share * self.delta)
-        if self.flat:
-            return share, moved, ca.SX.ones(count)
-        rate = ca.jtimes(moved, share, ca.SX(1))
-        velocity = ca.mtimes(ca.substitute(self.reading, self.y, moved), rate)
-        still = ca.fabs(self.delta) <= STILL * ca.mmax(ca.fabs(self.delta))
-        limit = ca.diag(ca.jacobian(velocity, self.delta))
-        ratio = velocity / ca.if_else(still, 1, self.delta)
-        return share, moved, ca.if_else(still, limit, ratio)
-
-    @cached_property
-    def _path_shares(self) -> Kernel:
-        share, _, shares = self.path
-        inputs = [self.y, self.delta, share]
-        return Kernel(ca.Function("path_shares", inputs, [ca.densify(shares)]))
+        share = ca.SX.sym("s")
+        shares = ca.SX.ones(self.delta.numel())
+        for _, first in self.attitudes:
+            turn = slice(first, first + 3)
+            shares[turn] = _turning_share(share, ca.sumsqr(self.delta[turn]))
+        return share, self.retract(self.y, share * self.delta), shares
 
     @cached_property
     def going(self) -> ca.Function:
@@ -161,6 +151,11 @@ class Manifold:
     @cached_property
     def _lead(self) -> Kernel:
         return Kernel(self._leading)
+
+
+def _turning_share(s: Any, square: Any) -> Any:
+    """Rate of a rotation ``e ⊗ (1, s δ/2)``, normalised, relative to ``δ``, with ``|δ|²``."""
+    return 1 / (1 + s**2 * square / 4)
 
 
 def _attitudes(groups: Sequence[Coordinates]) -> tuple[tuple[int, int], ...]:

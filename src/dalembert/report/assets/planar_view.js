@@ -5,6 +5,9 @@
 
 import { clamp, extent } from "./numbers.js";
 
+/** Upper limit of the part of the canvas that is left free around the drawing, for small canvases. */
+const MARGINS = 0.6;
+
 export class PlanarView {
   hint = "Wheel zooms, drag pans.";
   /** @type {Record<string, () => void>} */
@@ -30,10 +33,11 @@ export class PlanarView {
   fit(cloud, { side, top, bottom, left }) {
     const { clientWidth: w, clientHeight: h } = this.canvas;
     const [[x0, x1], [y0, y1]] = [0, 1].map((axis) => extent([cloud.map((p) => p[axis])]) ?? [0, 1]);
+    const share = Math.min(1, (MARGINS * h) / (top + bottom || 1)), [over, under] = [top * share, bottom * share], room = Math.max((1 - MARGINS) * w, w - left - 2 * side);
     const least = 0.1 * Math.max(x1 - x0, y1 - y0) || 1, [width, height] = [Math.max(x1 - x0, least), Math.max(y1 - y0, least)];
-    this.s = Math.max(1e-9, Math.min((w - left - 2 * side) / width, (h - top - bottom) / height));
+    this.s = Math.max(1e-9, Math.min(room / width, (h - over - under) / height));
     this.x = (x0 + x1 - left / this.s) / 2;
-    this.y = (y0 + y1 - (bottom - top) / this.s) / 2;
+    this.y = (y0 + y1 - (under - over) / this.s) / 2;
     this.home = this.s;
     this.fitted = true;
     this.onChange();

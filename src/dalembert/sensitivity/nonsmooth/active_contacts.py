@@ -9,6 +9,7 @@ equation of an active gap is that of its normal component, ``u_N⁺ + offset_N =
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -22,6 +23,7 @@ from dalembert.integrators.contact.offset_slopes import OffsetSlopes
 from dalembert.integrators.contact.semismooth_newton import pieces
 from dalembert.sensitivity.nonsmooth.force_slopes import ForceSlopes
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
+from dalembert.sensitivity.nonsmooth.gap_matrices import joined_matrices
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
 from dalembert.sensitivity.nonsmooth.impact_slopes import ImpactSlopes
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
@@ -109,12 +111,16 @@ class ContactEquations:
         gaps: Gaps,
         step: ContactStep,
         active: ActiveContacts,
-        h: float,
+        h: float | np.ndarray,
         inertia: np.ndarray,
         impact: ImpactSlopes | None = None,
         forces: ForceSlopes | None = None,
     ) -> ContactEquations:
-        """Equations of a step as it was taken, scaled by an approximate ``inertia`` (n_v,)."""
+        """Equations of a step as it was taken, scaled by an approximate ``inertia`` (n_v,).
+
+        The speeds of several steps may follow one another, with lengths ``h`` (n,) of the step of
+        each contact.
+        """
         values, w, groups = gaps.values, gaps.directions, step.groups
         (count, k), keys = values.before.shape, active.keys
         laws = ContactLaws.of(values.laws.T, groups)
@@ -204,18 +210,14 @@ class ContactEquations:
     def push(self, dq: np.ndarray, path: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Changes of ``Wᵀ P`` and of the equations by those of ``q`` and of a path's speeds."""
         change, momentum = self.gaps.push(dq, path)
-        s, before = self.slopes, self.gaps.values.before
-        offset = self.factors[..., None] * change.before
-        offset[:, 1:] += self._restituted[..., None] * change.laws[:, 1, None]
-        offset[:, 0] += s.gap[:, None] * change.distance
-        offset[:, 0] += s.restitution[:, None] * change.laws[:, 0]
+        rows = sum(
+            (slopes @ getattr(change, name).reshape(slopes.shape[0], -1, dq.shape[1]))
+            for name, slopes in self.by_gaps.items()
+        )
         if self.impact is not None:
             exchanged, struck = self.impact.push(dq, path)
             momentum = momentum + exchanged
-            offset[:, 0] += s.struck[:, None] * struck
-        rows = self.coupled @ (change.after + offset)
-        friction = change.laws[np.arange(before.shape[0])[:, None], self.column]
-        rows += self.limit[..., None] * friction
+            rows += self.coupled[:, :, :1] * (self.slopes.struck[:, None] * struck)[:, None]
         if self.forces is not None:
             by_p = self.forces.parameters
             rows[self.forces.rows, 0] -= by_p @ dq[dq.shape[0] - by_p.shape[1] :]
@@ -233,6 +235,19 @@ class ContactEquations:
         struck = self.slopes.struck[:, None] * own.after[:, 0]
         return np.asarray(pulled + self.impact.pull(momentum, struck))
 
+    @property
+    def by_q(self) -> tuple[Sparse, Sparse]:
+        """Derivatives of ``Wᵀ P`` (n_v, n_q) and of the equations (n k, n_q) by ``q``,
+        without means over a path, impacts at the start and force laws."""
+        slopes = self.gap_slopes
+        rows = [_diagonal(own) @ slopes[name] for name, own in self.by_gaps.items()]
+        return slopes["momentum"], sum(rows[1:], rows[0])
+
+    @cached_property
+    def gap_slopes(self) -> dict[str, Sparse]:
+        """Derivatives of the gaps, and of ``Wᵀ P``, by ``q``."""
+        return joined_matrices(self.gaps)
+
     def pull_path(self, momentum: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Weights of the speeds at the end of a path of means."""
         own = self._weights(weights)
@@ -243,18 +258,28 @@ class ContactEquations:
 
     def _weights(self, weights: np.ndarray) -> GapChanges:
         """Weights of the gaps from those of the equations."""
-        s, values = self.slopes, self.gaps.values
         rows = weights.reshape(*self.coupled.shape[:2], -1)
-        after = self.coupled.swapaxes(1, 2) @ rows
-        own, normal = values.like(rows.shape[2]), after[:, 0]
-        own.after[:], own.before[:] = after, self.factors[..., None] * after
-        own.distance[:] = s.gap[:, None] * normal
-        own.laws[:, 0] = s.restitution[:, None] * normal
-        own.laws[:, 1] = (self._restituted[..., None] * after[:, 1:]).sum(axis=1)
-        limits, row = self.limit[..., None] * rows, np.arange(normal.shape[0])
-        for component, column in enumerate(self.column.T):
-            own.laws[row, column] += limits[:, component]
+        own = self.gaps.values.like(rows.shape[2])
+        for name, slopes in self.by_gaps.items():
+            weight = getattr(own, name)
+            weight[:] = (slopes.swapaxes(1, 2) @ rows).reshape(weight.shape)
         return own
+
+    @cached_property
+    def by_gaps(self) -> dict[str, np.ndarray]:
+        """(n, k, m) derivatives of the equations of each contact by the fields of its gap."""
+        s, (count, k) = self.slopes, self.factors.shape
+        laws = np.zeros((count, k, self.gaps.values.laws.shape[1]))
+        laws[:, :, 0] = s.restitution[:, None] * self.coupled[:, :, 0]
+        laws[:, :, 1] = (self.coupled[:, :, 1:] @ self._restituted[..., None])[..., 0]
+        place = np.arange(count)[:, None], np.arange(k), self.column
+        laws[place] += self.limit
+        return {
+            "distance": s.gap[:, None, None] * self.coupled[:, :, :1],
+            "before": self.coupled * self.factors[:, None],
+            "after": self.coupled,
+            "laws": laws,
+        }
 
     @property
     def _restituted(self) -> np.ndarray:
@@ -286,6 +311,6 @@ def _limit_slopes(
 
 def _diagonal(blocks: np.ndarray) -> scipy.sparse.bsr_array:
     """Block-diagonal matrix."""
-    count, k, _ = blocks.shape
+    count, rows, columns = blocks.shape
     numbers = np.arange(count), np.arange(count + 1)
-    return scipy.sparse.bsr_array((blocks, *numbers), shape=(count * k, count * k))
+    return scipy.sparse.bsr_array((blocks, *numbers), shape=(count * rows, count * columns))

@@ -1,6 +1,6 @@
 """Linearised steps with contacts: equations of motion, of contacts, and corrections.
 
-    (M − h θ D − h² θ² K)(v⁺ − v) + Cᵀ Λ − Wᵀ P = h F,      C (σ v⁺ + (1−σ) v) = −Φ_t
+    M (v⁺ − v) + C̄ᵀ Λ − Wᵀ P = h F̄,      C̄ (v⁺ + v)/2 = −Φ̄_t − Φ/h
     P − proj(P − ρ (u⁺ + offset)) = 0
 
 then ``y⁺ = y ⊕ h (θ v⁺ + (1−θ) v)``; correction of gaps along ``M⁻¹``; projection of speeds.
@@ -53,6 +53,7 @@ class ContactMaps:
         impulses: np.ndarray,
         curved: np.ndarray | None = None,
         path: Path | None = None,
+        owner: np.ndarray | None = None,
     ) -> Gaps:
         """Gaps with some keys, in their order, and their derivatives.
 
@@ -60,14 +61,17 @@ class ContactMaps:
         ----------
         impulses : (n, k)
         curved, path : (n,) mask of means over a path, none by default, and the path
+        owner : (n,) column of the state of each gap; the first one by default
         """
         numbers, laws = keys // APART, FIRST + len(self.contact_step.groups)
         means = np.zeros(keys.size, dtype=bool) if curved is None else curved
         parts: list[Part] = []
         for number, source in enumerate(self._sources):
             rows, own = (np.flatnonzero((numbers == number) & m) for m in (~means, means))
-            if rows.size or len(self._sources) == 1:
-                parts.append(source.at(state, rows, keys[rows] % APART, impulses[rows], laws))
+            if rows.size or len(self._sources) == 1 or not (keys.size or parts):
+                place = None if owner is None else owner[rows]
+                own_keys = keys[rows] % APART
+                parts.append(source.at(state, rows, own_keys, impulses[rows], laws, place))
             if own.size and path is not None:
                 arguments = own, keys[own] % APART, impulses[own], laws
                 parts.append(path_gaps(source, state, path, *arguments))
@@ -118,16 +122,16 @@ class ContactMaps:
                 given = self.contact_step, pressing, h, inertia
                 forces = self._forces(gaps, y, t, h, pressing.keys)
                 contacts = ContactEquations.of(gaps, *given, impact, forces)
-                right, below = self._joined(value, contacts, impulses)
+                right, below = self.joined(value, contacts, impulses)
                 matrix += below
-            factors = ProximalFactors(matrix, self._weight(impulses.size))
+            factors = ProximalFactors.of(matrix, self._weight(impulses.size))
             if _negligible(right, matrix, z):
                 break
             z = z - factors.solve(right)
         forced = None
         if contacts is not None and contacts.slopes.forced.any():
             offsets = active.offsets[contacts.slopes.forced > 0]
-            forced = self._forced(y, v, t, h, offsets)
+            forced = self.forced_change(y, v, t, h, offsets)
         next_by_z, next_by_q = slopes
         return MapAt(z, following, factors, by_q, next_by_z, next_by_q, contacts, forced, before)
 
@@ -155,7 +159,7 @@ class ContactMaps:
         start = np.concatenate([v, np.zeros(self.smooth - n)])
 
         def slopes(change: np.ndarray) -> list[Sparse]:
-            return self.equations.step(start + change, *state)[1]
+            return self.equations.linear(start + change, *state)[1]
 
         def gaps(own: np.ndarray, impulses: np.ndarray, change: np.ndarray) -> Gaps:
             return self.gaps(StepState(t, y, p, v, v + change), own, impulses)
@@ -165,12 +169,12 @@ class ContactMaps:
             return self.gaps(StepState(t, y, p, v, v + change), *own)
 
         by_z, by_q = slopes(0 * start)
-        factors = ProximalFactors([(0, 0, by_z)], self._weight(0))
+        factors = ProximalFactors.of([(0, 0, by_z)], self._weight(0))
         changes = lambda change: slopes(change)[1] - by_q  # noqa: E731
         motions = Motions(factors, changes, gaps, means, n, self.size)
         return ImpactSlopes(stage, active.keys, motions)
 
-    def _forced(
+    def forced_change(
         self, y: np.ndarray, v: np.ndarray, t: float, h: float, offsets: np.ndarray
     ) -> ForcedChange:
         """The largest change of a normal speed by forces in a step.
@@ -182,10 +186,10 @@ class ContactMaps:
         """
         step, still = self.contact_step, np.zeros(self.smooth)
         state = y, v, t, self.p, h
-        value, (by_z, _), *_ = self.equations.step(still, *state)
-        factors = ProximalFactors([(0, 0, by_z)], self._weight(0))
+        value, (by_z, _), *_ = self.equations.linear(still, *state)
+        factors = ProximalFactors.of([(0, 0, by_z)], self._weight(0))
         z = -factors.solve(value)
-        _, (_, by_q), following, slopes = self.equations.step(z, *state)
+        _, (_, by_q), following, slopes = self.equations.linear(z, *state)
         free = z[: self.speeds]
         contacts = step.near(step.at(t, y), AHEAD * h * np.column_stack([v, free]))
         changes = (contacts.speeds(free) - contacts.speeds(v))[:, 0]
@@ -223,10 +227,10 @@ class ContactMaps:
                 moved = StepState(t, y, self.p, still, smooth[:n], 0.0)
                 gaps = self.gaps(moved, keys, impulses[:, None])
                 contacts = ContactEquations.of_openings(keys, gaps, lifts, presses)
-                right, below = self._joined(value, contacts, impulses)
+                right, below = self.joined(value, contacts, impulses)
                 matrix += below
             if not solved:
-                factors = ProximalFactors(matrix, self._weight(impulses.size))
+                factors = ProximalFactors.of(matrix, self._weight(impulses.size))
                 z = z - factors.solve(right)
         next_by_z, next_by_q = slopes
         return MapAt(z, following, factors, by_q, next_by_z, next_by_q, contacts)
@@ -235,34 +239,41 @@ class ContactMaps:
         """Projection to the nearest speeds that satisfy the joints."""
         state, z = (*self._split(x), t, self.p, 0.0), np.zeros(self.smooth)
         value, (by_z, _), *_ = self.equations.consistent(z, *state)
-        factors = ProximalFactors([(0, 0, by_z)], self._weight(0))
+        factors = ProximalFactors.of([(0, 0, by_z)], self._weight(0))
         z = -factors.solve(value)
         _, (_, by_q), following, slopes = self.equations.consistent(z, *state)
         return MapAt(z, following, factors, by_q, *slopes)
 
-    def _split(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return x[: self.size], x[self.size :]
-
-    def _joined(
+    def joined(
         self, value: np.ndarray, contacts: ContactEquations, impulses: np.ndarray
     ) -> tuple[np.ndarray, list[Block]]:
-        """Residual with contacts, and their blocks of the matrix."""
-        across, first = contacts.gaps.directions, self.smooth
+        """Residual with contacts, and their blocks of the matrix, of one step or of several that
+        follow one another."""
+        across, first = contacts.gaps.directions, value.size
         right = np.concatenate([value, contacts.residual])
-        right[: self.speeds] -= across.T @ impulses + contacts.struck
+        right[: across.shape[1]] -= across.T @ impulses + contacts.struck
         away = scipy.sparse.csr_array(-across.T)
         own = [(first, 0, contacts.by_speed), (first, first, contacts.by_impulse)]
         return right, [(0, first, away), *own]
+
+    def _split(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return x[: self.size], x[self.size :]
 
     def _weight(self, rows: int) -> np.ndarray:
         counts = [self.speeds, self.smooth - self.speeds, rows]
         return np.repeat([0.0, -1.0, 1.0], counts)
 
 
-def _negligible(right: np.ndarray, matrix: list[Block], z: np.ndarray) -> bool:
-    """Whether a residual is small, relative to the largest of its terms."""
+def terms_of(right: np.ndarray, matrix: list[Block], z: np.ndarray) -> np.ndarray:
+    """Sums of the magnitudes of the terms of equations, and of their residuals."""
     terms = np.abs(right)
     for first, left, block in matrix:
         rows, columns = block.shape
         terms[first : first + rows] += abs(block) @ np.abs(z[left : left + columns])
-    return bool(np.abs(right).max(initial=0.0) <= SOLVED * terms.max(initial=1.0))
+    return np.asarray(terms)
+
+
+def _negligible(right: np.ndarray, matrix: list[Block], z: np.ndarray) -> bool:
+    """Whether a residual is small, relative to the largest of its terms."""
+    largest = terms_of(right, matrix, z).max(initial=1.0)
+    return bool(np.abs(right).max(initial=0.0) <= SOLVED * largest)

@@ -24,7 +24,9 @@ from dalembert.sensitivity.nonsmooth.active_contacts import STICK_MARGIN, Active
 from dalembert.sensitivity.nonsmooth.contact_changes import ContactChanges
 from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
 from dalembert.sensitivity.nonsmooth.linear_map import MapAt
+from dalembert.sensitivity.nonsmooth.recorded_contacts import RecordedContacts
 from dalembert.sensitivity.nonsmooth.recorded_opening import SAME, RecordedOpening
+from dalembert.sensitivity.nonsmooth.step_stacks import StepStacks
 from dalembert.symbolic.equations import newton
 
 
@@ -52,7 +54,7 @@ class ContactSteps:
         self.size = self.record.ends.y.shape[0]
         self.changes: dict[int, ContactChanges] = {}
         self.growth = 0.0
-        self._starts = np.searchsorted(self.record.step, np.arange(self.count + 1))
+        self.contacts = RecordedContacts(self.record)
 
     @property
     def count(self) -> int:
@@ -61,11 +63,7 @@ class ContactSteps:
 
     def active(self, k: int) -> ActiveContacts:
         """Pressing contacts of a step; none before the first."""
-        rows = np.arange(*self._starts[k : k + 2]) if k >= 0 else np.zeros(0, dtype=int)
-        rows = rows[np.argsort(self.record.key[rows])]
-        record = self.record
-        fields = record.key, record.impulse, record.offset, record.curved
-        return ActiveContacts(*(field[rows] for field in fields))
+        return self.contacts.of(k)
 
     def observe_growth(self, columns: np.ndarray) -> None:
         """Include changes of a state, or weights, in the largest growth."""
@@ -75,24 +73,27 @@ class ContactSteps:
     def breaks(self) -> dict[int, np.ndarray]:
         """Step → keys of the contacts with higher static friction that slip in the next step, but
         not in this one."""
-        record = self.record
-        if not record.key.size or not self.step.groups:
+        if not self.record.key.size or not self.step.groups:
             return {}
-        number = np.unique(record.key, return_inverse=True)[1]
-        laws, slips = self._laws(record.key), self._slips(record.key, record.impulse)
-        static, moving = laws[:, FIRST - 1], laws[:, FIRST]
-        order = np.lexsort((record.step, number))
-        ends, begins = order[1:], order[:-1]
-        breaks = (number[ends] == number[begins]) & (record.step[ends] == record.step[begins] + 1)
-        breaks &= slips[ends] & ~slips[begins] & (static > moving)[ends]
+        keys, impulses = self.contacts.all.keys, self.contacts.all.impulses
+        laws, slips = self._laws(keys), self._slips(keys, impulses)
+        begins, owner = self.contacts.follows, self.contacts.owner
+        ends = np.flatnonzero(begins >= 0)
+        begins = begins[ends]
+        breaks = slips[ends] & ~slips[begins] & (laws[:, FIRST - 1] > laws[:, FIRST])[ends]
         rows = begins[breaks]
-        return {int(k): record.key[rows[record.step[rows] == k]] for k in record.step[rows]}
+        return {int(k): keys[rows[owner[rows] == k]] for k in owner[rows]}
 
     def _laws(self, key: np.ndarray) -> np.ndarray:
         """(n, c) coefficients of gaps at the start."""
-        keys, number = np.unique(key, return_inverse=True)
-        start = self.x[:, 0], float(self.record.t[0])
-        return np.asarray(self.maps.gaps_at(*start, keys).values.laws[number])
+        keys, laws = self._all_laws
+        return laws[np.searchsorted(keys, key)]
+
+    @cached_property
+    def _all_laws(self) -> tuple[np.ndarray, np.ndarray]:
+        """Keys of all pressing contacts, and (n, c) coefficients of these gaps at the start."""
+        keys, start = np.unique(self.contacts.all.keys), (self.x[:, 0], float(self.record.t[0]))
+        return keys, np.asarray(self.maps.gaps_at(*start, keys).values.laws)
 
     def _slips(self, key: np.ndarray, impulse: np.ndarray) -> np.ndarray:
         """(n,) mask of the impulses (n, k) of sliding contacts."""
@@ -103,12 +104,33 @@ class ContactSteps:
         slip = np.linalg.norm(impulse[:, 1:linear], axis=1)
         return np.asarray(np.abs(slip - limit) <= STICK_MARGIN * limit)
 
-    def _is_repeated(self, active: ActiveContacts) -> bool:
-        """Whether a step has solutions that are not recorded: those on whose paths means of gaps
-        are taken, and impacts by other laws than Newton's."""
-        if active.curved.any() or not active.keys.size:
-            return bool(active.curved.any())
-        return bool((self._laws(active.keys)[:, IMPACT] != ImpactLaw.NEWTON.number).any())
+    @cached_property
+    def _are_repeated(self) -> np.ndarray:
+        """(K,) mask of the steps with solutions that are not recorded: those on whose paths means
+        of gaps are taken, and impacts by other laws than Newton's."""
+        contacts = self.contacts.all
+        repeated = contacts.curved.copy()
+        if repeated.size:
+            repeated |= self._laws(contacts.keys)[:, IMPACT] != ImpactLaw.NEWTON.number
+        mask: np.ndarray = np.bincount(self.contacts.owner, repeated, self.count) > 0
+        return mask
+
+    @cached_property
+    def stacks(self) -> StepStacks:
+        """Steps whose maps are evaluated together."""
+        return StepStacks(self.maps, self.record, self.contacts, self._are_repeated)
+
+    def calm(self, k: int) -> ContactChanges | None:
+        """Changes of contact states near a step whose contacts are all among ``by_q``, and in which
+        none impacts or breaks away; None for other steps, and for those outside of stacks."""
+        stacked = self.stacks.at(k)
+        if stacked is None or k in self.breaks:
+            return None
+        (maps, place), first = stacked, self.contacts.first
+        begins = self.contacts.follows[first[k] : first[k + 1]] < 0
+        if maps.forced[place] or (maps.bounces(place) & begins).any():
+            return None
+        return ContactChanges(changing=bool(maps.changing[place]))
 
     def split(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """``y`` and ``v`` at the start of step ``k``."""
@@ -119,15 +141,15 @@ class ContactSteps:
         t = self.record.t
         return float(t[k]), float(t[k + 1] - t[k])
 
-    def at(self, k: int) -> list[MapAt]:
-        """Sequence of maps of step ``k``.
+    def at(self, k: int, calm: bool = False) -> list[MapAt]:
+        """Sequence of maps of step ``k``; ``calm`` ones have no contacts on their own.
 
         Raises
         ------
         AnalysisError
             The maps do not reproduce the recorded step.
         """
-        maps = self._maps(k)
+        maps = self._maps(k, calm)
         end, recorded = maps[-1].following, self.x[:, k + 1]
         scale = np.abs(self.x[:, k : k + 2]).max(initial=0.0) + self.step.model.scales.length
         if not np.abs(end - recorded).max(initial=0.0) <= SAME * scale:
@@ -137,10 +159,12 @@ class ContactSteps:
             )
         return maps
 
-    def _maps(self, k: int) -> list[MapAt]:
+    def _maps(self, k: int, calm: bool) -> list[MapAt]:
         (t, h), active, x = self.span(k), self.active(k), self.x[:, k]
         after = self.x[self.size :, k + 1]
-        if self._is_repeated(active):
+        if (stacked := self.stacks.at(k)) is not None:
+            return [stacked[0].at(stacked[1], whole=calm)]
+        if self._are_repeated[k]:
             maps = [self._repeated(k)]
         else:
             maps = [self.maps.step(x, after, t, h, active)]
@@ -194,17 +218,29 @@ class ContactSteps:
         x: np.ndarray,
         t: float,
         h: float,
-        lasting: ActiveContacts | None,
+        lasting: ActiveContacts,
         slipping: np.ndarray | None = None,
     ) -> np.ndarray:
-        """Mean accelerations over a step in which ``lasting`` contacts neither impact nor part, or
-        without contacts; those that stick have static friction, except keys ``slipping``."""
+        """Mean accelerations over a step in which ``lasting`` contacts neither impact nor part;
+        those that stick have static friction, except keys ``slipping``."""
+        return self.accelerations(x, t, h, lasting, slipping)[0]
+
+    def accelerations(
+        self,
+        x: np.ndarray,
+        t: float,
+        h: float,
+        lasting: ActiveContacts,
+        slipping: np.ndarray | None = None,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """``acceleration``, and the same without contacts."""
         y, v = x[: self.size], x[self.size :]
         step, scheme = self.step, self.step.scheme
-        after, _, mobility, _ = step.smooth.step(t, y, v, self.p, h, scheme.theta)
-        if lasting is not None and lasting.keys.size:
-            contacts = step.near(step.at(t, y), 2 * h * np.column_stack([v, after]))
-            contacts = contacts.some(np.isin(contacts.key, lasting.keys))
+        free = step.smooth.step(t, y, v, self.p, h, scheme.theta).free
+        after, mobility = free.speeds, free.mobility
+        alone = np.asarray((after - v) / h)
+        if lasting.keys.size:
+            contacts = step.selected(step.at(t, y), lasting.keys)
             before = contacts.speeds(v)
             offsets = Approach(contacts, before, contacts.speeds(after), h).newton()
             offsets[:, 0] = -before[:, 0]
@@ -218,10 +254,9 @@ class ContactSteps:
                 static &= ~np.isin(contacts.key, [] if slipping is None else slipping)
                 friction[static, :1] = laws.static_friction[static, None]
             problem = FrictionProblem(matrix, speeds, friction, contacts.groups, scale)
-            start = lasting.impulses[np.searchsorted(lasting.keys, contacts.key)]
-            impulses = step.solver.solve(problem, start).impulses
+            impulses = step.solver.solve(problem, lasting.impulses).impulses
             after = after + mobility(contacts.directions.T @ impulses.ravel())[0]
-        return np.asarray((after - v) / h)
+        return np.asarray((after - v) / h), alone
 
 
 _STEPS: WeakKeyDictionary[NonsmoothMotion, ContactSteps] = WeakKeyDictionary()

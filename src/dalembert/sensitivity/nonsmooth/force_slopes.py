@@ -75,7 +75,11 @@ class ForceSlopes:
         return cls(rows, h * mean, theta * speed, (1 - theta) * speed, gap, h * parameters)
 
     def slopes(
-        self, scheme: ContactScheme, approach: Approach, offsets: np.ndarray, rounding: float
+        self,
+        scheme: ContactScheme,
+        approach: Approach,
+        offsets: np.ndarray,
+        rounding: float | np.ndarray,
     ) -> OffsetSlopes:
         """Offsets of all contacts; of compliant ones those whose product with the derivative by
         ``u_N⁺`` are the derivatives by the gap and by ``u_N⁻``."""

@@ -1,12 +1,69 @@
-"""Derivatives of the gaps of a source as sparse matrices."""
+"""Derivatives of gaps as sparse matrices."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
 
-from dalembert.sensitivity.nonsmooth.gap_slopes import SourceGaps
+from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
+from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps, SourceGaps
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
+
+NAMES = "distance", "before", "after", "laws"
+"""Fields of ``GapChanges``."""
+
+
+@dataclass(frozen=True, eq=False)
+class MatrixGaps:
+    """Gaps with matrices of derivatives, by the speeds of a path, too.
+
+    Attributes
+    ----------
+    rows : (n,) numbers of the gaps among all
+    values : of the gaps, or of their means over the path
+    across : ``W``
+    slopes : matrices of each of ``NAMES`` by ``q`` and the speeds of the path
+    momentum : derivatives of ``Wᵀ P`` by the same
+    count : size of ``q``
+    """
+
+    rows: np.ndarray
+    values: GapChanges
+    across: Sparse
+    slopes: dict[str, Sparse]
+    momentum: Sparse
+    count: int
+
+    def push(self, dq: np.ndarray, path: np.ndarray | None = None) -> tuple[GapChanges, np.ndarray]:
+        """Changes of the gaps and of ``Wᵀ P`` by those of ``q`` (n_q, c) and of the speeds of the
+        path, 0 by default."""
+        rest = np.zeros((self.momentum.shape[1] - self.count, dq.shape[1]))
+        change = np.vstack([dq, rest if path is None else path])
+        changes = self.values.like(dq.shape[1])
+        for name, slope in self.slopes.items():
+            total = getattr(changes, name)
+            total[:] = (slope @ change).reshape(total.shape)
+        return changes, np.asarray(self.momentum @ change)
+
+    def pull(self, weights: GapChanges, momentum: np.ndarray) -> np.ndarray:
+        """Weights of ``q`` from those of the gaps and of ``Wᵀ P``."""
+        return self._weights(weights, momentum)[: self.count]
+
+    def pull_path(self, weights: GapChanges, momentum: np.ndarray) -> np.ndarray:
+        """Weights of the speeds of the path from those of the gaps and of ``Wᵀ P``."""
+        return self._weights(weights, momentum)[self.count :]
+
+    def directions(self) -> Sparse:
+        """``W`` (n k, n_v)."""
+        return self.across
+
+    def _weights(self, weights: GapChanges, momentum: np.ndarray) -> np.ndarray:
+        total, columns = self.momentum.T @ momentum, momentum.shape[1]
+        for name, slope in self.slopes.items():
+            total = total + slope.T @ getattr(weights, name).reshape(-1, columns)
+        return np.asarray(total)
 
 
 class _Blocks:
@@ -51,9 +108,31 @@ def gap_matrices(gaps: SourceGaps) -> dict[str, Sparse]:
     slopes = {name: blocks.matrix @ gaps.geometry for name, blocks in local.items()}
     before, after = gaps.velocities
     moving = gaps.moving.tocoo()
-    columns = moving.coords[1] + gaps.first
+    columns = gaps.speeds[moving.coords[1]]
     moved = scipy.sparse.csr_array((moving.data, (moving.coords[0], columns)), shape=(place, size))
     slopes["before"] = slopes["before"] + across.matrix @ (before + moved)
     slopes["after"] = slopes["after"] + across.matrix @ after
-    slopes["momentum"] = gaps.moving.T @ slopes.pop("wrench") + gaps.momenta
+    momentum = gaps.moving.T @ slopes.pop("wrench") + gaps.momenta
+    slopes["momentum"] = scipy.sparse.csr_array(momentum)
     return slopes
+
+
+def joined_matrices(gaps: Gaps) -> dict[str, Sparse]:
+    """``gap_matrices`` of gaps of all sources, in their order, none of them means over a path."""
+    parts = [part for part in gaps.parts if isinstance(part, SourceGaps | MatrixGaps)]
+    slopes = [_of_part(part) for part in parts]
+    if len(parts) == 1:
+        return slopes[0]
+    order, joined = np.argsort(np.concatenate([part.rows for part in parts])), {}
+    for name in NAMES:
+        stacked = scipy.sparse.csr_array(scipy.sparse.vstack([own[name] for own in slopes]))
+        width = stacked.shape[0] // max(order.size, 1)
+        joined[name] = stacked[(order[:, None] * width + np.arange(width)).ravel()]
+    momenta = [own["momentum"] for own in slopes]
+    return joined | {"momentum": sum(momenta[1:], momenta[0])}
+
+
+def _of_part(part: SourceGaps | MatrixGaps) -> dict[str, Sparse]:
+    if isinstance(part, SourceGaps):
+        return gap_matrices(part)
+    return part.slopes | {"momentum": part.momentum}

@@ -77,7 +77,7 @@ class SourceGaps:
     velocities : ``τ_q`` for both speeds, without the first one's own change
     moving : ``J``
     momenta : derivative of ``Jᵀ f``
-    first : number of the first speed in ``q``
+    speeds : numbers of the speeds in ``q``
     shape : components of gap velocities, number of coefficients
     """
 
@@ -87,14 +87,14 @@ class SourceGaps:
     velocities: list[Sparse]
     moving: Sparse
     momenta: Sparse
-    first: int
+    speeds: np.ndarray
     shape: tuple[int, int]
 
     def push(self, dq: np.ndarray, path: np.ndarray | None = None) -> tuple[GapChanges, np.ndarray]:
         """Changes of the gaps and of ``Wᵀ P`` by those of ``q`` (n_q, c), on any path."""
-        (count, n), c = self.moving.shape, dq.shape[1]
+        count, c = self.moving.shape[0], dq.shape[1]
         geometry, (before, after) = self.geometry @ dq, (slope @ dq for slope in self.velocities)
-        before = before + self.moving @ dq[self.first : self.first + n]
+        before = before + self.moving @ dq[self.speeds]
         changes, wrench = GapChanges.zero(self.rows.size, *self.shape, c), np.zeros((count, c))
         for part in self.kinds:
             local, place = geometry[part.entries], part.kind.velocities
@@ -128,7 +128,7 @@ class SourceGaps:
         q_bar = self.geometry.T @ geometry + self.momenta.T @ momentum
         for slope, weight in zip(self.velocities, speeds, strict=True):
             q_bar += slope.T @ weight
-        q_bar[self.first : self.first + self.moving.shape[1]] += self.moving.T @ speeds[0]
+        q_bar[self.speeds] += self.moving.T @ speeds[0]
         return np.asarray(q_bar)
 
     def pull_path(self, weights: GapChanges, momentum: np.ndarray) -> np.ndarray:

@@ -79,7 +79,7 @@ class ImpactSystem:
         weight = np.zeros(self.size)
         for j in range(len(increments)):
             weight[self.impulses(j)] = 1.0
-        self.factors = ProximalFactors([(0, 0, self.by_z.matrix((self.size,) * 2))], weight)
+        self.factors = ProximalFactors.of([(0, 0, self.by_z.matrix((self.size,) * 2))], weight)
 
     def push(self, inputs: np.ndarray) -> np.ndarray:
         """Changes (n k, c) of the sums of the impulses."""

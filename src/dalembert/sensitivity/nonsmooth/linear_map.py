@@ -16,7 +16,7 @@ import numpy as np
 
 from dalembert.sensitivity.nonsmooth.active_contacts import ContactEquations
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
-from dalembert.sensitivity.nonsmooth.proximal_factors import ProximalFactors
+from dalembert.sensitivity.nonsmooth.proximal_factors import ProximalFactors, arbitrary
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 
 
@@ -97,7 +97,9 @@ class MapAt:
     @property
     def consistent(self) -> bool:
         """Whether the equations have a solution for an arbitrary change of ``q``."""
-        change = np.random.default_rng(0).normal(size=(self.by_q.shape[1], 1))
+        if self.factors.regular:
+            return True
+        change = arbitrary(self.by_q.shape[1])
         self.change(change)
         return self.factors.consistent
 

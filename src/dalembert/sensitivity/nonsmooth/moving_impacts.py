@@ -18,15 +18,13 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.integrators.contact.approach import SLOW
 from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations
 from dalembert.sensitivity.nonsmooth.break_away import BreakAways, break_aways
 from dalembert.sensitivity.nonsmooth.contact_changes import MARGIN, ContactChanges, near_change
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
 from dalembert.sensitivity.nonsmooth.impact_groups import moving_parts, remain_closed
 from dalembert.sensitivity.nonsmooth.linear_map import MapAt
-
-SLOW = 2.0
-"""Threshold of the approach speed of an impact, relative to the change by forces in a step [-]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +34,7 @@ class Closing:
     Attributes
     ----------
     rows : (n,) numbers among the pressing contacts
-    speed, forced : (n,) closing speeds, and their changes by forces in the step
+    speed, forced : (n,) speeds at the contact, and changes of speeds by forces in the step
     """
 
     rows: np.ndarray
@@ -136,6 +134,10 @@ def step_tangent(steps: ContactSteps, k: int) -> StepTangent:
     UnsupportedError
         The load of a contact with static friction does not grow evenly until it breaks away.
     """
+    if (near := steps.calm(k)) is not None:
+        maps = steps.at(k, calm=True)
+        steps.changes[k] = replace(near, redundant=not maps[0].consistent)
+        return StepTangent(maps, [])
     maps = steps.at(k)
     closing, before = _closing(steps, k, maps[0].contacts)
     impacts = _impacts(steps, k, maps, closing, before) if closing.impacting.size else None
@@ -191,10 +193,11 @@ def _closing(
         return Closing(rows, none, none), none
     (t, h), width = steps.span(k), values.before.shape[1]
     state = steps.x[:, k], t, h
-    before, alone = (steps.acceleration(*state, part) for part in (_persistent(steps, k), None))
+    before, alone = steps.accelerations(*state, _persistent(steps, k))
     normals = contacts.gaps.directions[rows * width]
     forced = h * np.maximum(np.abs(normals @ before), np.abs(normals @ alone))
-    return Closing(rows, -values.before[rows, 0], forced), before
+    fall = 2 * forced / h * np.maximum(values.distance[rows], 0.0)
+    return Closing(rows, np.sqrt(values.before[rows, 0] ** 2 + fall), forced), before
 
 
 def _impacts(

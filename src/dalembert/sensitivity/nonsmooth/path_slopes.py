@@ -18,12 +18,10 @@ import scipy
 from dalembert.analysis.nonsmooth.mean_gaps import LOBATTO
 from dalembert.model.graph.model import Model
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
-from dalembert.sensitivity.nonsmooth.gap_matrices import gap_matrices
+from dalembert.sensitivity.nonsmooth.gap_matrices import NAMES, MatrixGaps, gap_matrices
 from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction, Sparse
 from dalembert.sensitivity.nonsmooth.source_slopes import SourceSlopes, StepState
 from dalembert.symbolic.once import once
-
-NAMES = "distance", "before", "after", "laws"
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,57 +64,6 @@ def path_points(model: Model) -> PathPoints:
     return PathPoints(model)
 
 
-@dataclass(frozen=True, eq=False)
-class PathGaps:
-    """Means of gaps of one source, and their derivatives.
-
-    Attributes
-    ----------
-    rows : (n,) numbers of the gaps among all
-    values : of the means
-    across : ``W̄``
-    slopes : matrices of each of ``NAMES`` by ``q`` and the speeds of the path
-    momentum : derivatives of ``W̄ᵀ P`` by the same
-    count : size of ``q``
-    """
-
-    rows: np.ndarray
-    values: GapChanges
-    across: Sparse
-    slopes: dict[str, Sparse]
-    momentum: Sparse
-    count: int
-
-    def push(self, dq: np.ndarray, path: np.ndarray | None = None) -> tuple[GapChanges, np.ndarray]:
-        """Changes of the means and of ``W̄ᵀ P`` by those of ``q`` (n_q, c) and of the speeds of the
-        path, 0 by default."""
-        rest = np.zeros((self.momentum.shape[1] - self.count, dq.shape[1]))
-        change = np.vstack([dq, rest if path is None else path])
-        changes = self.values.like(dq.shape[1])
-        for name, slope in self.slopes.items():
-            total = getattr(changes, name)
-            total[:] = (slope @ change).reshape(total.shape)
-        return changes, np.asarray(self.momentum @ change)
-
-    def pull(self, weights: GapChanges, momentum: np.ndarray) -> np.ndarray:
-        """Weights of ``q`` from those of the means and of ``W̄ᵀ P``."""
-        return self._weights(weights, momentum)[: self.count]
-
-    def pull_path(self, weights: GapChanges, momentum: np.ndarray) -> np.ndarray:
-        """Weights of the speeds of the path from those of the means and of ``W̄ᵀ P``."""
-        return self._weights(weights, momentum)[self.count :]
-
-    def directions(self) -> Sparse:
-        """``W̄`` (n k, n_v)."""
-        return self.across
-
-    def _weights(self, weights: GapChanges, momentum: np.ndarray) -> np.ndarray:
-        total, columns = self.momentum.T @ momentum, momentum.shape[1]
-        for name, slope in self.slopes.items():
-            total = total + slope.T @ getattr(weights, name).reshape(-1, columns)
-        return np.asarray(total)
-
-
 def path_gaps(
     source: SourceSlopes,
     state: StepState,
@@ -125,7 +72,7 @@ def path_gaps(
     keys: np.ndarray,
     impulses: np.ndarray,
     laws: int,
-) -> PathGaps:
+) -> MatrixGaps:
     """Means of the gaps with some keys; arguments as in ``SourceSlopes.at``."""
     points = [_point(source, state, path, s, (rows, keys, impulses, laws)) for s in LOBATTO]
     weights, (first_share, share) = list(LOBATTO.values()), path.shares
@@ -146,7 +93,7 @@ def path_gaps(
     momentum, across = (scipy.sparse.csr_array(slopes[name]) for name in ("momentum", "across"))
     values = GapChanges(distance, before, after, first.laws)
     count = momentum.shape[1] - path.speeds.size
-    return PathGaps(rows, values, across, matrices, momentum, count)
+    return MatrixGaps(rows, values, across, matrices, momentum, count)
 
 
 @dataclass(frozen=True, eq=False)

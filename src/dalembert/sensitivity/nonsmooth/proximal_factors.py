@@ -7,6 +7,8 @@ G z)``; unique quantities do not depend on ``ε``.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 import scipy
@@ -17,6 +19,9 @@ from dalembert.sparse.factorise import SuperLUFactors
 
 WEIGHT, ITERATIONS = 1e-9, 3
 """``ε``, relative to the entries of a row; number of proximal iterations."""
+SOLVED = 1e-14
+"""Remainder of equations that further iterations do not reduce, relative to the right-hand side
+[-]."""
 REMAINDER = 1e-6
 """Remainder of equations that count as consistent, relative to the right-hand side [-]."""
 Block = tuple[int, int, Sparse]
@@ -40,13 +45,65 @@ class Entries:
         return scipy.sparse.csr_array((values, (rows, columns)), shape=shape)
 
 
+@dataclass(frozen=True, eq=False)
+class ScaledMatrix:
+    """Matrix whose rows and columns are scaled to entries of one.
+
+    Attributes
+    ----------
+    rows, columns : (n,) factors of the rows and columns of ``G``
+    matrix, shifted : scaled ``G`` and ``G + ε D``, compressed by columns
+    """
+
+    rows: np.ndarray
+    columns: np.ndarray
+    matrix: Sparse
+    shifted: Sparse
+
+    @classmethod
+    def of(
+        cls, blocks: Sequence[Block], weight: np.ndarray, place: np.ndarray | None = None
+    ) -> ScaledMatrix:
+        """Scale a matrix.
+
+        Parameters
+        ----------
+        blocks : of the matrix
+        weight : (n,) diagonal of ``D``: 1 for impulses, −1 for joint multipliers, 0 for speeds
+        place : (n,) new numbers of the rows and columns; the same by default
+        """
+        parts = [_entries(*block) for block in blocks]
+        row, column, value = (np.concatenate(part) for part in zip(*parts, strict=True))
+        n, smallest = weight.size, np.finfo(float).tiny
+        if place is not None:
+            row, column = place[row], place[column]
+            weight = weight[np.argsort(place)]
+        largest = np.full(n, smallest)
+        np.maximum.at(largest, row, np.abs(value))
+        rows = 1 / largest
+        value = value * rows[row]
+        largest = np.full(n, smallest)
+        np.maximum.at(largest, column, np.abs(value))
+        columns = 1 / largest
+        value = value * columns[column]
+        matrix = _compressed(value, row, column, n)
+        diagonal = np.arange(n)
+        row, column = (np.concatenate([part, diagonal]) for part in (row, column))
+        shifted = _compressed(np.concatenate([value, WEIGHT * weight]), row, column, n)
+        return cls(rows, columns, matrix, shifted)
+
+    def block(self, begin: int, end: int) -> ScaledMatrix:
+        """A diagonal block that no other entries couple to the rest."""
+        parts = (diagonal_block(part, begin, end, begin) for part in (self.matrix, self.shifted))
+        return ScaledMatrix(self.rows[begin:end], self.columns[begin:end], *parts)
+
+
 class ProximalFactors:
     """Factors of a matrix that may be singular, for both directions.
 
     Parameters
     ----------
-    blocks : of the matrix
-    weight : (n,) diagonal of ``D``: 1 for impulses, −1 for joint multipliers, 0 for speeds
+    scaled : the matrix
 
     Attributes
     ----------
@@ -58,41 +115,64 @@ class ProximalFactors:
         The equations cannot be factorised.
     """
 
-    def __init__(self, blocks: Sequence[Block], weight: np.ndarray):
-        parts = [_entries(*block) for block in blocks]
-        row, column, value = (np.concatenate(part) for part in zip(*parts, strict=True))
-        n, smallest = weight.size, np.finfo(float).tiny
-        largest = np.full(n, smallest)
-        np.maximum.at(largest, row, np.abs(value))
-        self.rows = 1 / largest
-        value = value * self.rows[row]
-        largest = np.full(n, smallest)
-        np.maximum.at(largest, column, np.abs(value))
-        self.columns = 1 / largest
-        value = value * self.columns[column]
-        self.matrix = _compressed(value, row, column, n)
-        diagonal = np.arange(n)
-        row, column = (np.concatenate([part, diagonal]) for part in (row, column))
-        shifted = _compressed(np.concatenate([value, WEIGHT * weight]), row, column, n)
+    def __init__(self, scaled: ScaledMatrix):
+        self.rows, self.columns, self.matrix = scaled.rows, scaled.columns, scaled.matrix
         try:
-            self._factors = SuperLUFactors(shifted)
+            self._factors = SuperLUFactors(scaled.shifted)
         except np.linalg.LinAlgError:
             text = "a step with contacts has no derivative: its equations are singular"
             raise SingularityError(text) from None
         self.consistent = True
 
+    @classmethod
+    def of(cls, blocks: Sequence[Block], weight: np.ndarray) -> ProximalFactors:
+        """Factors of a matrix; arguments as in ``ScaledMatrix.of``."""
+        return cls(ScaledMatrix.of(blocks, weight))
+
     def solve(self, right: np.ndarray, transposed: bool = False) -> np.ndarray:
         """Solution, the same linear map and its transpose."""
         before, after = (self.columns, self.rows) if transposed else (self.rows, self.columns)
-        matrix, trans = (self.matrix.T, "T") if transposed else (self.matrix, "N")
+        matrix, trans = (self._transposed, "T") if transposed else (self.matrix, "N")
         rhs = before[:, None] * right.reshape(right.shape[0], -1)
-        solution, remainder = np.zeros(rhs.shape), rhs
+        solution, remainder, size = np.zeros(rhs.shape), rhs, np.abs(rhs).max(initial=0.0)
         for _ in range(ITERATIONS):
             solution = solution + self._factors.solve(remainder, trans)
             remainder = rhs - matrix @ solution
-        size = np.abs(rhs).max(initial=0.0)
-        self.consistent &= bool(np.abs(remainder).max(initial=0.0) <= REMAINDER * size)
+            largest = np.abs(remainder).max(initial=0.0)
+            if largest <= SOLVED * size:
+                break
+        self.consistent &= bool(largest <= REMAINDER * size)
         return (after[:, None] * solution).reshape(right.shape)
+
+    @cached_property
+    def regular(self) -> bool:
+        """Whether an arbitrary right-hand side is consistent: the matrix is not singular."""
+        right = arbitrary(self.rows.size)
+        remainder = right - self.matrix @ self._factors.solve(right)
+        return bool(
+            np.abs(remainder).max(initial=0.0) <= REMAINDER * np.abs(right).max(initial=0.0)
+        )
+
+    @cached_property
+    def _transposed(self) -> Sparse:
+        return self.matrix.T
+
+
+@lru_cache
+def arbitrary(size: int) -> np.ndarray:
+    """An arbitrary column (size, 1)."""
+    return np.random.default_rng(0).normal(size=(size, 1))
+
+
+def diagonal_block(matrix: Sparse, begin: int, end: int, left: int, width: int = 0) -> Sparse:
+    """Block of a block-diagonal compressed matrix: rows, or columns if compressed by these, from
+    ``begin`` to ``end``, and of the others ``width`` from ``left`` on, by default as many."""
+    width = width or end - begin
+    starts = matrix.indptr[begin : end + 1]
+    own = slice(starts[0], starts[-1])
+    parts = matrix.data[own], matrix.indices[own] - left, starts - starts[0]
+    shape = (end - begin, width) if matrix.format == "csr" else (width, end - begin)
+    return type(matrix)(parts, shape=shape)
 
 
 def _entries(first: int, left: int, matrix: Sparse) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

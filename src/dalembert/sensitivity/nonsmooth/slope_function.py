@@ -1,4 +1,4 @@
-"""Functions with sparse derivatives by the variables of a step.
+"""Functions with sparse derivatives by the variables of a step, for one or many steps.
 
 The columns of derivatives are ``q = (y, v, t, p)``: positions, speeds, time, parameters.
 """
@@ -40,19 +40,40 @@ class SlopeFunction:
         ]
         self._patterns = [_Pattern(slope.sparsity()) for slope in slopes]
         self._fixed = [
-            pattern.matrix(ca.DM(part).full().ravel()) if same else None
-            for pattern, part, same in zip(self._patterns, entries, fixed, strict=True)
+            ca.DM(part).full().reshape(-1, 1) if same else None
+            for part, same in zip(entries, fixed, strict=True)
         ]
-        self._call = Kernel(ca.Function(name, list(inputs), outputs, {"cse": True}))
+        self._function = ca.Function(name, list(inputs), outputs, {"cse": True})
+        self._calls = {1: Kernel(self._function)}
 
-    def __call__(self, *arguments) -> tuple[np.ndarray, list[Sparse]]:
-        """The value, and its derivatives compressed by rows."""
-        value, *entries = self._call(*arguments)
+    def __call__(self, *arguments, count: int = 1) -> tuple[np.ndarray, list[Sparse]]:
+        """The value, and its derivatives compressed by rows.
+
+        Parameters
+        ----------
+        *arguments : matrices of ``count`` columns, or numbers and vectors of all columns
+        count : number of columns, whose values follow one another and whose derivatives are
+            diagonal blocks
+        """
+        value, *entries = (part[:, :count] for part in self._columns(arguments, count))
         varying = iter(entries)
-        return value.ravel(), [
-            pattern.matrix(next(varying).ravel()) if fixed is None else fixed
+        return value.T.ravel(), [
+            pattern.matrix(np.repeat(fixed, count, axis=1) if fixed is not None else next(varying))
             for pattern, fixed in zip(self._patterns, self._fixed, strict=True)
         ]
+
+    def _columns(self, arguments: Sequence[Any], count: int) -> list[np.ndarray]:
+        """Outputs for all columns, which are repeated up to a power of two."""
+        if count == 1:
+            return self._calls[1](*arguments)
+        size = 1 << (count - 1).bit_length()
+        if size not in self._calls:
+            self._calls[size] = Kernel(self._function.map(size))
+        place, columns = np.arange(size) % count, []
+        for argument in map(np.asarray, arguments):
+            each = argument.ndim == 2
+            columns.append(argument[:, place] if each else np.tile(argument.reshape(-1, 1), size))
+        return self._calls[size](*columns)
 
 
 class _Pattern:
@@ -67,5 +88,10 @@ class _Pattern:
         self._starts = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
 
     def matrix(self, entries: np.ndarray) -> Sparse:
-        parts = entries[self._order], self._columns, self._starts
-        return scipy.sparse.csr_array(parts, shape=self._shape)
+        """Diagonal blocks of the columns of ``entries``."""
+        size, count = entries.shape
+        block, (rows, columns) = np.arange(count, dtype=np.int32)[:, None], self._shape
+        place = (self._columns + columns * block).ravel()
+        starts = np.append((self._starts[:-1] + size * block).ravel(), size * count)
+        parts = entries[self._order].T.ravel(), place, starts.astype(np.int32)
+        return scipy.sparse.csr_array(parts, shape=(rows * count, columns * count))

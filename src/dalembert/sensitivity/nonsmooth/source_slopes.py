@@ -6,8 +6,8 @@ on the pattern of contacts.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
 
 import casadi as ca
 import numpy as np
@@ -30,7 +30,7 @@ CACHED = 64
 
 @dataclass(frozen=True, eq=False)
 class StepState:
-    """Arguments of the gaps of a step.
+    """Arguments of the gaps of a step, or of several steps in columns.
 
     Attributes
     ----------
@@ -39,12 +39,17 @@ class StepState:
     drift : 1 for velocities, 0 for displacements in their place
     """
 
-    t: float
+    t: float | np.ndarray
     y: np.ndarray
     p: np.ndarray
     before: np.ndarray
     after: np.ndarray
     drift: float = 1.0
+
+    @property
+    def count(self) -> int:
+        """Number of steps."""
+        return 1 if self.y.ndim == 1 else self.y.shape[1]
 
 
 class SourceSlopes:
@@ -57,7 +62,7 @@ class SourceSlopes:
     """
 
     def __init__(self, source: GapSource, e: Equations):
-        self.source, self.first = source, e.y.numel()
+        self.source, self._e = source, e
         formulas = source.formulas
         moving = ca.sparsify(ca.jacobian(formulas.velocities, e.v))
         q = ca.vertcat(e.y, e.v, e.t, e.p)
@@ -81,6 +86,7 @@ class SourceSlopes:
         keys: np.ndarray,
         impulses: np.ndarray,
         laws: int,
+        owner: np.ndarray | None = None,
     ) -> SourceGaps:
         """The gaps with some keys.
 
@@ -89,22 +95,30 @@ class SourceSlopes:
         rows : their numbers among all
         impulses : (n, k), as many components as the velocities have in the result
         laws : number of coefficients
+        owner : (n,) column of the state of each gap; the first one by default
         """
-        t, y, p, share = state.t, state.y, state.p, state.drift
-        geometry, (by_q,) = self._geometry(t, y, p)
-        before, (before_by_q, moving) = self._velocities(t, y, state.before, p, share)
-        after, (after_by_q, _) = self._velocities(t, y, state.after, p, share)
+        t, y, p, share, count = state.t, state.y, state.p, state.drift, state.count
+        geometry, (by_q,) = self._geometry(t, y, p, count=count)
+        velocities = partial(self._velocities, count=count)
+        before, (before_by_q, moving) = velocities(t, y, state.before, p, share)
+        after, (after_by_q, _) = velocities(t, y, state.after, p, share)
+        found = self.source.kinds(keys)
+        if owner is not None:
+            sizes = geometry.size // count, before.size // count
+            found = [_in_columns(kind, owner[kind.row], *sizes) for kind in found]
         kinds = [
-            self._evaluate(kind, geometry, before, after, impulses[kind.row])
-            for kind in self.source.kinds(keys)
+            self._evaluate(kind, geometry, before, after, impulses[kind.row]) for kind in found
         ]
         wrench = np.zeros((before.size, 1))
         for part in kinds:
             scatter(wrench, part.kind.velocities, part.wrench[..., None])
-        momenta = self._momenta(t, y, p, wrench)[1][0]
+        columns = wrench.reshape(count, -1).T
+        momenta = self._momenta(t, y, p, columns, count=count)[1][0]
         slopes = [before_by_q, after_by_q]
+        first, n, width = self._e.y.numel(), self._e.v.numel(), by_q.shape[1] // count
+        speeds = (width * np.arange(count)[:, None] + first + np.arange(n)).ravel()
         shape = impulses.shape[1], laws
-        return SourceGaps(rows, kinds, by_q, slopes, moving, momenta, self.first, shape)
+        return SourceGaps(rows, kinds, by_q, slopes, moving, momenta, speeds, shape)
 
     def _evaluate(
         self,
@@ -131,6 +145,17 @@ class SourceSlopes:
         values = GapChanges(distance[:, 0, 0], speeds[..., 0], speeds[..., 1], laws)
         entries = np.hstack(kind.arguments)
         return KindSlopes(kind, entries, values, wrench[..., 0], blocks, by_distance[:, 0], *slopes)
+
+
+def _in_columns(kind: GapKind, owner: np.ndarray, geometry: int, velocities: int) -> GapKind:
+    """Gaps in the columns ``owner`` of states with a number of entries each."""
+    own = owner[:, None]
+    return replace(
+        kind,
+        arguments=[entries + geometry * own for entries in kind.arguments],
+        velocities=kind.velocities + velocities * own,
+        laws=kind.laws + geometry * own,
+    )
 
 
 @once

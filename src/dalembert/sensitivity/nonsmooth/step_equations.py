@@ -1,6 +1,7 @@
 """Contact-free equations of a step and of its corrections, with sparse derivatives.
 
-step:       (M − h θ D − h² θ² K)(v⁺ − v) + Cᵀ Λ = h F,     C (σ v⁺ + (1−σ) v) = −Φ_t
+linear:     (M − h θ D − h² θ² K)(v⁺ − v) + Cᵀ Λ = h F,     C (σ v⁺ + (1−σ) v) = −Φ_t
+step:       M (v⁺ − v) + C̄ᵀ Λ = h F̄,     C̄ (v⁺ + v)/2 = −Φ̄_t − Φ(y)/h   with means over the path
 position:   M δ + Cᵀ λ = 0,     C δ = −Φ
 speeds:     M c + Cᵀ λ = 0,     C (v + c) = −Φ_t
 """
@@ -13,6 +14,7 @@ import casadi as ca
 import numpy as np
 import scipy
 
+from dalembert.analysis.nonsmooth.path_forces import path_forces, takes_means
 from dalembert.analysis.nonsmooth.smooth_motion import constrained_fraction
 from dalembert.analysis.nonsmooth.step_forces import (
     states_moved_by_speeds,
@@ -41,11 +43,19 @@ class SmoothMap:
         self._following = SlopeFunction("following", inputs, following, [z, q])
 
     def __call__(
-        self, z: np.ndarray, y: np.ndarray, v: np.ndarray, t: float, p: np.ndarray, h: float
+        self,
+        z: np.ndarray,
+        y: np.ndarray,
+        v: np.ndarray,
+        t: float | np.ndarray,
+        p: np.ndarray,
+        h: float | np.ndarray,
     ) -> tuple[np.ndarray, list, np.ndarray, list]:
-        """``G`` with ``G_z`` and ``G_q``, ``F`` with ``F_z`` and ``F_q``."""
-        arguments = z, y, v, t, p, h
-        return *self._equations(*arguments), *self._following(*arguments)  # type: ignore[return-value]
+        """``G`` with ``G_z`` and ``G_q``, ``F`` with ``F_z`` and ``F_q``; of several steps with
+        columns of arguments."""
+        arguments, count = (z, y, v, t, p, h), 1 if z.ndim == 1 else z.shape[1]
+        value, slopes = self._equations(*arguments, count=count)
+        return value, slopes, *self._following(*arguments, count=count)
 
 
 class StepEquations:
@@ -73,24 +83,50 @@ class StepEquations:
     @cached_property
     def step(self) -> SmoothMap:
         """From the start of a step to its end, before corrections."""
+        e, h, after = self.e, self.h, self.speeds
+        if not takes_means(e, self.theta):
+            return self.linear
+        means = path_forces(e, h, (e.v + after) / 2)
+        momentum, states = self._linear_parts
+        if not e.states:
+            mass = ca.Function("mass", [e.y, e.p], [e.mass])
+            middle = mass(e.manifold.going(e.y, h * e.v / 2), e.p)
+            momentum = ca.mtimes(middle, after - e.v) - h * means.force
+        momentum = momentum + ca.mtimes(means.joints.T, self.multiplier)
+        rates = ca.mtimes(means.joints, (e.v + after) / 2) + means.still + e.constraints / h
+        return self._map(momentum, rates, states)
+
+    @cached_property
+    def linear(self) -> SmoothMap:
+        """The step with forces linearised about its start and joints at one position."""
+        momentum, states = self._linear_parts
+        e, h, after, part = self.e, self.h, self.speeds, constrained_fraction(self.theta)
+        between = e.manifold.going(e.y, part * h * e.v)
+        jacobian, by_time, _ = self._joints(e.t + part * h, between, e.p)
+        rates = ca.mtimes(jacobian, part * after + (1 - part) * e.v) + by_time
+        return self._map(momentum + ca.mtimes(jacobian.T, self.multiplier), rates, states)
+
+    @cached_property
+    def _linear_parts(self) -> tuple[ca.SX, ca.SX]:
+        """Momentum balance with linearised forces, without joints, and the change of the states."""
         e, h, theta, after = self.e, self.h, self.theta, self.speeds
         lead = ca.SX.sym("lead")
         outputs = [e.mass, *step_forces(e, lead).all]
         smooth = ca.Function("smooth", [e.t, e.y, e.v, e.p, lead], outputs)
         middle = e.manifold.going(e.y, theta * h * e.v)
         arguments = e.t + theta * h, middle, e.v, e.p, theta * h
-        mass, force, damping, stiffness, state_rates, gain = smooth(*arguments)
-        part = constrained_fraction(theta)
-        between = e.manifold.going(e.y, part * h * e.v)
-        jacobian, by_time, _ = self._joints(e.t + part * h, between, e.p)
+        mass, force, damping, stiffness, rates, gain = smooth(*arguments)
         matrix = mass - h * theta * damping - (h * theta) ** 2 * stiffness
-        momentum = ca.mtimes(matrix, after - e.v) + ca.mtimes(jacobian.T, self.multiplier)
-        rates = ca.mtimes(jacobian, part * after + (1 - part) * e.v) + by_time
+        change = h * rates + ca.mtimes(gain, after - e.v)
+        return ca.mtimes(matrix, after - e.v) - h * force, change
+
+    def _map(self, momentum: ca.SX, rates: ca.SX, states: ca.SX) -> SmoothMap:
+        """The map with a momentum balance, rates of the joints, and a change of the states."""
+        e, h, theta, after = self.e, self.h, self.theta, self.speeds
         positions = e.manifold.going(e.y, h * (theta * after + (1 - theta) * e.v))
-        states = list(e.states)
-        positions[states] += h * state_rates + ca.mtimes(gain, after - e.v)
-        equations = ca.vertcat(momentum - h * force, rates)
-        return SmoothMap(e, h, self.z, equations, ca.vertcat(positions, after))
+        positions[list(e.states)] += states
+        following = ca.vertcat(positions, after)
+        return SmoothMap(e, h, self.z, ca.vertcat(momentum, rates), following)
 
     @cached_property
     def position(self) -> SmoothMap:

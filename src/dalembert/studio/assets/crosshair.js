@@ -1,6 +1,6 @@
 // The drawing by keyboard: a crosshair that arrow keys move, and Enter in place of a click.
 
-/** @import { Drawing } from "./drawing.js" */
+/** @import { Page, Pictures } from "./pictures.js" */
 
 import { el } from "./dom.js";
 import { gridStep, snap } from "./snapping.js";
@@ -11,11 +11,14 @@ const FINE = 0.1;
 /** Distance of the crosshair from the border of the picture [px]. */
 const MARGIN = 24;
 
+/** What is drawn on: a planar mechanism or structure.
+ * @typedef {{ possible: boolean, page: Page | null, snapPage: Page | null, pictures: Pictures, tool: { name: string, clicks: number }, places: { x: number, y: number }[], drag: unknown, rest: () => void, finish: () => void }} Surface */
+
 export class Crosshair {
-  /** @param {HTMLElement} stage @param {Drawing} drawing */
-  constructor(stage, drawing) {
+  /** @param {HTMLElement} stage @param {Surface[]} surfaces of which at most one is possible */
+  constructor(stage, surfaces) {
     this.stage = stage;
-    this.drawing = drawing;
+    this.surfaces = surfaces;
     this.mark = el("div", { class: "crosshair", hidden: true, "aria-hidden": "true" });
     this.voice = el("div", { class: "unseen", "aria-live": "polite" });
     stage.append(this.mark, this.voice);
@@ -28,6 +31,8 @@ export class Crosshair {
     stage.addEventListener("pointerdown", () => this.hide());
   }
 
+  get drawing() { return this.surfaces.find(({ possible }) => possible) ?? null; }
+
   hide() {
     this.mark.hidden = true;
     this.holds = false;
@@ -35,23 +40,25 @@ export class Crosshair {
 
   /** @param {KeyboardEvent} event */
   key(event) {
-    if (event.target !== this.stage || event.ctrlKey || event.metaKey || event.altKey || !this.drawing.possible) return;
-    const { key } = event, step = STEPS[key], page = /** @type {NonNullable<Drawing["page"]>} */ (this.drawing.page), { view } = page.scene;
+    const { drawing } = this;
+    if (event.target !== this.stage || event.ctrlKey || event.metaKey || event.altKey || !drawing) return;
+    const { key } = event, step = STEPS[key], page = /** @type {Page} */ (drawing.page), { view } = page.scene;
     if (key === "Tab" || (!step && key !== "Enter" && key !== " ")) return;
     event.preventDefault();
     event.stopPropagation();
-    if (this.drawing.tool.name === "select") this.drawing.rest();
+    if (drawing.tool.name === "select") drawing.rest();
     if (!this.at || this.mark.hidden) this.at ??= this.nearGrid(page);
     if (step) {
       const size = gridStep(view.s) * (event.shiftKey ? FINE : 1);
       const moved = /** @type {[number, number]} */ (this.at.map((value, k) => Number((Math.round((value + size * step[k]) / size) * size).toPrecision(9))));
       if (this.inside(page, moved)) this.at = moved;
       this.send("pointermove", this.holds ? 1 : 0);
-    } else if (this.drawing.tool.name === "select" && !this.holds) {
+    } else if (drawing.tool.name === "select" && !this.holds) {
       this.send("pointerdown", 1);
-      this.holds = Boolean(this.drawing.drag);
+      this.holds = Boolean(drawing.drag);
       if (!this.holds) this.send("pointerup", 0);
-    } else {
+    } else if (this.closes(drawing)) drawing.finish();
+    else {
       if (!this.holds) this.send("pointermove", 0), this.send("pointerdown", 1);
       this.send("pointerup", 0);
       this.holds = false;
@@ -59,13 +66,19 @@ export class Crosshair {
     this.show(page);
   }
 
-  /** Middle of the picture on the grid. @param {NonNullable<Drawing["page"]>} page @returns {[number, number]} */
+  /** Whether a second Enter at the last corner closes an outline. @param {Surface} drawing */
+  closes({ tool, places }) {
+    const last = places.at(-1);
+    return Boolean(tool.clicks === 0 && places.length > 2 && last && this.at && Math.hypot(last.x - this.at[0], last.y - this.at[1]) < 1e-9 + 1e-6 * Math.hypot(...this.at));
+  }
+
+  /** Middle of the picture on the grid. @param {Page} page @returns {[number, number]} */
   nearGrid({ scene: { view, canvas } }) {
     const step = gridStep(view.s), [x, y] = view.world([canvas.clientWidth / 2, canvas.clientHeight / 2]);
     return [Math.round(x / step) * step, Math.round(y / step) * step];
   }
 
-  /** @param {NonNullable<Drawing["page"]>} page @param {[number, number]} at */
+  /** @param {Page} page @param {[number, number]} at */
   inside({ scene: { view, canvas } }, at) {
     const [u, v] = view.screen(at);
     return u > MARGIN && v > MARGIN && u < canvas.clientWidth - MARGIN && v < canvas.clientHeight - MARGIN;
@@ -73,21 +86,22 @@ export class Crosshair {
 
   /** Send the event of a pointer at the crosshair to the picture. @param {string} kind @param {number} buttons */
   send(kind, buttons) {
-    const page = this.drawing.page, frame = this.drawing.pictures.frame;
+    const { page, pictures } = this.drawing ?? {}, frame = pictures?.frame;
     if (!page || !frame || !this.at) return;
     const { canvas, view } = page.scene, [u, v] = view.screen(this.at), { left, top } = canvas.getBoundingClientRect();
     const Inner = /** @type {any} */ (frame.contentWindow).PointerEvent;
     canvas.dispatchEvent(new Inner(kind, { clientX: u + left, clientY: v + top, buttons, button: 0, bubbles: true, pointerId: 1 }));
   }
 
-  /** @param {NonNullable<Drawing["page"]>} page */
+  /** @param {Page} page */
   show(page) {
-    if (!this.at) return;
-    const frame = /** @type {HTMLElement} */ (this.drawing.pictures.frame), { canvas, view } = page.scene;
+    const { drawing } = this;
+    if (!this.at || !drawing) return;
+    const frame = /** @type {HTMLElement} */ (drawing.pictures.frame), { canvas, view } = page.scene;
     const [u, v] = view.screen(this.at), inner = canvas.getBoundingClientRect(), outer = frame.getBoundingClientRect(), own = this.stage.getBoundingClientRect();
     this.mark.style.translate = `${u + inner.left + outer.left - own.left}px ${v + inner.top + outer.top - own.top}px`;
     this.mark.hidden = false;
-    const { how } = snap(page, [u, v]), place = this.at.map((value) => Number(value.toPrecision(4))).join(", ");
+    const { how } = snap(drawing.snapPage ?? page, [u, v]), place = this.at.map((value) => Number(value.toPrecision(4))).join(", ");
     this.voice.textContent = `${place}${how && how !== "grid" ? `, at ${how}` : ""}`;
   }
 }

@@ -48,6 +48,9 @@ export class Drawing {
   /** @returns {Page | null} */
   get page() { return this.pictures.page; }
 
+  /** Picture for snapping. */
+  get snapPage() { return this.page; }
+
   /** The selected element, if it is one. @returns {string | null} */
   get selected() { return this.selection.size === 1 ? [...this.selection][0] : null; }
 
@@ -98,7 +101,7 @@ export class Drawing {
     this.refresh();
   }
 
-  /** @param {PointerEvent} event @param {[number, number]} at @returns {Place} */
+  /** @param {{ altKey: boolean }} event @param {[number, number]} at @returns {Place} */
   placeAt(event, at) {
     const page = /** @type {Page} */ (this.page), ignore = this.drag?.kind === "point" ? this.drag.from.names : [];
     const from = this.places.at(-1) ?? null, place = snap(page, at, { from, free: event.altKey, ignore });

@@ -95,8 +95,8 @@ export class Editor {
 
   /** Show an entry of the file. @param {string} section @param {string} name */
   reveal(section, name) {
-    const { text } = this, header = text.search(new RegExp(`^\\s*\\[${section}\\.${name}\\]`, "m"));
-    const at = header >= 0 ? header : text.search(new RegExp(`^\\s*${name}\\s*=`, "m"));
+    const { text } = this, written = name.replace(/[^\w]/g, "\\$&"), header = text.search(new RegExp(`^\\s*\\[${section}\\.${written}\\]`, "m"));
+    const at = header >= 0 ? header : text.search(new RegExp(`^\\s*${written}\\s*=`, "m"));
     if (at >= 0) this.view.dispatch({ selection: { anchor: text.indexOf(text.slice(at).trimStart(), at) }, effects: EditorView.scrollIntoView(at, { y: "center" }) });
   }
 

@@ -4,12 +4,13 @@
 
 import { ask } from "./ask.js";
 import { button, el } from "./dom.js";
-import { Stored } from "./stored.js";
 
 /** A photo: its upper left corner [m], metres per pixel, and opacity. @typedef {{ blob: Blob, x: number, y: number, scale: number, opacity: number }} Placed */
 
 /** Part of the picture that a new photo fills. */
 const SHARE = 0.8;
+/** Time without a change after which the photo is stored [ms]. */
+const REST = 300;
 /** Units of a distance [m]. @type {Record<string, number>} */
 const UNITS = { "": 1, m: 1, cm: 0.01, mm: 0.001, in: 0.0254, ft: 0.3048 };
 const DISTANCE = /^\s*([\d.]+(?:e[+-]?\d+)?)\s*(m|cm|mm|in|ft)?\s*$/i;
@@ -27,9 +28,12 @@ export class Photo {
     this.mode = "";
     /** Places of the scale, or the last one of a move [m]. @type {[number, number][]} */
     this.marks = [];
-    this.stored = new Stored("photos");
     /** Name under which the photo is stored. */
     this.name = "";
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.waiting = undefined;
+    /** Whether the program has stored the photo as it is shown. */
+    this.stored = true;
     this.opacity = el("input", { type: "range", min: "0.05", max: "1", step: "0.05", "aria-label": "Opacity", oninput: () => this.change({ opacity: Number(this.opacity.value) }) });
     this.modes = { scale: button("Scale", () => this.choose("scale"), { title: "Click two points of the photo, and type their distance" }), move: button("Move", () => this.choose("move"), { title: "Drag the photo" }) };
     this.panel = el("div", { class: "photo card", role: "group", "aria-label": "Photo", hidden: true }, el("span", {}, "Photo"), this.opacity, ...Object.values(this.modes), button("Remove", () => void this.remove()));
@@ -45,7 +49,7 @@ export class Photo {
   async show(name) {
     if (name === this.name) return;
     this.name = name;
-    const placed = /** @type {Placed | null} */ (await this.stored.read(name).catch(() => null));
+    const placed = await this.read().catch(() => null);
     if (this.name === name) await this.place(placed).catch(() => this.place(null));
   }
 
@@ -83,7 +87,26 @@ export class Photo {
     this.pictures.page?.scene.invalidate();
   }
 
-  keep() { this.stored.write(this.name, this.placed).catch(() => this.say("The browser does not store the photo; it is lost when the page is closed.", true)); }
+  get address() { return `photo?name=${encodeURIComponent(this.name)}`; }
+
+  /** The photo that the program has stored. @returns {Promise<Placed | null>} */
+  async read() {
+    const reply = await fetch(this.address), place = JSON.parse(reply.headers.get("X-Photo-Place") ?? "null");
+    return reply.status === 200 && place ? { ...place, blob: await reply.blob() } : null;
+  }
+
+  /** Let the program store the photo, when it does not change for a while. */
+  keep() {
+    clearTimeout(this.waiting);
+    this.stored = false;
+    const { address, placed } = this;
+    this.waiting = setTimeout(async () => {
+      const place = placed && JSON.stringify({ x: placed.x, y: placed.y, scale: placed.scale, opacity: placed.opacity });
+      const reply = await fetch(address, place ? { method: "PUT", body: placed.blob, headers: { "X-Photo-Place": place } } : { method: "DELETE" }).catch(() => null);
+      this.stored = placed === this.placed && Boolean(reply?.ok);
+      if (!reply?.ok) this.say(`The photo is not stored: ${reply ? await reply.text() : "the program does not answer"}.`, true);
+    }, REST);
+  }
 
   async remove() {
     await this.place(null);

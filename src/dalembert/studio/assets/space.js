@@ -70,7 +70,7 @@ export class Space {
   get page() { return this.pictures.page; }
 
   /** Whether the picture is a spatial mechanism that can be drawn on. */
-  get possible() { return Boolean(this.poses && this.poses.page === this.boundPage && !this.boundPage?.motion.mesh && !this.boundPage?.motion.swings); }
+  get possible() { return Boolean(/** @type {unknown} */ (this.document?.kind) !== "structure" && this.poses && this.poses.page === this.boundPage && !this.boundPage?.motion.mesh && !this.boundPage?.motion.swings); }
 
   /** Whether the picture shows the position at the start, to which the file refers. */
   get resting() { return Boolean(this.boundPage && !this.boundPage.player.playing && this.boundPage.player.time === this.boundPage.motion.start); }
@@ -100,7 +100,7 @@ export class Space {
 
   /** @param {Page} page */
   bind(page) {
-    const isSpatial = page.motion.dimension === 3 && !page.motion.mesh && !page.motion.swings;
+    const isSpatial = /** @type {unknown} */ (this.document?.kind) !== "structure" && page.motion.dimension === 3 && !page.motion.mesh && !page.motion.swings;
     this.palette.node.hidden = !isSpatial;
     document.documentElement.dataset.space = String(isSpatial);
     this.boundPage = isSpatial ? page : null;

@@ -1,40 +1,31 @@
 // Palette of spatial models: tools, working plane, kind and axis of joints.
 
 /** @import { Vec } from "./space_math.js" */
-/** @import { WorkingPlane } from "./space_places.js" */
 
 import { el } from "./dom.js";
+import { PlaneChoice } from "./plane_choice.js";
 import { AXES, size } from "./space_math.js";
 import { JOINT_KINDS } from "./space_shapes.js";
 import { SPACE_TOOLS } from "./space_tools.js";
-
-/** Working planes by their normal. */
-const PLANES = /** @type {const} */ ([["z", "xy"], ["x", "yz"], ["y", "zx"]]);
 
 export class SpacePalette {
   /** @param {HTMLElement} stage @param {{ choose: (tool: string) => void, change: () => void, through: () => Vec | null }} actions */
   constructor(stage, actions) {
     this.actions = actions;
-    /** @type {WorkingPlane} */
-    this.plane = { axis: "z", normal: AXES.z, origin: [0, 0, 0] };
     /** Axis of joints; null for that of the face or the plane. @type {Vec | null} */
     this.axis = null;
     this.kind = JOINT_KINDS[0];
     this.tools = SPACE_TOOLS.map(({ name, title, key, hint }) =>
       el("button", { type: "button", class: "button", "data-tool": name, "aria-pressed": String(name === "select"), title: hint.join("; then "), onclick: () => actions.choose(name) }, title, el("kbd", {}, key.toUpperCase())));
-    this.planes = PLANES.map(([axis, title]) => el("button", { type: "button", class: "button", "data-plane": axis, title: `Draw on a plane parallel to ${title}`, onclick: () => this.setPlane(axis) }, title));
-    this.offset = el("input", { type: "text", id: "plane-offset", inputmode: "decimal", size: "6", "aria-label": "Coordinate of the plane", title: "Coordinate of the plane along its normal [m]", onchange: () => this.setPlane(this.plane.axis, Number(this.offset.value)) });
-    this.label = el("span", {}, "z =");
-    this.through = el("button", { type: "button", class: "button", title: "Plane through the selected element (H)", onclick: () => this.throughSelected() }, "Through", el("kbd", {}, "H"));
+    this.choice = new PlaneChoice("plane", actions);
     const kinds = el("select", { id: "joint-kind", "aria-label": "Kind of joint", onchange: () => { this.kind = kinds.value; actions.choose("joint"); } }, JOINT_KINDS.map((kind) => el("option", { value: kind }, kind)));
     const direction = el("input", { type: "text", id: "joint-direction", "aria-label": "Direction of the axis: x, y, z", placeholder: "0, 0, 1", size: "8", hidden: true, onchange: () => this.readAxis(axis.value, direction.value) });
     const axis = el("select", { id: "joint-axis", "aria-label": "Axis of joints and torques", title: "Axis of joints and torques; that of the face below the pointer, or of the working plane, by default", onchange: () => { direction.hidden = axis.value !== "typed"; this.readAxis(axis.value, direction.value); } },
       ["face", ...Object.keys(AXES), "typed"].map((name) => el("option", { value: name }, { face: "face", typed: "typed" }[name] ?? name)));
     const row = (/** @type {string} */ use, /** @type {string} */ title, /** @type {(Node | string)[]} */ ...parts) => el("div", { class: "setting", "data-use": use }, el("span", { class: "caption" }, title), parts);
     this.node = el("div", { class: "palette space", id: "space-palette", role: "toolbar", "aria-label": "Tools of spatial models", hidden: true },
-      this.tools, row("kind", "Joint", kinds), row("axis", "Axis", axis, direction), row("plane", "Plane", ...this.planes), row("plane", "", this.label, this.offset, this.through));
+      this.tools, row("kind", "Joint", kinds), row("axis", "Axis", axis, direction), row("plane", "Plane", ...this.choice.planes), row("plane", "", this.choice.label, this.choice.offset, this.choice.through));
     stage.append(this.node);
-    this.setPlane("z", 0);
     this.show("select");
   }
 
@@ -45,21 +36,9 @@ export class SpacePalette {
     this.actions.change();
   }
 
-  /** @param {"x" | "y" | "z"} axis @param {number} [offset] [m] */
-  setPlane(axis, offset = this.plane.origin["xyz".indexOf(axis)]) {
-    const k = "xyz".indexOf(axis), at = Number.isFinite(offset) ? offset : 0;
-    this.plane = { axis, normal: AXES[axis], origin: this.plane.origin.map((v, i) => (i === k ? at : v)) };
-    this.label.textContent = `${axis} =`;
-    this.offset.value = String(at);
-    for (const node of this.planes) node.setAttribute("aria-pressed", String(node.dataset.plane === axis));
-    this.actions.change();
-  }
+  get plane() { return this.choice.plane; }
 
-  throughSelected() {
-    const p = this.actions.through();
-    if (p) this.plane.origin = [...p];
-    if (p) this.setPlane(this.plane.axis, p["xyz".indexOf(this.plane.axis)]);
-  }
+  throughSelected() { this.choice.throughSelected(); }
 
   /** Mark a tool, and show the settings that it uses. @param {string} tool */
   show(tool) {

@@ -5,24 +5,26 @@
 /** @import { Plan, Spot, Target } from "./structure_plan.js" */
 /** @import { Document } from "./types.d.ts" */
 
+import { MATERIALS, memberFields, stockOf } from "./structure_stock.js";
 import { neat } from "./transforms.js";
 
 /** Settings of the palette: quantities of new parts, and names of nodes that the file does not have yet.
- * @typedef {{ plan: Plan, document: Document, section: Record<string, number>, material: Record<string, number>, thickness: number | string, size: number | string | null, strain: boolean, claimed: Map<string, Spot> }} Setting */
+ * @typedef {{ plan: Plan, document: Document, beam: string, cell: string, section: import("./structure_stock.js").Section, material: import("./structure_stock.js").Material, thickness: number | string, size: number | string | null, strain: boolean, claimed: Map<string, Spot> }} Setting */
 
-/** Default force [N], moment [N m], force per length [N/m], traction [Pa], displacement [m]. */
-export const SIZES = { force: 1000, moment: 1000, line: 1000, traction: 1e6, displacement: 1e-3 };
+/** Default force [N], moment [N m], force per length [N/m], traction [Pa], displacement [m], change of temperature [K]. */
+export const SIZES = { force: 1000, moment: 1000, line: 1000, traction: 1e6, displacement: 1e-3, temperature: 20 };
+/** Steps of the direction of a roller [rad], and the angle within which it snaps. */
+const STEP = Math.PI / 12, NEAR = 0.06;
+/** Length of the link of an inclined roller relative to the drawing, and its stiffness relative to that of a new bar of this length. */
+const LINK = 0.08, STIFF = 1e6;
 /** Triangles along the extent of a region. */
 const DIVISIONS = 12;
-
-/** Property of a cross-section with the digits that it has. @param {number} value */
-const rounded = (value) => Number(value.toPrecision(5));
 
 /** @param {string} label @param {(Operation | null)[]} operations @returns {Change | null} */
 const change = (label, operations) => (operations.length ? { label, operations: /** @type {Operation[]} */ (operations) } : null);
 
-/** Name that nothing in the file has. @param {Setting} setting @param {string} base */
-function freeName({ document, claimed }, base) {
+/** Name that nothing in the file has. @param {{ document: Document, claimed: Map<string, unknown> }} setting @param {string} base */
+export function freeName({ document, claimed }, base) {
   const used = new Set([...claimed.keys(), ...["parameters", "derived", "nodes", "elements", "meshes"].flatMap((section) => Object.keys(document[section] ?? {}))]);
   for (let k = 1; ; k++) if (!used.has(`${base}${k}`)) return `${base}${k}`;
 }
@@ -40,13 +42,13 @@ function nodeOf(place, setting) {
   return { name, operations: [...operations, { op: "set", keys: ["elements", bar.name, "connect", 1], value: name }, { op: "add", section: "elements", base, fields }] };
 }
 
-/** Bar or beam between two places. @param {Place} from @param {Place} to @param {Setting} setting @param {"Truss" | "Frame"} type @returns {Change | null} */
+/** Bar or beam between two places. @param {Place} from @param {Place} to @param {Setting} setting @param {string} type @returns {Change | null} */
 export function member(from, to, setting, type) {
   if (!(Math.hypot(to.x - from.x, to.y - from.y) > 0)) return null;
-  const a = nodeOf(from, setting), b = nodeOf(to, setting), { area, second_moment } = setting.section, { modulus, density } = setting.material;
+  const a = nodeOf(from, setting), b = nodeOf(to, setting);
   const has = (/** @type {string} */ name) => setting.plan.bars.some(({ connect }) => connect.length === 2 && connect.includes(name) && connect.includes(name === a.name ? b.name : a.name));
   if (a.name === b.name || has(a.name)) return null;
-  const fields = { type, connect: [a.name, b.name], area: rounded(area), ...(type === "Frame" && { second_moment: rounded(second_moment) }), modulus, density };
+  const fields = { type, connect: [a.name, b.name], ...memberFields(type, setting.section, setting.material) };
   return change(type === "Truss" ? "add bar" : "add beam", [...a.operations, ...b.operations, { op: "add", section: "elements", base: type === "Truss" ? "bar" : "beam", fields }]);
 }
 
@@ -54,11 +56,11 @@ export function member(from, to, setting, type) {
 const spotsOf = (corners) => corners.map(({ x, y }) => [neat(x), neat(y)]);
 
 /** Region with a polygonal outline. @param {Place[]} corners @param {Setting} setting @returns {Change | null} */
-export function region(corners, { thickness, size, material, strain }) {
+export function region(corners, { cell, thickness, size, material, strain }) {
   if (corners.length < 3) return null;
   const [w, h] = [corners.map(({ x }) => x), corners.map(({ y }) => y)].map((values) => Math.max(...values) - Math.min(...values));
   const { modulus, poisson, density } = material, edge = size ?? Number((Math.min(Math.max(w, h) / DIVISIONS, Math.max(Math.min(w, h) / 3, Math.max(w, h) / 40))).toPrecision(2));
-  const fields = { type: "Triangle6", polygon: { vertices: spotsOf(corners), size: edge }, thickness, ...(strain && { plane_strain: true }), modulus, poisson, density };
+  const fields = { type: cell, polygon: { vertices: spotsOf(corners), size: edge }, thickness, ...(strain && { plane_strain: true }), modulus, poisson, density };
   return change("add region", [{ op: "add", section: "meshes", base: "plate", fields }]);
 }
 
@@ -68,19 +70,21 @@ export function hole(places, { plan, document }, round) {
   const polygon = owner && document.meshes?.[owner.name]?.polygon;
   if (!owner || !polygon || (round ? !(radius > 0) : places.length < 3)) return null;
   const made = round ? { center: [neat(center.x), neat(center.y)], radius: neat(radius) } : spotsOf(places), keys = ["meshes", owner.name, "polygon", "holes"];
-  return change("add hole", [{ op: "set", keys, value: [...(polygon.holes ?? []), made], written: true }]);
+  return change("add hole", [{ op: "append_item", keys, value: made }]);
 }
+
+/** What conditions act on. @typedef {{ kind: string, name: string, fields: Record<string, unknown> }} Acted */
 
 // Supports and loads -----------------------------------------------------------------------------------
 
 /** Names in a table of supports or loads. @param {any} entry @param {"nodes" | "elements"} key @returns {string[]} */
 const namesIn = (entry, key) => [entry?.[key] ?? []].flat();
 
-/** Whether a table acts on a target alone. @param {any} entry @param {Target} target */
+/** Whether a table acts on a target alone. @param {any} entry @param {Acted} target */
 const isOn = (entry, { fields }) => JSON.stringify({ n: namesIn(entry, "nodes"), w: entry?.where, e: namesIn(entry, "elements") }) === JSON.stringify({ n: [fields.nodes ?? []].flat(), w: fields.where, e: [fields.elements ?? []].flat() });
 
-/** Operations that free a target from its supports in some directions. @param {Document} document @param {Target} target @param {string[] | null} directions null for all @returns {Operation[]} */
-function freed(document, target, directions) {
+/** Operations that free a target from its supports in some directions. @param {Document} document @param {Acted} target @param {string[] | null} directions null for all @returns {Operation[]} */
+export function freed(document, target, directions) {
   const entries = /** @type {any[]} */ (/** @type {unknown} */ (document.supports ?? []));
   return entries.flatMap((entry, index) => {
     const own = Object.keys(entry).filter((key) => /^[ur][xyz]$/.test(key)), hits = !directions || !own.length || own.some((key) => directions.includes(key));
@@ -99,6 +103,28 @@ export function support(target, values, { document }, label) {
   return change(`add ${label}`, [...freed(document, target, label === "displacement" ? Object.keys(values) : null), { op: "append", section: "supports", fields: { ...target.fields, ...values } }]);
 }
 
+/** Roller that rolls in any direction: along an axis a support, else a stiff link across it to a node that is held. @param {Place} from @param {Place} to @param {Setting} setting @param {Target | null} target @returns {Change | null} */
+export function roller({ x, y }, to, setting, target) {
+  const [u, v] = [to.x - x, to.y - y], angle = Math.atan2(v, u), straight = Math.round(angle / STEP) * STEP, turn = Math.abs(angle - straight) < NEAR ? straight : angle, way = [Math.cos(turn), Math.sin(turn)], { plan } = setting;
+  const axis = way.findIndex((part) => Math.abs(part) > 1 - 1e-9);
+  if (!(Math.hypot(u, v) > 0)) return null;
+  if (axis >= 0 || target?.kind === "edge") return support(target, (axis >= 0 ? axis === 0 : Math.abs(u) >= Math.abs(v)) ? { uy: 0 } : { ux: 0 }, setting, "roller");
+  const at = target && plan.nodes.get(target.name);
+  if (!target || !at) return null;
+  const sign = way[0] > 0 ? 1 : -1, size = Number((LINK * (plan.extent || 1)).toPrecision(2)), foot = /** @type {Spot} */ ([neat(at[0] + size * sign * way[1]), neat(at[1] - size * sign * way[0])]), name = freeName(setting, "foot"), { section, material } = setting;
+  setting.claimed.set(name, foot);
+  const stiffness = Number(((STIFF * section.area * material.modulus) / size).toPrecision(1));
+  return change("add inclined roller", [...freed(setting.document, target, null), { op: "add", section: "nodes", name, fields: foot }, { op: "add", section: "elements", base: "link", fields: { type: "AxialSpring", connect: [target.name, name], stiffness } }, { op: "append", section: "supports", fields: { nodes: name } }]);
+}
+
+/** Change of temperature of an element or a region, with a coefficient of expansion where it has none. @param {Acted | null} target @param {number} temperature [K] @param {{ document: Document }} setting @returns {Change | null} */
+export function heat(target, temperature, { document }) {
+  const section = target && ["elements", "meshes"].find((one) => document[one]?.[target.name]), entry = section ? document[section]?.[target.name] : null;
+  if (!target || !section || !entry || !("modulus" in entry)) return null;
+  const expansion = (MATERIALS[stockOf(entry, "material")] ?? MATERIALS.Steel).expansion;
+  return change("add change of temperature", [...("expansion" in entry ? [] : [{ op: "set", keys: [section, target.name, "expansion"], value: expansion }]), { op: "append", section: "temperatures", fields: { elements: target.name, temperature } }]);
+}
+
 /** Load: a force on a node, a traction on an edge, a force per length on a bar. @param {Target | null} target @param {Spot} vector of the force, traction or line load @param {Setting} setting @returns {Change | null} */
 export function load(target, [x, y], { plan, document }) {
   if (!target) return null;
@@ -112,9 +138,9 @@ export function load(target, [x, y], { plan, document }) {
 /** @param {Target | null} target @param {number} moment @returns {Change | null} */
 export const moment = (target, moment) => (target?.kind === "node" ? change("add moment", [{ op: "append", section: "loads", fields: { ...target.fields, mz: moment } }]) : null);
 
-/** Tables that act on a target. @param {Document} document @param {Target} target @returns {{ section: string, index: number, entry: any }[]} */
+/** Tables that act on a target. @param {Document} document @param {Acted} target @returns {{ section: string, index: number, entry: any }[]} */
 export function conditionsOn(document, target) {
-  return ["supports", "loads", "tractions", "line_loads"].flatMap((section) => /** @type {any[]} */ (/** @type {unknown} */ (document[section] ?? [])).flatMap((entry, index) => {
+  return ["supports", "loads", "tractions", "line_loads", "temperatures"].flatMap((section) => /** @type {any[]} */ (/** @type {unknown} */ (document[section] ?? [])).flatMap((entry, index) => {
     const names = namesIn(entry, target.kind === "element" ? "elements" : "nodes"), own = target.kind === "element" ? target.name : target.fields.nodes, same = JSON.stringify(entry.where) === JSON.stringify(target.fields.where);
     return names.includes(String(own)) && same && !entry.nearest ? [{ section, index, entry }] : [];
   }));

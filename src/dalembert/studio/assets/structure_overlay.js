@@ -4,6 +4,7 @@
 /** @import { Spot } from "./structure_plan.js" */
 
 import { readout } from "./overlay.js";
+import { loopsNow, shifted } from "./structure_drag.js";
 import { circle } from "./structure_plan.js";
 
 /** Upper limit of free nodes whose names are shown. */
@@ -33,15 +34,15 @@ export function drawStructure(ctx, structure) {
   ctx.save();
   [ctx.font, ctx.textAlign, ctx.textBaseline] = ["12px system-ui, sans-serif", "left", "alphabetic"];
   const pictured = new Set([...(page.motion.mesh?.elements ?? []), ...Object.keys(structure.picturedMeshes ?? {})]);
-  const spotOf = (/** @type {Spot} */ p) => structure.shifted(p);
+  const spotOf = (/** @type {Spot} */ p) => shifted(structure, p);
   [ctx.strokeStyle, ctx.lineWidth] = [colour("--muted"), 2];
   for (const { name, ends } of plan.bars) if (drag?.moved || !pictured.has(name)) path(ends.map(spotOf));
-  for (const { name, loops } of plan.regions) if (drag?.moved || !pictured.has(name)) for (const loop of structure.loopsNow(loops)) path(loop, true);
+  for (const { name, loops } of plan.regions) if (drag?.moved || !pictured.has(name)) for (const loop of loopsNow(structure, loops)) path(loop, true);
   [ctx.strokeStyle, ctx.lineWidth] = [colour("--accent"), 4];
   ctx.globalAlpha = 0.55;
   for (const { section, name } of selection) {
     if (section === "elements") for (const bar of plan.bars) if (bar.name === name) path(bar.ends.map(spotOf));
-    if (section === "meshes") for (const region of plan.regions) if (region.name === name) for (const loop of structure.loopsNow(region.loops)) path(loop, true);
+    if (section === "meshes") for (const region of plan.regions) if (region.name === name) for (const loop of loopsNow(structure, region.loops)) path(loop, true);
     if (section === "edges" && structure.target) path(structure.target.spots);
   }
   ctx.globalAlpha = 1;

@@ -5,17 +5,11 @@
 import { el } from "./dom.js";
 import { icon } from "./icons.js";
 import { numberOf } from "./space_numbers.js";
+import { CELLS, MATERIALS, MEMBERS, SECTIONS } from "./structure_stock.js";
 import { STRUCTURE_TOOLS } from "./structure_tools.js";
 
-/** Properties of rectangular, circular and tubular cross-sections [m]. */
-const rectangle = (/** @type {number} */ b, /** @type {number} */ h) => ({ area: b * h, second_moment: (b * h ** 3) / 12 });
-const tube = (/** @type {number} */ d, /** @type {number} */ t) => ({ area: (Math.PI / 4) * (d ** 2 - (d - 2 * t) ** 2), second_moment: (Math.PI / 64) * (d ** 4 - (d - 2 * t) ** 4) });
-/** Cross-sections; those of IPE are nominal values of EN 10365. @type {Record<string, { area: number, second_moment: number }>} */
-export const SECTIONS = { "Tube 60 × 3": tube(0.06, 0.003), "Tube 100 × 5": tube(0.1, 0.005), "Round 20": tube(0.02, 0.01), "Square 50": rectangle(0.05, 0.05), "Timber 100 × 200": rectangle(0.1, 0.2), "IPE 100": { area: 10.3e-4, second_moment: 171e-8 }, "IPE 200": { area: 28.5e-4, second_moment: 1943e-8 } };
-/** @type {Record<string, { modulus: number, poisson: number, density: number }>} */
-export const MATERIALS = { Steel: { modulus: 210e9, poisson: 0.3, density: 7850 }, Aluminium: { modulus: 70e9, poisson: 0.33, density: 2700 }, Titanium: { modulus: 110e9, poisson: 0.34, density: 4430 }, Timber: { modulus: 11e9, poisson: 0.3, density: 450 }, Concrete: { modulus: 30e9, poisson: 0.2, density: 2400 } };
 /** Settings that each tool uses. @type {Record<string, string[]>} */
-const USES = { bar: ["section", "material"], beam: ["section", "material"], plate: ["material", "region"] };
+const USES = { bar: ["section", "material"], beam: ["beam", "section", "material"], plate: ["material", "region"] };
 
 export class StructurePalette {
   /** @param {HTMLElement} stage @param {(tool: string) => void} choose */
@@ -27,10 +21,13 @@ export class StructurePalette {
     const input = (/** @type {string} */ id, /** @type {string} */ label, /** @type {string} */ value, /** @type {string} */ placeholder) => el("input", { type: "text", id, "aria-label": label, title: `${label}, such as 10 mm`, value, placeholder, size: "7", onchange: (event) => this.check(/** @type {HTMLInputElement} */ (event.target)) });
     this.thickness = input("structure-thickness", "Thickness of new regions", "10 mm", "10 mm");
     this.size = input("structure-size", "Length of the edges of triangles", "", "automatic");
+    const kinds = (/** @type {string} */ id, /** @type {string} */ label, /** @type {Record<string, string>} */ titles, /** @type {string[]} */ names) => el("select", { id, "aria-label": label }, names.map((name) => el("option", { value: name }, titles[name].replace("Beam, ", ""))));
+    this.beam = kinds("structure-beam", "Theory of new beams", MEMBERS, ["Frame", "TimoshenkoFrame"]);
+    this.cell = kinds("structure-cell", "Elements of new regions", CELLS, ["Triangle6", "Triangle"]);
     this.strain = el("select", { id: "structure-state", "aria-label": "State of new regions" }, el("option", { value: "" }, "plane stress"), el("option", { value: "strain" }, "plane strain"));
     const row = (/** @type {string} */ use, /** @type {string} */ title, /** @type {Node} */ part) => el("label", { class: "setting", "data-use": use }, el("span", { class: "caption" }, title), part);
     const groups = [...new Set(STRUCTURE_TOOLS.map(({ group }) => group))].map((group) => el("div", { class: "tools", role: "group", "aria-label": group || "Selection" }, group && el("span", { class: "heading" }, group), this.tools.filter((_, k) => STRUCTURE_TOOLS[k].group === group)));
-    this.node = el("div", { class: "palette space structure", id: "structure-palette", role: "toolbar", "aria-label": "Tools of structures", hidden: true }, groups, row("section", "Section", this.section), row("material", "Material", this.material), row("region", "State", this.strain), row("region", "Thickness", this.thickness), row("region", "Mesh size", this.size));
+    this.node = el("div", { class: "palette space structure", id: "structure-palette", role: "toolbar", "aria-label": "Tools of structures", hidden: true }, groups, row("beam", "Theory", this.beam), row("section", "Section", this.section), row("material", "Material", this.material), row("region", "Elements", this.cell), row("region", "State", this.strain), row("region", "Thickness", this.thickness), row("region", "Mesh size", this.size));
     stage.append(this.node);
     this.show("select");
   }
@@ -40,7 +37,7 @@ export class StructurePalette {
 
   /** Quantities of new parts. */
   get settings() {
-    return { section: SECTIONS[this.section.value], material: MATERIALS[this.material.value], strain: this.strain.value === "strain", thickness: lengthOf(this.thickness) ?? 0.01, size: lengthOf(this.size) };
+    return { beam: this.beam.value, cell: this.cell.value, section: SECTIONS[this.section.value], material: MATERIALS[this.material.value], strain: this.strain.value === "strain", thickness: lengthOf(this.thickness) ?? 0.01, size: lengthOf(this.size) };
   }
 
   /** Mark a tool, and show the settings that it uses. @param {string} tool */

@@ -106,6 +106,12 @@ export class Plan {
     return bar && { kind: "element", name: bar.name, fields: { elements: bar.name }, spots: bar.ends };
   }
 
+  /** Bar or region at a place. @param {Spot} at @param {number} reach [m] @returns {Target | null} */
+  partAt(at, reach) {
+    const bar = this.barAt(at, reach), region = bar ? null : this.regionAt(at), name = bar?.name ?? region?.name;
+    return name ? { kind: "element", name, fields: { elements: name }, spots: bar?.ends ?? [...(region?.loops[0].spots ?? []), ...(region?.loops[0].spots.slice(0, 1) ?? [])] } : null;
+  }
+
   /** @param {Spot} at @param {number} reach [m] */
   barAt(at, reach) { return nearest(this.bars, ({ ends }) => Math.min(...ends.slice(1).map((end, k) => away(at, ends[k], end))), reach); }
 

@@ -9,13 +9,14 @@ import { ask } from "./ask.js";
 import { button, el } from "./dom.js";
 import { Properties } from "./properties.js";
 import { conditionsOn, removed } from "./structure_changes.js";
+import { CELLS, MATERIALS, MEMBERS, PLANE_MEMBERS, SECTIONS, SPACE_MEMBERS, retyped, stockOf, stocked } from "./structure_stock.js";
 
 /** Singular of a section. @type {Record<string, string>} */
-const TITLES = { supports: "Support", loads: "Load", tractions: "Traction", line_loads: "Line load" };
+const TITLES = { supports: "Support", loads: "Load", tractions: "Traction", line_loads: "Line load", temperatures: "Temperature" };
 /** Units of the keys of loads and supports, by their first letter. @type {Record<string, string>} */
 const UNITS = { u: "m", r: "rad", f: "N", m: "N m", t: "Pa", p: "Pa", q: "N/m" };
 /** Units of quantities of elements. @type {Record<string, string>} */
-const QUANTITIES = { area: "m^2", second_moment: "m^4", thickness: "m", modulus: "Pa", poisson: "", density: "kg/m^3" };
+const QUANTITIES = { area: "m^2", second_moment: "m^4", second_moment_y: "m^4", second_moment_z: "m^4", torsion_constant: "m^4", shear_area: "m^2", shear_area_y: "m^2", shear_area_z: "m^2", shear_modulus: "Pa", stiffness: "N/m", expansion: "1/K", temperature: "K", temperature_gradient: "K/m", thickness: "m", modulus: "Pa", poisson: "", density: "kg/m^3" };
 /** Keys of numbers of elements that several can share. */
 const SHARED = ["area", "second_moment", "thickness", "modulus", "density"];
 
@@ -48,7 +49,7 @@ export class StructureProperties extends Properties {
     const { plan } = this.structure, handle = plan?.handles.find((one) => one.name === name), target = handle ? this.targetOf(name) : this.structure.target;
     const isNode = plan?.nodes.has(name) ?? false, keys = handle?.keys ?? [], value = keys.reduce((/** @type {any} */ entry, key) => entry?.[key], document);
     const row = (/** @type {(string | number)[]} */ path, /** @type {unknown} */ number, /** @type {string} */ label) => this.labelled(label, this.row(path, number, String(path[0]), String(path[1])));
-    const places = Array.isArray(value) ? value.map((number, k) => row([...keys, k], number, "xy"[k])) : value === undefined ? [] : [row(keys, value, "radius")];
+    const places = Array.isArray(value) ? value.map((number, k) => row([...keys, k], number, "xyz"[k])) : value === undefined ? [] : [row(keys, value, "radius")];
     const title = isNode ? button(name, () => void this.rename(name), { class: "name", title: "Rename (F2)" }) : el("span", {}, name);
     return [el("h3", {}, title, el("span", { class: "type" }, isNode ? "Node" : handle ? "" : "Edge")), el("div", { class: "rows" }, places), ...(target ? this.conditions(document, target) : []),
       (isNode || /vertex/.test(name)) && el("div", { class: "chips" }, button("Delete", () => this.removeSelection(), { title: "Delete" }))];
@@ -70,7 +71,7 @@ export class StructureProperties extends Properties {
   /** Supports and loads on a target. @param {Document} document @param {Target} target */
   conditions(document, target) {
     return conditionsOn(document, target).map(({ section, index, entry }) => {
-      const names = [entry.nodes ?? entry.elements].flat(), keys = Object.keys(entry).filter((key) => /^([urfmtq][xyz]|pressure)$/.test(key));
+      const names = [entry.nodes ?? entry.elements].flat(), keys = Object.keys(entry).filter((key) => /^([urfmtq][xyz]|pressure|temperature(_gradient(_[yz])?)?)$/.test(key));
       const rows = keys.map((key) => this.labelled(key, this.row([section, index, key], entry[key], section, String(index))));
       const note = !keys.length ? "all displacements are zero" : names.length > 1 ? `also of ${names.filter((name) => name !== target.name).slice(0, 3).join(", ")}` : entry.case ? `case ${entry.case}` : "";
       return el("fieldset", {}, el("legend", {}, TITLES[section], button("×", () => this.drawing.actions.change({ label: `delete ${TITLES[section].toLowerCase()}`, operations: [{ op: "remove_entry", section, index }] }), { class: "button small", title: `Delete the ${TITLES[section].toLowerCase()}`, "aria-label": `delete ${TITLES[section].toLowerCase()}` })), ...rows, note && el("p", { class: "muted" }, note));
@@ -84,8 +85,22 @@ export class StructureProperties extends Properties {
     const size = entry.polygon && this.labelled("mesh size", this.row([section, name, "polygon", "size"], entry.polygon.size, section, name));
     const strain = section === "meshes" && el("label", { class: "check" }, el("input", { type: "checkbox", checked: entry.plane_strain === true, onchange: () => this.drawing.actions.change({ label: `set ${name}`, operations: [{ op: "set", keys: [section, name, "plane_strain"], value: entry.plane_strain !== true, written: true }] }) }), "plane strain");
     const target = /** @type {Target} */ ({ kind: "element", name, fields: { elements: name }, spots: [] });
-    return [el("h3", {}, button(name, () => void this.rename(name), { class: "name", title: "Rename (F2)" }), el("span", { class: "type" }, String(entry.type ?? ""))), el("div", { class: "rows" }, rows, size), strain || null,
-      missing.length ? el("details", {}, el("summary", {}, "More"), missing) : null, ...(section === "elements" ? this.conditions(document, target) : []), el("div", { class: "chips" }, button("Delete", () => this.removeSelection(), { title: "Delete" }))];
+    return [el("h3", {}, button(name, () => void this.rename(name), { class: "name", title: "Rename (F2)" }), el("span", { class: "type" }, String(entry.type ?? ""))), ...this.choices([{ keys: [section, name], entry }]), el("div", { class: "rows" }, rows, size), strain || null,
+      missing.length ? el("details", {}, el("summary", {}, "More"), missing) : null, ...this.conditions(document, target), el("div", { class: "chips" }, button("Delete", () => this.removeSelection(), { title: "Delete" }))];
+  }
+
+  /** Choices of the type, the cross-section and the material of parts. @param {{ keys: string[], entry: Record<string, any> }[]} parts */
+  choices(parts) {
+    const same = (/** @type {string[]} */ values) => (new Set(values).size === 1 ? values[0] : ""), change = (/** @type {string} */ label, /** @type {import("./operations.js").Operation[]} */ operations) => this.drawing.actions.change({ label, operations });
+    const row = (/** @type {string} */ title, /** @type {Record<string, string>} */ options, /** @type {string} */ value, /** @type {(name: string) => void} */ choose) => el("label", { class: "kind" }, el("span", {}, title), el("select", { "aria-label": title, onchange: (event) => choose(/** @type {HTMLSelectElement} */ (event.target).value) }, [...(value ? [] : [["", "other"]]), ...Object.entries(options)].map(([name, text]) => el("option", { value: name, selected: name === value }, text))));
+    const every = (/** @type {string} */ key) => parts.length > 0 && parts.every(({ entry }) => key in entry), types = parts.map(({ entry }) => String(entry.type)), isMember = types.every((type) => type in MEMBERS), isCell = types.every((type) => type in CELLS);
+    const members = this.structure.plan?.isPlanar === false ? SPACE_MEMBERS : PLANE_MEMBERS, cells = Object.keys(CELLS).filter((_, k) => k < 2 || parts.every(({ entry }) => entry.rectangle)), pick = (/** @type {string[]} */ names, /** @type {Record<string, string>} */ titles) => Object.fromEntries(names.map((name) => [name, titles[name]]));
+    const stock = (/** @type {"section" | "material"} */ kind, /** @type {Record<string, unknown>} */ table) => row(kind === "section" ? "cross-section" : "material", Object.fromEntries(Object.keys(table).map((name) => [name, name])), same(parts.map(({ entry }) => stockOf(entry, kind))), (name) => name && change(`set ${kind}`, parts.flatMap(({ keys, entry }) => stocked(keys, entry, kind, name))));
+    return [
+      isMember ? row("element", pick(members, MEMBERS), same(types), (type) => change("set element type", parts.filter(({ entry }) => entry.type !== type).flatMap(({ keys, entry }) => retyped(keys, entry, type)))) : null,
+      isCell ? row("elements", pick(cells, CELLS), same(types), (type) => change("set element type", parts.map(({ keys }) => ({ op: "set", keys: [...keys, "type"], value: type, written: true })))) : null,
+      every("area") ? stock("section", SECTIONS) : null, every("modulus") ? stock("material", MATERIALS) : null,
+    ].filter((node) => node !== null);
   }
 
   /** Several parts: numbers that they share, which one parameter can give. @param {Document} document */
@@ -105,7 +120,7 @@ export class StructureProperties extends Properties {
       }, { class: "make", title: "One parameter with a slider for all", "aria-label": `make ${key} a parameter`, disabled: values.some((value) => typeof value !== "number") });
       return el("label", { class: "number" }, el("span", {}, key), input, el("span", { class: "unit" }, this.unit(parts[0].section, parts[0].name, [key])), share);
     });
-    return [el("h3", {}, `${this.structure.selection.length} parts`), el("div", { class: "rows" }, rows), el("div", { class: "chips" }, button("Delete", () => this.removeSelection(), { title: "Delete" }))];
+    return [el("h3", {}, `${this.structure.selection.length} parts`), ...this.choices(entries), el("div", { class: "rows" }, rows), el("div", { class: "chips" }, button("Delete", () => this.removeSelection(), { title: "Delete" }))];
   }
 
   /** @override @param {string} section @param {string} name @param {(string | number)[]} keys */
@@ -133,9 +148,9 @@ export class StructureProperties extends Properties {
     structure.select([]);
     if (parts.length) return this.drawing.actions.change(/** @type {import("./operations.js").Change} */ (removed(parts)));
     if (!corner || !document) return;
-    const holes = corner.keys.slice(0, 4), hole = corner.keys[3] === "holes" ? Number(corner.keys[4]) : -1, all = holes.reduce((/** @type {any} */ entry, key) => entry?.[key], document);
-    if (Array.isArray(list) && typeof last === "number" && list.length > 3) this.drawing.actions.change({ label: `delete ${corner.name}`, operations: [{ op: "set", keys: corner.keys.slice(0, -1), value: list.filter((_, k) => k !== last), written: true }] });
-    else if (hole >= 0) this.drawing.actions.change({ label: "delete hole", operations: [{ op: "set", keys: holes, value: all.filter((/** @type {unknown} */ _, /** @type {number} */ k) => k !== hole), written: true }] });
+    const holes = corner.keys.slice(0, 4), hole = corner.keys[3] === "holes" ? Number(corner.keys[4]) : -1;
+    if (Array.isArray(list) && typeof last === "number" && list.length > 3) this.drawing.actions.change({ label: `delete ${corner.name}`, operations: [{ op: "remove_item", keys: corner.keys }] });
+    else if (hole >= 0) this.drawing.actions.change({ label: "delete hole", operations: [{ op: "remove_item", keys: [...holes, hole] }] });
     else this.drawing.actions.refuse("a region has at least three corners; delete the region");
   }
 }

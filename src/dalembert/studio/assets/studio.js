@@ -20,6 +20,7 @@ import { Properties } from "./properties.js";
 import { Sheets } from "./sheets.js";
 import { showShortcuts } from "./shortcuts.js";
 import { Space } from "./space.js";
+import { SpaceStructure } from "./space_structure.js";
 import { Structure } from "./structure.js";
 
 /** Time for which a notice is shown [ms]. */
@@ -28,6 +29,8 @@ const SHOWN = 6000;
 const REST = 250;
 /** Time after which the page says that a picture is being made [ms]. */
 const SLOW = 1200;
+/** Upper limit of the length of a text, as of the server [characters]. */
+const LONGEST = 2_000_000;
 const MODIFIER = /Mac|iPhone|iPad/.test(navigator.platform) ? "⌘" : "Ctrl+";
 
 class Studio {
@@ -86,11 +89,12 @@ class Studio {
     });
     this.palette = new Palette(byId("palette"), (name) => this.drawing.choose(name));
     this.properties = new Properties(byId("canvas"), this.drawing, () => this.completion);
-    this.crosshair = new Crosshair(byId("canvas"), this.drawing);
     /** The guided first build. @type {Guide | undefined} */
     this.guide = new Guide(byId("canvas"), () => ({ ...this.file, document: this.known, tool: this.drawing.tool.name }));
     this.space = new Space(this.pictures, this.drawing.actions, byId("canvas"));
     this.structure = new Structure(this.pictures, this.drawing.actions, byId("canvas"), () => this.completion);
+    this.spaceStructure = new SpaceStructure(this.pictures, this.drawing.actions, byId("canvas"), () => this.completion);
+    this.crosshair = new Crosshair(byId("canvas"), [this.drawing, this.structure]);
     this.sheets = new Sheets(byId("sheets"), byId("writing"), [{ name: "text", title: "Text", node: byId("text") }, { name: "model", title: "Model", node: this.space.tree.node }]);
     /** Requests of other parts by the kind of their answer. @type {Record<string, (message: any) => void>} */
     this.handlers = { export: (message) => this.exports.receive(message) };
@@ -102,8 +106,10 @@ class Studio {
   }
 
   bind() {
-    for (const drawn of [this.space, this.structure, this.drawing]) document.addEventListener("keydown", (event) => drawn.key(event));
+    for (const drawn of [this.space, this.spaceStructure, this.structure, this.drawing]) document.addEventListener("keydown", (event) => drawn.key(event));
     document.addEventListener("keydown", (event) => this.key(event));
+    window.addEventListener("pagehide", () => this.editor.flush());
+    document.addEventListener("visibilitychange", () => this.editor.flush());
     this.pictures.onShow.push(() => this.pictures.frame?.contentWindow?.addEventListener("keydown", (event) => this.key(event)));
     byId("cancel").addEventListener("click", () => this.request("cancel"));
     const divider = byId("divider"), desk = byId("desk");
@@ -163,6 +169,7 @@ class Studio {
       case "files": return chooseFile(message, (choice) => this.request("open", choice));
       case "notice": return this.say(message.text);
       case "failure":
+        if (message.request === "text") this.pending = Math.max(0, this.pending - 1);  // it was not stored
         this.space.revert();
         return this.say(message.text, true);
       case "conflict": return void this.resolve(message.text, message.path);
@@ -182,6 +189,7 @@ class Studio {
     this.drawing.document = file.document;
     this.space.show(file.document ?? this.known);
     this.structure.show(file.document ?? this.known);
+    this.spaceStructure.show(file.document ?? this.known);
     this.properties.show();
     this.known = file.document ?? this.known;
     if (this.unsent !== null) {
@@ -216,6 +224,7 @@ class Studio {
 
   /** @param {string} text */
   sendText(text) {
+    if (text.length > LONGEST) return this.say(`The text has more than ${LONGEST} characters; it was not stored.`, true);
     if (this.link.send({ kind: "text", text, revision: this.file.revision + this.pending })) this.pending++;
     else this.unsent = text;
   }
@@ -223,7 +232,8 @@ class Studio {
   /** @param {string} kind @param {Record<string, unknown>} [more] */
   request(kind, more = {}) {
     this.editor.flush();
-    this.link.send({ kind, ...more });
+    if (kind === "save" && this.editor.text.length > LONGEST) this.sendText(this.editor.text);
+    else this.link.send({ kind, ...more });
     return true;
   }
 

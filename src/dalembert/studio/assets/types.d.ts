@@ -10,7 +10,8 @@ export type Document = Record<string, Record<string, any> | undefined>;
 /** A picture; `page` is its address, empty if there is none. */
 export interface PictureMessage { kind: "picture"; number: number; revision: number; live: boolean; page: string; problems?: Problem[]; summary?: string; facts?: Facts }
 export interface Facts { moving?: string[]; degrees_of_freedom?: number; free?: number; redundant?: number; redundancies?: string[] }
-export interface NoticeMessage { kind: "notice" | "failure"; text: string }
+/** A notice; a failure has the kind of the request that was not carried out. */
+export interface NoticeMessage { kind: "notice" | "failure"; text: string; request?: string }
 export interface ConflictMessage { kind: "conflict"; text: string; path: string }
 export interface Example { example: string; name: string; description: string }
 export interface FilesMessage { kind: "files"; folder: string; files: string[]; recent: string[]; examples: Example[] }

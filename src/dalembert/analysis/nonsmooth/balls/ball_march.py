@@ -6,18 +6,17 @@ from collections.abc import Callable
 
 import numpy as np
 
+from dalembert.analysis.nonsmooth.advance import REPETITIONS
 from dalembert.analysis.nonsmooth.balls.ball_motion import BallMotion, ball_motion
-from dalembert.analysis.nonsmooth.balls.ball_steps import (
-    CHUNK,
+from dalembert.analysis.nonsmooth.balls.ball_steps import CHUNK, PRESSING, STEPS, BallSteps
+from dalembert.analysis.nonsmooth.balls.path_repeats import PathRepeats
+from dalembert.analysis.nonsmooth.balls.step_outcome import (
     DEPTH,
     FRICTION,
     LOSS,
     PRESSED,
-    PRESSING,
     RESIDUAL,
     ROUNDS_OF,
-    STEPS,
-    BallSteps,
     StepOutcome,
 )
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
@@ -30,9 +29,10 @@ REPORTED = 16
 
 
 class BallMarch:
-    """Steps of free bodies with balls and walls.
+    """Steps of free bodies with balls, hulls and walls.
 
-    A step is undone, and left to the general one, if a gap is closed at its end.
+    A step with a gap that is closed at its end is repeated with means over its path. It is left to
+    the general step if the impulses do not converge, or the gap remains closed.
 
     Parameters
     ----------
@@ -42,17 +42,22 @@ class BallMarch:
     """
 
     def __init__(self, step: ContactStep, motion: BallMotion, steps: BallSteps):
-        self._step, self._steps = step, steps
+        self._step, self._motion, self._steps = step, motion, steps
         self._t, self._h = np.zeros(1), np.zeros(1)
         self._y = np.zeros(step.model.equations.coordinate_count)
         self._next, self._still = np.zeros_like(self._y), np.zeros_like(steps.v)
         self._ys, self._vs = np.zeros((CHUNK, self._y.size)), np.zeros((CHUNK, steps.v.size))
         places, t, v, p = FixedCalls(motion.places, compiled=False), self._t, steps.v, step.p
-        geometry = steps.positions, steps.normals, steps.velocities
+        geometry = steps.corners, steps.references, steps.normals, steps.velocities
         forces = FixedCalls(motion.forces, compiled=False)
         self._forces = forces.on([t, self._y, v, p, self._h], [steps.force, steps.inertia])
         move = [t, self._y, steps.displacement, p], [self._next, *geometry]
         self._move = places.on(*([flat(a) for a in part] for part in move))
+        self._part = np.zeros_like(steps.v)
+        part = [t, self._y, self._part, p], [self._next, *geometry]
+        self._place_part = places.on(*([flat(a) for a in group] for group in part))
+        self._repeats = PathRepeats(steps, step.model.equations.manifold, step.rounding)
+        self._curved: dict[int, np.ndarray] = {}
         place = [t, self._y, self._still, p], [self._next, *geometry]
         self._place = places.on(*([flat(a) for a in part] for part in place))
 
@@ -89,6 +94,8 @@ class BallMarch:
                     begin = self._transfer(grid, begin, k - 1, log)
                     continue
                 if outcome is StepOutcome.CLOSED and k > begin:
+                    if self._opened(grid, k, begin, log):
+                        continue
                     k -= 1
                 if outcome is not StepOutcome.DONE:
                     break
@@ -111,27 +118,72 @@ class BallMarch:
             steps.counts[[STEPS, PRESSING]] = 0
         return k, self._last
 
+    def _opened(self, grid: np.ndarray, k: int, begin: int, log: StepLog) -> bool:
+        """Repeat the step that ended at instant ``k`` with means over its path; true if solved.
+
+        The record and the state of that step are replaced.
+        """
+        steps, repeats, row = self._steps, self._repeats, k - 1 - begin
+        repeats.begin(k)
+        steps.remove_last()
+        self._curved.pop(k, None)
+        if repeats.count > REPETITIONS:
+            return False
+        start, length = float(grid[k - 1]), float(grid[k] - grid[k - 1])
+        displacement, lists = steps.displacement.copy(), steps.lists
+
+        def place(share: float, displacement: np.ndarray) -> None:
+            self._t[0], self._part[:] = start + share * length, share * displacement
+            self._place_part()
+
+        self._y[:] = self._ys[row - 1] if row else log.y
+        steps.v[:] = self._vs[row - 1] if row else log.v
+        if not repeats.select(place, displacement):
+            steps.leave_path()
+            return False
+        repeats.average(place, displacement)
+        place(0.0, displacement)
+        self._h[0] = steps.limits[0] = length
+        outcome = self._attempt()
+        steps.leave_path()
+        self._t[0] = grid[k]
+        if outcome is not StepOutcome.DONE or steps.lists > lists or not self._move():
+            return False
+        self._y[:] = self._next
+        self._ys[row], self._vs[row] = self._y, steps.v
+        self._curved[k] = repeats.keys
+        return True
+
     def _load(self, log: StepLog) -> None:
         """Take over the state at the end of the log, and the last impulses."""
         steps = self._steps
         self._t[0], self._y[:], steps.v[:] = log.t, log.y, log.v
         self._place()
+        steps.arms[:] = self._motion.shapes.arms(steps.corners, steps.references)
         steps.warm(*self._last.pressing)
 
     def _attempt(self) -> StepOutcome:
         return self._steps() if self._forces() else StepOutcome.UNSOLVED
 
     def _transfer(self, grid: np.ndarray, begin: int, end: int, log: StepLog) -> int:
-        """Append the steps from ``begin`` to ``end`` to the log; the end."""
-        steps, count = self._steps, end - begin
+        """Append the recorded steps from ``begin`` to ``end`` to the log; the end."""
+        steps = self._steps
+        count = min(end - begin, int(steps.counts[STEPS]))  # a repetition may be interrupted
         if count <= 0:
             return begin
+        end = begin + count
         numbers = steps.numbers[:count].copy()
         contacts = int(numbers[:, PRESSED].sum())
         keys, impulses, offsets = steps.pressing(0, contacts)
+        owner = np.repeat(np.arange(count), numbers[:, PRESSED].astype(int))
+        order = np.lexsort((keys, owner))
+        keys, impulses, offsets = keys[order], impulses[order], offsets[order]
         y, v = self._ys[:count].copy(), self._vs[:count].copy()
         depth = self._step.deepest(self._step.at(grid[end], y[-1]))
         none, zero = np.zeros(contacts, dtype=int), np.zeros(contacts)
+        curved = np.zeros(contacts, dtype=bool)
+        for k in [k for k in self._curved if begin < k <= end]:
+            curved |= (owner == k - 1 - begin) & np.isin(keys, self._curved.pop(k))
         part = StepEntries(
             multiplier=np.zeros((0, count)),
             count=numbers[:, PRESSED].astype(int),
@@ -139,7 +191,7 @@ class BallMarch:
             key=keys,
             impulse=impulses,
             offset=offsets,
-            curved=none.astype(bool),
+            curved=curved,
             loss=numbers[:, LOSS],
             friction=numbers[:, FRICTION],
             work=zero,

@@ -1,4 +1,4 @@
-"""Functions of free bodies with balls and walls, whose steps run in machine code."""
+"""Functions of free bodies with balls, hulls and walls, whose steps run in machine code."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.nonsmooth.balls.step_shapes import StepShapes, step_shapes
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
-from dalembert.analysis.nonsmooth.gaps.collision_gaps import CollisionGaps, gap_sources
+from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
 from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
 from dalembert.elements.contact.impact_law import ImpactLaw
@@ -30,38 +31,33 @@ class BallMotion:
     Attributes
     ----------
     forces : ``(t, y, v, p, h) → F, A``, forces and entries of the matrix of a step by rows
-    places : ``(t, y, δ, p) → y ⊕ δ, positions, normals, J`` of shapes
+    places : ``(t, y, δ, p) → y ⊕ δ, corners, references, normals, J`` of shapes
+    shapes : StepShapes
     starts, columns : pattern of ``A`` by rows
     body : (shapes,) body of each shape, -1 for the ground
     first : (bodies + 1,) first speed of each body
-    balls : number of shapes before the walls
-    constants : ``p → `` radii of the balls, coefficients of the laws
+    constants : ``p → `` radii of the balls and hulls, coefficients of the laws
     orderings : orders of elimination of the bodies
     """
 
     forces: ca.Function
     places: ca.Function
+    shapes: StepShapes
     starts: np.ndarray
     columns: np.ndarray
     body: np.ndarray
     first: np.ndarray
-    balls: int
     constants: Kernel
     orderings: BlockOrderings
 
     def radii(self, p: np.ndarray) -> np.ndarray:
-        """(balls,) radii."""
-        return self.constants(p)[0].ravel()[: self.balls]
+        """(h,) radii of the balls and hulls."""
+        return self.constants(p)[0].ravel()[: self.shapes.hulls]
 
     def laws(self, p: np.ndarray) -> np.ndarray:
         """(c, l) coefficients of the laws."""
-        coefficients = self.constants(p)[0].ravel()[self.balls :]
+        coefficients = self.constants(p)[0].ravel()[self.shapes.hulls :]
         return coefficients.reshape(len(COEFFICIENTS), -1, order="F")
-
-    @property
-    def shapes(self) -> int:
-        """Number of balls and walls."""
-        return self.body.size
 
     @property
     def widest(self) -> int:
@@ -71,7 +67,8 @@ class BallMotion:
 
 def ball_motion(step: ContactStep) -> BallMotion | None:
     """Functions of the steps if these run in machine code: free bodies, all of whose shapes are
-    balls and walls with Newton's law of impact, and the scheme of anticipated impacts."""
+    balls, rigid hulls and walls with Newton's law of impact, and the scheme of anticipated
+    impacts."""
     if type(step.scheme) is not AnticipatedImpacts or step.force_laws.elements:
         return None
     motion = _functions(step.model)
@@ -87,40 +84,37 @@ def ball_motion(step: ContactStep) -> BallMotion | None:
 def _functions(model: Model) -> BallMotion | None:
     sources, e = gap_sources(model), model.equations
     bodies = [group.twist.numel() for group in model.coordinates]
-    if len(sources) > 1 or not isinstance(sources[0], CollisionGaps):
+    shapes = step_shapes(sources[0]) if len(sources) == 1 else None
+    if shapes is None:
         return None
     if e.constraint_count or e.states or sum(bodies) != e.speed_count or not e.speed_count:
         return None
-    source, n = sources[0], e.speed_count
+    n = e.speed_count
     first, body_of = np.cumsum([0, *bodies]), np.repeat(np.arange(len(bodies)), bodies)
     forces, matrix, h = _step_formulas(model)
     pattern = matrix.T.sparsity()
     column, row = np.array(pattern.row(), dtype=np.int32), _columns(pattern)
-    body, velocities = _shape_velocities(source, e.v, body_of, first)
-    shapes, walls, balls = source.counts
-    geometry = source.formulas.geometry
-    positions, normals = geometry[: 3 * shapes], geometry[3 * shapes : 3 * (shapes + walls)]
-    constants = geometry[3 * (shapes + walls) :]
+    body, velocities = _shape_velocities(shapes, e.v, body_of, first)
     if body is None or (body_of[row] != body_of[column]).any():
         return None
-    if ca.depends_on(constants, ca.vertcat(e.t, e.y)):
+    if ca.depends_on(shapes.constants, ca.vertcat(e.t, e.y)):
         return None
-    outputs = ca.vertcat(positions, normals, velocities)
+    geometry = [shapes.corners, shapes.references, shapes.normals, velocities]
     moved = e.manifold.retract(e.y, e.manifold.delta)
-    placed = ca.vertcat(moved, ca.substitute(outputs, e.y, moved))
-    cuts = np.cumsum([0, moved.numel(), positions.numel(), normals.numel(), velocities.numel()])
+    placed = ca.vertcat(moved, ca.substitute(ca.vertcat(*geometry), e.y, moved))
+    cuts = np.cumsum([0, moved.numel(), *(part.numel() for part in geometry)])
     parts = [placed[i:j] for i, j in pairwise(cuts.tolist())]
     inputs = [e.t, e.y, e.manifold.delta, e.p]
     entries = stack(matrix.T.nonzeros())  # type: ignore[arg-type]
     return BallMotion(
         forces=condensed("forces", [e.t, e.y, e.v, e.p, h], [forces, ca.densify(entries)]),
         places=condensed("places", inputs, [ca.densify(part) for part in parts]),
-        constants=Kernel(ca.Function("constants", [e.p], [ca.densify(constants)])),
+        shapes=shapes,
+        constants=Kernel(ca.Function("constants", [e.p], [ca.densify(shapes.constants)])),
         starts=np.searchsorted(row, np.arange(n + 1)).astype(np.int32),
         columns=column,
         body=body,
         first=first.astype(np.int32),
-        balls=balls,
         orderings=BlockOrderings(np.array(bodies, dtype=int), np.zeros((2, 0), dtype=int)),
     )
 
@@ -139,18 +133,18 @@ def _step_formulas(model: Model) -> tuple[ca.SX, ca.SX, ca.SX]:
 
 
 def _shape_velocities(
-    source: CollisionGaps, v: ca.SX, body_of: np.ndarray, first: np.ndarray
+    shapes: StepShapes, v: ca.SX, body_of: np.ndarray, first: np.ndarray
 ) -> tuple[np.ndarray | None, ca.SX]:
     """Body of each shape, -1 for the ground, and the derivatives of its twist by the speeds of the
     body, by rows; None if a shape moves with several bodies."""
-    jacobian = ca.sparsify(ca.jacobian(source.formulas.velocities, v))
+    jacobian = ca.sparsify(ca.jacobian(shapes.twists, v))
     row, column = np.array(jacobian.sparsity().row(), dtype=int), _columns(jacobian.sparsity())
-    shapes, widest = source.counts[0], int(np.diff(first).max())
-    velocities = ca.SX.zeros(TWIST * shapes * widest)
+    count, widest = shapes.count, int(np.diff(first).max())
+    velocities = ca.SX.zeros(TWIST * count * widest)
     place = row * widest + column - first[body_of[column]]
     if place.size:
         velocities[place.tolist()] = stack(jacobian.nonzeros())  # type: ignore[arg-type]
-    body = np.full(shapes, -1, dtype=np.int32)
+    body = np.full(count, -1, dtype=np.int32)
     body[row // TWIST] = body_of[column]
     same = (body[row // TWIST] == body_of[column]).all()
     return (body if same else None), velocities

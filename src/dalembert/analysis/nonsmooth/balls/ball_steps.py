@@ -1,15 +1,20 @@
-"""Steps of free bodies with balls and walls: one call of machine code per step."""
+"""Steps of free bodies with balls, hulls and walls: one call of machine code per step."""
 
 from __future__ import annotations
-
-from enum import IntEnum
 
 import numpy as np
 
 from dalembert.analysis.nonsmooth.advance import AHEAD
 from dalembert.analysis.nonsmooth.balls.ball_motion import BallMotion
+from dalembert.analysis.nonsmooth.balls.path_contacts import (
+    COUNT,
+    SIZES,
+    PathContacts,
+    contact_arrays,
+)
+from dalembert.analysis.nonsmooth.balls.step_outcome import NUMBERS, PRESSED, StepOutcome
 from dalembert.analysis.nonsmooth.contact_step import JAMMED, ROUNDS, ContactStep
-from dalembert.analysis.nonsmooth.gaps.collision_gaps import CollisionGaps
+from dalembert.analysis.nonsmooth.gaps.hulls.compiled_features import GEOMETRY
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
 from dalembert.integrators.contact.approach import SLOW
 from dalembert.integrators.contact.compiled_newton import (
@@ -19,7 +24,6 @@ from dalembert.integrators.contact.compiled_newton import (
 )
 from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.integrators.contact.impulses import (
-    BLOCK_ITERATIONS,
     DECREASE,
     INCREASE,
     RESIDUAL_SHARE,
@@ -34,46 +38,47 @@ from dalembert.integrators.contact.semismooth_newton import OVERSHOOT
 
 FILES = (
     "newton_pieces.c",
-    "sweep.c",
     "block_factors.c",
     "semismooth_newton.c",
+    "interior_point.c",
     "contact_solution.c",
-    "ball_contacts.c",
+    "free_bodies.c",
+    *GEOMETRY,
+    "feature_gaps.c",
+    "last_impulses.c",
+    "shape_contacts.c",
     "anticipated_step.c",
 )
 """Files of the machine code of a step."""
 CHUNK, RECORDS = 256, 4096
 """Steps between transfers of the record, and least number of its contacts."""
-DEPTH, LOSS, FRICTION, RESIDUAL, ROUNDS_OF, PRESSED, NUMBERS = range(7)
-"""Columns of the record: smallest gap at the start, dissipation, that by friction, residual,
-proximal problems and pressing contacts; their number."""
-FIRST_ATTEMPT, FEW_SWEEPS, ATTEMPTS, MANY_PROXIMAL = 6, 10, 2, 100
-"""Upper limit of Newton's steps before a few sweeps, number of these and of attempts in all, and
-upper limit of the proximal problems that follow."""
+MANY_PROXIMAL = 100
+"""Upper limit of the proximal problems."""
+NEWTON_STEPS, INTERIOR_POINTS, POLISHING, SHORT_STEPS = 15, 45, 6, 5
+"""Upper limits of Newton's steps, of interior points, of Newton's steps from one of these, and of
+consecutive short steps of interior points."""
+INTERIOR_STARTS, TO_BOUNDARY, SHORT = (0.1, 1.0), 0.995, 1e-2
+"""Distances of the first interior points from the boundary relative to the largest speed, share of
+a step to the boundary, and share of a short step [-]."""
+INTERIOR_SHARE, INTERIOR_FACTOR, INTERIOR_END = 1e-5, 0.03, 1e-6
+"""Residual relative to the largest speed at which Newton's method begins, factor by which it has to
+fall until it begins again, and residual at which it begins for the last time [-]."""
+REGULARIZATIONS = 1e-6, 1e-4
+"""Regularisation of interior points relative to the mobility, and that below ``INTERIOR_END``."""
 GROWTH = 1.5
-"""Ratio of the memory for pairs to the pairs that first exceeded it [-]."""
-COUNT, WIDTH, GROUPS, SPEEDS, ENTRIES, UNKNOWNS, OUTCOME, WIDEST, BLOCKS, SIZE = range(10)
+"""Ratio of new memory for pairs or contacts to the number that first exceeded it [-]."""
+WIDTH, GROUPS, SPEEDS, ENTRIES, UNKNOWNS, OUTCOME, WIDEST, BLOCKS, SIZE = range(1, 10)
 ITERATIONS, MERITS, JUMPING, WORK, SHAPES, BALLS, BODIES, PAIRS, DIMENSION = range(10, 19)
 CONTACTS, STEPS, PRESSING, RECORDED, INERTIA, PROXIMAL, REPEATS = range(19, 26)
-ATTEMPT, SWEPT, TURNED, LAST = range(26, 30)
+CENTRAL, POLISH, STALLED, LAST = range(26, 30)
 """Places among the counts of the loop, and their number."""
+LAST_IMPULSES, FEATURES, NUMBERED, OFFSET, SLOTS, HULLS = range(6)
+"""Places among the sizes of the shapes."""
 RENEWALS = 4
 """Upper limit of the repetitions of a call with other lists and orders."""
 
 
-class StepOutcome(IntEnum):
-    """Outcome of a call."""
-
-    DONE = 0
-    SINGULAR = 1
-    OUTDATED = 2
-    FULL = 3
-    CLOSED = 4
-    UNORDERED = 5
-    UNSOLVED = 6
-
-
-class BallSteps:
+class BallSteps(PathContacts):
     """Arrays of the machine code, and its calls.
 
     Parameters
@@ -84,21 +89,24 @@ class BallSteps:
     Attributes
     ----------
     v, force, inertia, displacement : (n,) of the step; entries of ``A``
-    positions, normals, velocities : of the shapes
-    limits : length of the step, tolerance, rounding of gaps, reach of the list
+    corners, references, normals, velocities : of the shapes
+    limits : length of the step, tolerance, rounding of gaps, reach of the list, weight of a
+        position on the path
+    lists : number of lists of pairs so far
     """
 
     def __init__(self, step: ContactStep, motion: BallMotion):
-        assert isinstance(step.sources[0], CollisionGaps)
-        self._source, self._motion = step.sources[0], motion
-        n, shapes, widest = motion.first[-1], motion.shapes, motion.widest
-        walls = shapes - motion.balls
+        self._motion, self._shapes = motion, motion.shapes
+        self._neighbours = motion.shapes.neighbours()
+        n, shapes, widest = motion.first[-1], motion.shapes.count, motion.widest
+        walls = shapes - motion.shapes.hulls
         self.width = 1 + sum(step.groups)
         self.v, self.force, self.displacement = (np.zeros(n) for _ in range(3))
         self.inertia = np.zeros(motion.columns.size)
-        self.positions, self.normals = np.zeros((shapes, 3)), np.zeros((walls, 3))
+        self.corners = np.zeros((int(motion.shapes.corner_starts[-1]), 3))
+        self.references, self.normals = np.zeros((shapes, 3)), np.zeros((walls, 3))
         self.velocities = np.zeros((shapes, TWIST, widest))
-        self.limits = np.array([0.0, step.solver.tolerance, step.rounding, -1.0])
+        self.limits = np.array([0.0, step.solver.tolerance, step.rounding, -1.0, 0.0])
         coefficients = motion.laws(step.p)
         used = [0, 1, *range(FIRST, FIRST + len(step.groups))]
         self._radii = motion.radii(step.p)
@@ -106,14 +114,26 @@ class BallSteps:
         self._settings = np.array([0.0, BLOCK_REGULARIZATION, OVERSHOOT])
         shares = [WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN, RESIDUAL_SHARE]
         shares += [TOLERANCE_SHARE, 2 * AHEAD, CLOSING, SLOW, ROUNDING, JAMMED]
+        shares += [REGULARIZATIONS[0], TO_BOUNDARY, INTERIOR_STARTS[0], INTERIOR_SHARE]
+        shares += [INTERIOR_FACTOR, SHORT, INTERIOR_END, REGULARIZATIONS[1], INTERIOR_STARTS[1]]
         self._shares = np.array(shares)
         self._groups = np.cumsum([1, *step.groups]).astype(np.int32)
         self._loop: Loop | None = None
-        self._pressed = np.zeros((0, 2), np.int32)
+        self._pressed = np.zeros(0, np.int64)
         self._impulses, self._offsets = np.zeros((2, 0, self.width))
         self._old = np.full((shapes, 3), np.inf), np.full((walls, 3), np.inf)
         self._pairs = np.zeros((3, 0), dtype=np.int32)
-        self._warm, self._capacity = np.zeros((0, self.width)), 0
+        self._last = np.zeros(0, np.int64), np.zeros((0, self.width))
+        self.arms, self._centers = np.zeros(shapes), np.zeros((shapes, 3))
+        self._shares_of_path, self.lists = np.ones(n), 0
+        self._keys, self._described, self._gaps = contact_arrays(0)
+        self._path = contact_arrays(0)
+        self._before = contact_arrays(0)[:2]
+        self._sizes = np.zeros(SIZES, dtype=np.int64)
+        self._sizes[FEATURES], self._sizes[OFFSET] = motion.shapes.features, motion.shapes.offset
+        self._sizes[NUMBERED], self._sizes[HULLS] = motion.shapes.numbered, 1
+        if motion.shapes.only_balls:
+            self._sizes[HULLS] = 0
         bodies = motion.first.size - 1
         order = n, n, bodies + 1, 1
         self._order = [np.zeros(size, dtype=np.int32) for size in order]
@@ -127,19 +147,19 @@ class BallSteps:
             WIDEST: 2 * widest,
             BLOCKS: bodies,
             SIZE: widest,
-            ITERATIONS: BLOCK_ITERATIONS,
+            ITERATIONS: NEWTON_STEPS,
             MERITS: MEMORY,
             JUMPING: JUMPS,
             SHAPES: shapes,
-            BALLS: motion.balls,
+            BALLS: motion.shapes.hulls,
             BODIES: bodies,
-            DIMENSION: self._source.dimension,
+            DIMENSION: motion.shapes.dimension,
             INERTIA: self.inertia.size,
             PROXIMAL: min(MANY_PROXIMAL, step.solver.max_iterations),
             REPEATS: ROUNDS,
-            ATTEMPT: FIRST_ATTEMPT,
-            SWEPT: FEW_SWEEPS,
-            TURNED: ATTEMPTS,
+            CENTRAL: INTERIOR_POINTS,
+            POLISH: POLISHING,
+            STALLED: SHORT_STEPS,
         }
         fixed = WIDTH, GROUPS, SIZE, DIMENSION
         constants = tuple((place, int(counts[place])) for place in fixed)
@@ -148,7 +168,7 @@ class BallSteps:
         self.counts[list(counts)] = list(counts.values())
         self.numbers = np.zeros((CHUNK, NUMBERS))
         if self.available:
-            self._allocate(1, 1)
+            self._allocate(1, 1, 1)
             self._renew_order()
 
     @property
@@ -167,24 +187,26 @@ class BallSteps:
                 self._renew_list(float(self._status[3]))
             elif outcome is StepOutcome.UNORDERED:
                 self._renew_order()
+            elif outcome is StepOutcome.MORE:
+                contacts = int(GROWTH * self.counts[COUNT])
+                self._allocate(self._pairs.shape[1], contacts, self._entries)
             else:
                 return outcome
         return StepOutcome.UNSOLVED
 
     def warm(self, keys: np.ndarray, impulses: np.ndarray) -> None:
-        """Initial impulses of the pairs of the list with some sorted keys, zero for others."""
-        own = self._keys
-        self._warm[: own.size] = 0.0
-        if keys.size:
-            place = np.minimum(np.searchsorted(keys, own), keys.size - 1)
-            same = keys[place] == own
-            self._warm[: own.size][same] = impulses[place[same]]
+        """Initial impulses of contacts with some keys, zero for others."""
+        count = keys.size
+        if count > self._last[0].size:
+            self._allocate(self._pairs.shape[1], int(GROWTH * count), self._entries)
+        self._last[0][:count], self._last[1][:count] = keys, impulses
+        self._sizes[LAST_IMPULSES] = count
 
     def pressing(self, begin: int, end: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Keys, impulses and offsets of recorded contacts."""
-        first, second = self._pressed[begin:end].T.astype(int)
-        keys = first * self._motion.shapes + second
-        return keys, self._impulses[begin:end].copy(), self._offsets[begin:end].copy()
+        recorded = self._pressed, self._impulses, self._offsets
+        keys, impulses, offsets = (array[begin:end].copy() for array in recorded)
+        return keys, impulses, offsets
 
     def forget(self, steps: int, contacts: int) -> None:
         """Remove the first steps, and their contacts, from the record."""
@@ -195,24 +217,23 @@ class BallSteps:
         self.counts[STEPS] -= steps
         self.counts[PRESSING] -= contacts
 
-    @property
-    def _keys(self) -> np.ndarray:
-        """Keys of the pairs of the list, in ascending order."""
-        first, second = self._pairs[:2, : self.counts[PAIRS]].astype(int)
-        return first * self._motion.shapes + second
+    def remove_last(self) -> None:
+        """Remove the last step from the record."""
+        self.counts[STEPS] -= 1
+        self.counts[PRESSING] -= int(self.numbers[self.counts[STEPS], PRESSED])
 
     def _renew_list(self, reach: float) -> None:
-        """Pairs within reach and a margin, with the impulses of the pairs before."""
-        keys, impulses = self._keys, self._warm[: self.counts[PAIRS]].copy()
-        geometry = self.positions.copy(), self.normals.copy(), self._radii
-        near, pairs, laws = self._source.listed(*geometry, reach)
-        if pairs.shape[1] > self._capacity:
-            self._allocate(int(GROWTH * pairs.shape[1]), self._entries)
+        """Pairs within reach and a margin."""
+        centers, radii = self._shapes.sizes(self.corners, self._radii)
+        near = self._neighbours.listed(centers, self.normals.copy(), radii, reach)
+        pairs, laws = self._shapes.touching(near)
+        if pairs.shape[1] > self._pairs.shape[1]:
+            self._allocate(int(GROWTH * pairs.shape[1]), self._contacts, self._entries)
         self.counts[PAIRS] = count = pairs.shape[1]
         self._pairs[:2, :count], self._pairs[2, :count] = pairs, laws
         self._old[0][:], self._old[1][:] = near.positions, near.normals
+        self.lists += 1
         self.limits[3] = near.reach
-        self.warm(keys, impulses)
 
     def _renew_order(self) -> None:
         """Order of elimination for the contacts of the step."""
@@ -223,16 +244,17 @@ class BallSteps:
         rows = self._order[3]
         if order.row.size > rows.size or order.entries > self._entries:
             self._order[3] = np.zeros(int(GROWTH * order.row.size) + 1, dtype=np.int32)
-            self._allocate(self._capacity, int(GROWTH * order.entries))
+            entries = int(GROWTH * order.entries)
+            self._allocate(self._pairs.shape[1], self._contacts, entries)
         for array, part in zip(self._order, parts, strict=True):
             array.ravel()[: part.size] = part.ravel()
         self.counts[ENTRIES] = order.entries
 
-    def _allocate(self, pairs: int, entries: int) -> None:
-        """Arrays for a number of pairs, all of which may be contacts, and of matrix entries."""
+    def _allocate(self, pairs: int, contacts: int, entries: int) -> None:
+        """Arrays for numbers of listed pairs, of contacts and of matrix entries."""
         n, k, widest, groups = self.v.size, self.width, self._motion.widest, self.counts[GROUPS]
-        rows, pattern, old = pairs * k, pairs * k * 2 * widest, self._pairs
-        self._capacity, self._entries = pairs, entries
+        rows, pattern, old = contacts * k, contacts * k * 2 * widest, self._pairs
+        self._contacts, self._entries = contacts, entries
 
         def real(size: int) -> np.ndarray:
             return np.zeros(size)
@@ -242,39 +264,54 @@ class BallSteps:
 
         self._pairs = np.zeros((3, pairs), dtype=np.int32)
         self._pairs[:, : old.shape[1]] = old
-        warm, self._warm = self._warm, np.zeros((pairs, k))
-        self._warm[: warm.shape[0]] = warm
-        records = max(RECORDS, 4 * pairs)
-        pressed, impulses, offsets = np.zeros((records, 2), np.int32), *np.zeros((2, records, k))
+        last, self._last = self._last, (np.zeros(contacts, np.int64), np.zeros((contacts, k)))
+        for own, old_last in zip(self._last, last, strict=True):
+            own[: old_last.shape[0]] = old_last
+        path, before = contact_arrays(contacts), contact_arrays(contacts)[:2]
+        for own, old_part in zip((*path, *before), (*self._path, *self._before), strict=True):
+            own[: old_part.shape[0]] = old_part
+        records = max(RECORDS, 4 * contacts)
+        pressed, impulses, offsets = np.zeros(records, np.int64), *np.zeros((2, records, k))
         used = self.counts[PRESSING]
         pressed[:used], impulses[:used] = self._pressed[:used], self._impulses[:used]
         offsets[:used] = self._offsets[:used]
         self._pressed, self._impulses, self._offsets = pressed, impulses, offsets
         row, column = whole(rows + 1), whole(pattern)
         motion, bodies = self._motion, (self._motion.body, self._motion.first)
-        inputs = [real(pattern), real(pattern), real(rows), real(pairs * groups), real(pairs)]
+        inputs = [real(pattern), real(pattern), real(rows), real(contacts * groups), real(contacts)]
         inputs += [real(rows), real(rows), real(rows), self._settings, row, column, row, column]
         inputs += [self._groups, self.inertia, motion.starts, motion.columns, *self._order]
-        inputs += [self.v, self.force, self.positions, self.normals, self._radii, self.velocities]
+        inputs += [self.v, self.force, self.references, self.normals, self._radii, self.velocities]
         inputs += [self._laws, *bodies, *self._pairs, *self._old, self.limits, self._shares]
-        self._status, self._pair_of = real(4), whole(pairs)
+        shapes, slots = self._shapes, 2 * contacts + 1
+        inputs += [shapes.places, shapes.records, self.corners, real(3 * shapes.axes)]
+        self._keys, self._described, self._gaps = contact_arrays(contacts)
+        self._path, self._before, self._means = path, before, real(pattern)
+        inputs += [whole(4 * shapes.most), self._keys, self._last[0], self._gaps]
+        inputs += [whole(slots), self._sizes, self._centers, self.arms, real(3 * shapes.longest)]
+        inputs += [self._described, self._shares_of_path, path[1], path[0], self._means, path[2]]
+        inputs += [*before]
+        self._sizes[SLOTS] = slots
+        self._status, self._pair_of = real(4), whole(contacts)
         outputs = [real(rows), real(entries), real(n), real(rows), real(rows * k)]
         outputs += [real(rows) for _ in range(5)]
-        outputs += [real(n), self._status, real(entries), real(n), whole(pairs + 1)]
-        outputs += [whole(pairs * 2 * widest), whole(pattern), whole(pairs)]
-        outputs += [whole(pairs * (2 * widest) ** 2), real(n), *self._inverses, real(pairs)]
-        outputs += [self._pair_of, *(real(rows) for _ in range(4)), self.displacement, self._warm]
+        outputs += [real(n), self._status, real(entries), real(n), whole(contacts + 1)]
+        outputs += [whole(contacts * 2 * widest), whole(pattern), whole(contacts)]
+        outputs += [whole(contacts * (2 * widest) ** 2), real(n), *self._inverses, real(contacts)]
+        outputs += [self._pair_of, *(real(rows) for _ in range(4)), self.displacement]
+        outputs += [self._last[1]]
         outputs += [self.numbers, pressed, impulses, offsets, real(3 * rows)]
+        outputs += [*(real(rows) for _ in range(8)), real(contacts)]
         blocks, size = self.counts[[BLOCKS, SIZE]]
-        work = 3 * k * (k + 1) + 2 * k + 4 * k * widest
+        work = 12 * k**2 + 3 * k * (k + 1) + 2 * k + 4 * k * widest
         work = int(max(work, blocks * size + size**2))
-        self.counts[[WORK, CONTACTS, RECORDED]] = work, pairs, records
+        self.counts[[WORK, CONTACTS, RECORDED]] = work, contacts, records
         assert self._code is not None
         self._loop = Loop(
             self._code,
             inputs,
             outputs,
             list(self.counts),
-            work + rows + MEMORY + pairs + 2 + entries,
+            work + rows + MEMORY + contacts + 2 + entries,
         )
         self.counts = self._loop.counts

@@ -19,7 +19,7 @@ from dalembert.analysis.nonsmooth.gaps.gap_source import (
 from dalembert.analysis.nonsmooth.gaps.hulls.hull_gaps import HullGaps
 from dalembert.analysis.nonsmooth.gaps.joined_gaps import JoinedGaps
 from dalembert.analysis.nonsmooth.gaps.near_pairs import NearPairs, ShapesAt
-from dalembert.analysis.nonsmooth.gaps.neighbours import NeighbourList, Neighbours
+from dalembert.analysis.nonsmooth.gaps.neighbours import Neighbours
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST, ShapeVelocities
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact_point import contact_at_wall, contact_of_balls
@@ -51,6 +51,7 @@ class CollisionGaps(GapSource):
     Attributes
     ----------
     counts : numbers of shapes, of walls and of balls
+    owner : (s,) number of the body of each ball, then of each wall
     """
 
     def __init__(self, model: Model, element: Collisions):
@@ -79,7 +80,8 @@ class CollisionGaps(GapSource):
         self._geometry = Kernel(ca.Function("geometry", inputs, outputs))
         names = [p.body.name for p in points]
         number = {name: k for k, name in enumerate(dict.fromkeys(names))}
-        self._neighbours = Neighbours(np.array([number[name] for name in names]))
+        self.owner = np.array([number[name] for name in names])
+        self._neighbours = Neighbours(self.owner)
         self._kernels: dict[tuple[bool, int], Kernel] = {}
         self._last: NearPairs | None = None
 
@@ -102,7 +104,7 @@ class CollisionGaps(GapSource):
     def _contacts(self, pairs: NearPairs, rows: np.ndarray) -> Contacts:
         """Gaps of some rows of the pairs."""
         first, second = pairs.first[rows], pairs.second[rows]
-        number = self._law(first, second)
+        number = self.law(first, second)
         return Contacts(
             pairs.distance[rows],
             pairs.derivatives.rows(rows),
@@ -150,23 +152,14 @@ class CollisionGaps(GapSource):
         derivatives = self._velocities.gap_derivatives(blocks, first, second, shapes.velocities)
         return NearPairs(shapes, reach, first, second, distance, derivatives)
 
-    def listed(
-        self, positions: np.ndarray, normals: np.ndarray, radii: np.ndarray, reach: float
-    ) -> tuple[NeighbourList, np.ndarray, np.ndarray]:
-        """A list that contains all pairs within reach; of these (2, n) shapes that may touch, balls
-        before walls, and (n,) numbers of their laws."""
-        near = self._neighbours.listed(positions, normals, radii, reach)
-        pairs = np.hstack([self._touching(near.pairs), self._touching(near.walls)])
-        return near, pairs, self._law(*pairs)
-
-    def _law(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    def law(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """(n,) numbers of the laws of pairs of shapes."""
         numbers: np.ndarray = self._laws[self._groups[first], self._groups[second]]
         return numbers
 
     def _touching(self, pairs: np.ndarray) -> np.ndarray:
         """(2, m) pairs of shapes whose groups touch each other."""
-        return pairs[:, self._law(*pairs) != APART]
+        return pairs[:, self.law(*pairs) != APART]
 
     def kinds(self, keys: np.ndarray) -> list[GapKind]:
         (shapes, walls, balls), place = self.counts, np.arange(3)
@@ -174,7 +167,7 @@ class CollisionGaps(GapSource):
         starts = 3 * shapes, 3 * (shapes + walls), 3 * (shapes + walls) + balls
         other = np.column_stack([3 * second[:, None] + place, starts[1] + second])
         twists = TWIST * np.stack([first, second], 1)[..., None] + np.arange(TWIST)
-        laws = starts[2] + len(COEFFICIENTS) * self._law(first, second)[:, None]
+        laws = starts[2] + len(COEFFICIENTS) * self.law(first, second)[:, None]
         laws = laws + np.arange(FIRST + len(self.groups))
         kinds = []
         for wall in (False, True):
@@ -275,9 +268,10 @@ def _gap_function(dimension: int, wall: bool, turns: bool) -> ca.Function:
         gap = contact_at_wall(here, first[3 : 3 + dimension], there, second[3])
     else:
         gap = contact_of_balls(here, first[3], there, second[3])
-    speed = gap.speeds(
+    speed = gap.surface_speeds(
         lambda point: twist[:3] + ca.cross(twist[3:6], point - first[:3]),
         lambda point: twist[6:9] + ca.cross(twist[9:], point - second[:3]),
+        gap.distance,
     )
     if turns:
         speed = ca.vertcat(speed, gap.turning(twist[3:6], twist[9:]))

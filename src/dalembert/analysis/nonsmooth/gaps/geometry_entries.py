@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import casadi as ca
 import numpy as np
 
 from dalembert.elements.contact.pairs import COEFFICIENTS
@@ -28,7 +29,13 @@ class GeometryEntries:
     def __init__(self, sizes: Sequence[int], hulls: int):
         starts = np.cumsum([0, *sizes[:-1]])
         self._start = dict(zip(PARTS, map(int, starts), strict=True))
+        self._sizes = dict(zip(PARTS, map(int, sizes), strict=True))
         self._hulls, self.zero = hulls, self._start["constants"]
+
+    def parts(self, geometry: ca.SX) -> dict[str, ca.SX]:
+        """The parts of the vector by their names."""
+        starts, sizes = self._start, self._sizes
+        return {part: geometry[starts[part] : starts[part] + sizes[part]] for part in PARTS}
 
     def corners(self, corners: np.ndarray) -> np.ndarray:
         """(n, 3 k) positions of corners (n, k)."""

@@ -11,7 +11,8 @@ import numpy as np
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature, gap_function
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapKind, GapSource
-from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry, Positions
+from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry
+from dalembert.analysis.nonsmooth.gaps.positions import Positions
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws

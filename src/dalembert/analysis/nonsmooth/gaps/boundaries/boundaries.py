@@ -9,8 +9,9 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.nonsmooth.gaps.boundaries.smooth_curve import SampledCurve, SmoothCurve
-from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry, Positions
+from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry
 from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import Polygons
+from dalembert.analysis.nonsmooth.gaps.positions import Positions
 from dalembert.elements.contact.hull import Boundary
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel

@@ -11,7 +11,7 @@ from dalembert.analysis.nonsmooth.gaps.boundaries.boundary_search import Boundar
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapFormulas, GapKind
-from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import Positions
+from dalembert.analysis.nonsmooth.gaps.positions import Positions
 from dalembert.analysis.nonsmooth.gaps.searched_gaps import LastPosition, SearchedGaps
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
 from dalembert.elements.contact.collisions import Collisions

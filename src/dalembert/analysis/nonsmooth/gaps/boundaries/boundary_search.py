@@ -17,7 +17,8 @@ from dalembert.analysis.nonsmooth.gaps.boundaries.curve_feet import (
 from dalembert.analysis.nonsmooth.gaps.boundaries.outline_sides import OutlineSides
 from dalembert.analysis.nonsmooth.gaps.boundaries.smooth_curve import outward
 from dalembert.analysis.nonsmooth.gaps.bounding_balls import bounding_balls
-from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry, Positions
+from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry
+from dalembert.analysis.nonsmooth.gaps.positions import Positions
 
 ROUNDING = 1e-9
 """Extension of an edge beyond its ends, by its length."""

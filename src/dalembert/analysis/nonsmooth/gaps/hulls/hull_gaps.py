@@ -10,8 +10,8 @@ from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapKind
 from dalembert.analysis.nonsmooth.gaps.hulls.feature_pairs import Pairs, some_pairs
-from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import Positions
 from dalembert.analysis.nonsmooth.gaps.hulls.hull_search import HullSearch
+from dalembert.analysis.nonsmooth.gaps.positions import Positions
 from dalembert.analysis.nonsmooth.gaps.searched_gaps import LastPosition, SearchedGaps
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.integrators.contact.contacts import Contacts

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import casadi as ca
@@ -19,9 +19,11 @@ from dalembert.analysis.nonsmooth.gaps.gap_functions import RIM_POINTS, WALLS, p
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapFormulas
 from dalembert.analysis.nonsmooth.gaps.geometry_entries import GeometryEntries
 from dalembert.analysis.nonsmooth.gaps.hulls.feature_pairs import Pairs
+from dalembert.analysis.nonsmooth.gaps.hulls.form_tables import FormTables
 from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import Polygons
 from dalembert.analysis.nonsmooth.gaps.hulls.polyhedra import Form, Polyhedra
 from dalembert.analysis.nonsmooth.gaps.hulls.strands import Strands
+from dalembert.analysis.nonsmooth.gaps.positions import Positions
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import ShapeVelocities
 from dalembert.analysis.nonsmooth.gaps.terrain.terrain import Terrain, TerrainForm
 from dalembert.elements.contact.beam_parts import Chord
@@ -34,28 +36,6 @@ from dalembert.symbolic.evaluation.kernel import Kernel
 
 Solids = Polyhedra | Cylinders
 """Spatial hulls of equal form."""
-
-
-@dataclass(frozen=True, eq=False)
-class Positions:
-    """Inertial positions of shapes.
-
-    Attributes
-    ----------
-    corners : (n, 3) of all hulls
-    walls : (f, 2, 3) point and normal
-    radii : (s,) of all shapes; walls and boundaries have none
-    origins : (s, 3) reference points of the bodies
-    coefficients : (c, l) of each law, as in ``Collisions.coefficients``
-    axes : (b, 2) first axis of the body of each boundary
-    """
-
-    corners: np.ndarray
-    walls: np.ndarray
-    radii: np.ndarray
-    origins: np.ndarray
-    coefficients: np.ndarray
-    axes: np.ndarray
 
 
 class HullGeometry:
@@ -107,6 +87,11 @@ class HullGeometry:
         others = [False] * len(surroundings)
         self.flat_ends = np.array([hull.flat_ends for hull in self.hulls] + others)
         self._symbols(model, element)
+
+    @cached_property
+    def form_tables(self) -> FormTables:
+        """Forms of the hulls as integers."""
+        return FormTables(self.hulls, self._form, self.dimension)
 
     @property
     def feature_counts(self) -> list[int]:

@@ -12,10 +12,12 @@ from dalembert.analysis.nonsmooth.gaps.cylinders.cylinder_pairs import (
 )
 from dalembert.analysis.nonsmooth.gaps.cylinders.cylinders import Cylinders
 from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
+from dalembert.analysis.nonsmooth.gaps.hulls.compiled_features import CompiledFeatures
 from dalembert.analysis.nonsmooth.gaps.hulls.feature_pairs import EvaluatePairs, Pairs, some_pairs
-from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry, Positions, Solids
+from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry, Solids
 from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import Rows, planar_features
 from dalembert.analysis.nonsmooth.gaps.hulls.spatial_features import spatial_features
+from dalembert.analysis.nonsmooth.gaps.positions import Positions
 from dalembert.analysis.nonsmooth.gaps.terrain.terrain_search import TerrainSearch
 from dalembert.elements.contact.shapes import Round
 
@@ -30,6 +32,8 @@ class HullSearch:
 
     def __init__(self, geometry: HullGeometry):
         self.geometry = geometry
+        corners = int(geometry.starts[-1])
+        self._compiled = CompiledFeatures(geometry.form_tables, corners, geometry.dimension)
         self._round = np.array([isinstance(shape, Round) for shape in geometry.shapes])
         points = [len(hull.corners) == 1 and hull.is_sharp for hull in geometry.hulls]
         self._point = np.pad(points, (0, len(geometry.shapes) - len(points)))
@@ -92,6 +96,28 @@ class HullSearch:
         first, second = first[touching], second[touching]
         if not first.size:
             return []
+        listed: list[Pairs] = []
+        if self._compiled.available:
+            flat = self.geometry.flat_ends
+            own = ~(flat[first] | flat[second])
+            listed = self._sharp_hulls(first[own], second[own], at, reach)
+            first, second = first[~own], second[~own]
+        return [*listed, *self._searched(first, second, at, evaluate)] if first.size else listed
+
+    def _sharp_hulls(
+        self, first: np.ndarray, second: np.ndarray, at: Positions, reach: float
+    ) -> list[Pairs]:
+        """Near features of hulls that are no cylinders, in machine code."""
+        rounded, radii = self.geometry.rounded, at.radii
+        either = rounded[first] | rounded[second]
+        limits = reach + radii[first] + radii[second]
+        rows = self._compiled(at.corners, first, second, either, limits)
+        return [_pairs_of(part, first, second) for part in rows]
+
+    def _searched(
+        self, first: np.ndarray, second: np.ndarray, at: Positions, evaluate: EvaluatePairs
+    ) -> list[Pairs]:
+        """Near features of hulls, which may be cylinders."""
         if self.geometry.dimension == 2:
             polygons = self.geometry.polygons(np.concatenate([first, second]), at)
             rounded = self.geometry.rounded[first] | self.geometry.rounded[second]

@@ -122,8 +122,8 @@ def edge_separation(first: Polyhedra, second: Polyhedra) -> tuple[np.ndarray, np
         highest - ends[0].max(axis=3).reshape(m, -1),
         ends[1].min(axis=3).reshape(m, -1) - lowest,
     )
-    size = np.ptp(first.corners, axis=1).max() + np.ptp(second.corners, axis=1).max()
-    valid &= np.maximum(*inner) < OUTERMOST * size
+    size = sum(np.ptp(hulls.corners, axis=1).max(axis=1) for hulls in (first, second))
+    valid &= np.maximum(*inner) < OUTERMOST * size[:, None]
     return np.where(valid, lowest - highest, -np.inf), normals
 
 

@@ -9,7 +9,8 @@ import numpy as np
 from dalembert.analysis.nonsmooth.gaps.cylinders.cylinders import SECTORS, Cylinders
 from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
 from dalembert.analysis.nonsmooth.gaps.hulls.feature_pairs import EvaluatePairs, Pairs, some_pairs
-from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry, Positions
+from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry
+from dalembert.analysis.nonsmooth.gaps.positions import Positions
 from dalembert.analysis.nonsmooth.gaps.terrain.terrain import FRAME, Terrain
 from dalembert.analysis.nonsmooth.gaps.terrain.terrain_corners import (
     surface_near_balls,

@@ -1,0 +1,45 @@
+/* Features of pairs of hulls that touch first: (n, 5) kind, pair, whether the second hull is first,
+   and both features. iw: pairs, hulls, dimension, memory for features, number of these (above the
+   memory if it does not suffice), memory for those of one pair */
+static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w,
+    int mem) {
+  const casadi_real* corners = arg[0];
+  const casadi_real* limit = arg[1];
+  const int* pair = (const int*) arg[2];
+  const int* rounded = (const int*) arg[3];
+  const int* place = (const int*) arg[4];
+  const int* forms = (const int*) arg[5];
+  int* rows = (int*) res[0];
+  int* part = (int*) res[1];
+  casadi_real* axes = res[2];
+  casadi_int k, r, c, i, j, count, total = 0;
+  const int* a;
+  const int* b;
+  for (k=0; k<iw[1]; ++k) {
+    if (place[3*k]<0) continue;
+    casadi_axes(forms + place[3*k], corners + 3*place[3*k+1], iw[2], axes + 3*place[3*k+2]);
+  }
+  for (k=0; k<iw[0]; ++k) {
+    i = 3*pair[2*k];
+    j = 3*pair[2*k+1];
+    a = forms + place[i];
+    b = forms + place[j];
+    if (iw[2]==2) {
+      count = casadi_planar_features(a, corners + 3*place[i+1], axes + 3*place[i+2], b,
+        corners + 3*place[j+1], axes + 3*place[j+2], rounded[k], limit[k], part);
+    } else {
+      count = casadi_spatial_features(a, corners + 3*place[i+1], axes + 3*place[i+2], b,
+        corners + 3*place[j+1], axes + 3*place[j+2], rounded[k], limit[k], part, w);
+    }
+    for (r=0; r<count; ++r) {
+      if (total<iw[3]) {
+        rows[5*total] = part[4*r];
+        rows[5*total+1] = k;
+        for (c=1; c<4; ++c) rows[5*total+1+c] = part[4*r+c];
+      }
+      ++total;
+    }
+  }
+  iw[4] = total;
+  return 0;
+}

@@ -1,0 +1,283 @@
+/* Interior point method for Coulomb friction: x = (mu P_N, P_T) and s = (u_N/mu + |u_T|, u_T) are in
+   second-order cones with x.s = 0 (De Saxce & Feng 1998; Acary, Armand, Nguyen & Shpakovych 2024),
+   with predictor and corrector (Mehrotra 1992) in the scaling of Nesterov & Todd (1997) */
+/* magnitude of the components beyond the first */
+static casadi_real casadi_length(const casadi_real* x, casadi_int size) {
+  casadi_int a;
+  casadi_real square = 0;
+  for (a=1; a<size; ++a) square += x[a]*x[a];
+  return sqrt(square);
+}
+/* x_0^2 - |x_T|^2 */
+static casadi_real casadi_determinant(const casadi_real* x, casadi_int size) {
+  casadi_real length = casadi_length(x, size);
+  return (x[0] - length)*(x[0] + length);
+}
+/* dimension of the cone of a contact, one without friction */
+static casadi_int casadi_cone(const casadi_real** arg, const casadi_int* iw, casadi_int i) {
+  return iw[2]>0 && arg[3][i]>0 ? iw[1] : 1;
+}
+/* ratio of x_0 to the normal impulse */
+static casadi_real casadi_slope(const casadi_real** arg, const casadi_int* iw, casadi_int i) {
+  return casadi_cone(arg, iw, i)>1 ? arg[3][i] : 1.0;
+}
+/* s of the speeds of a contact */
+static void casadi_slack(const casadi_real* speed, casadi_real slope, casadi_int size,
+    casadi_real* slack) {
+  casadi_int a;
+  for (a=1; a<size; ++a) slack[a] = speed[a];
+  slack[0] = speed[0]/slope + casadi_length(speed, size);
+}
+/* y = scale (2 w w^T - J) x, or with J w and the inverse of the scale */
+static void casadi_turn(const casadi_real* w, casadi_real scale, casadi_int inverse,
+    const casadi_real* x, casadi_int size, casadi_real* y) {
+  casadi_int a;
+  casadi_real share = w[0]*x[0];
+  for (a=1; a<size; ++a) share += inverse ? -w[a]*x[a] : w[a]*x[a];
+  if (inverse) scale = 1/scale;
+  for (a=1; a<size; ++a) y[a] = scale*(x[a] + 2*share*(inverse ? -w[a] : w[a]));
+  y[0] = scale*(2*share*w[0] - x[0]);
+}
+/* scaling of a contact: root of the scaling point's rotation, axis of its square, and scale */
+static casadi_real casadi_scaling(const casadi_real* x, const casadi_real* s, casadi_int size,
+    casadi_real* root, casadi_real* axis) {
+  casadi_real first = casadi_determinant(x, size), second = casadi_determinant(s, size);
+  casadi_real product = 0, one = sqrt(first), other = sqrt(second), share;
+  casadi_int a;
+  for (a=0; a<size; ++a) product += (x[a]/one)*(s[a]/other);
+  share = 2*sqrt((1 + product)/2);
+  for (a=0; a<size; ++a) axis[a] = (s[a]/other + (a>0 ? -x[a] : x[a])/one)/share;
+  share = sqrt(2*(axis[0] + 1));
+  for (a=0; a<size; ++a) root[a] = (axis[a] + (a==0 ? 1.0 : 0.0))/share;
+  return sqrt(other/one);
+}
+/* the largest share of a step that stays in the cone, or the bound */
+static casadi_real casadi_boundary(const casadi_real* x, const casadi_real* dx, casadi_int size,
+    casadi_real bound) {
+  casadi_real a = dx[0]*dx[0], b = 2*x[0]*dx[0];
+  casadi_int k;
+  for (k=1; k<size; ++k) {
+    a -= dx[k]*dx[k];
+    b -= 2*x[k]*dx[k];
+  }
+  if (dx[0]<0 && -x[0]/dx[0]<bound) bound = -x[0]/dx[0];
+  return size>1 ? casadi_root(casadi_determinant(x, size), b, a, 0.0, bound) : bound;
+}
+/* q with scaled o q = r (Jordan product) */
+static void casadi_divide(const casadi_real* scaled, const casadi_real* r, casadi_int size,
+    casadi_real* q) {
+  casadi_int a;
+  casadi_real sum = scaled[0]*r[0];
+  for (a=1; a<size; ++a) sum -= scaled[a]*r[a];
+  sum = size>1 ? sum/casadi_determinant(scaled, size) : r[0]/scaled[0];
+  for (a=1; a<size; ++a) q[a] = (r[a] - sum*scaled[a])/scaled[0];
+  q[0] = sum;
+}
+/* minus the products of the scaled variables, and of their changes by the predictor; plus a centre
+ */
+static void casadi_target(const casadi_real* scaled, const casadi_real* dx, const casadi_real* ds,
+    casadi_real center, casadi_int size, casadi_real* r) {
+  casadi_int a;
+  r[0] = center;
+  for (a=0; a<size; ++a) r[0] -= scaled[a]*scaled[a] + dx[a]*ds[a];
+  for (a=1; a<size; ++a) {
+    r[a] = -2*scaled[0]*scaled[a] - dx[0]*ds[a] - ds[0]*dx[a];
+  }
+}
+/* impulses of a contact by its speeds, (1 + gain shift)^-1 (gain | right) with gain = W^-2 ds/du in
+   impulses, in both; 1 if singular */
+static int casadi_linearise(const casadi_real** arg, const casadi_int* iw, casadi_int i,
+    const casadi_real* axis, casadi_real scale, const casadi_real* speed, casadi_real shift,
+    const casadi_real* right, casadi_real* both, casadi_real* w) {
+  casadi_int width = iw[1], size = casadi_cone(arg, iw, i), a, b, k;
+  casadi_real slope = casadi_slope(arg, iw, i), length = casadi_length(speed, size);
+  casadi_real* left = w;
+  casadi_real* column = left + width*width;
+  casadi_real* turned = column + width;
+  for (b=0; b<width; ++b) {
+    for (k=0; k<width; ++k) {
+      left[k*width+b] = k==b ? 1.0 : 0.0;
+      both[k*(width+1)+b] = 0;
+    }
+    both[b*(width+1)+width] = right[b];
+    if (b>=size) continue;
+    for (a=0; a<size; ++a) column[a] = a==b ? 1.0 : 0.0;
+    column[0] = b==0 ? 1/slope : (length>0 ? speed[b]/length : 0.0);
+    casadi_turn(axis, scale*scale, 1, column, size, turned);
+    for (a=0; a<size; ++a) {
+      both[a*(width+1)+b] = a==0 ? turned[0]/slope : turned[a];
+      left[a*width+b] += both[a*(width+1)+b]*shift*arg[5][i*width+b];
+    }
+  }
+  return casadi_eliminate(left, both, width, width + 1) ? 0 : 1;
+}
+/* x and s in the interior of the cones, near the impulses in res[0] */
+static void casadi_interior_start(const casadi_real** arg, casadi_real** res,
+    const casadi_int* iw, casadi_real largest, casadi_real share, casadi_real* w) {
+  casadi_real* x = res[36];
+  casadi_real* s = res[37];
+  casadi_int width = iw[1], i, a, r, size;
+  casadi_real slope, length;
+  casadi_shorten(arg, res[0], iw);
+  casadi_state(arg, res, iw, w);
+  for (i=0; i<iw[0]; ++i) {
+    r = i*width;
+    size = casadi_cone(arg, iw, i);
+    slope = casadi_slope(arg, iw, i);
+    for (a=0; a<width; ++a) x[r+a] = a<size ? res[0][r+a] : 0.0;
+    x[r] = slope*x[r] + share*largest/arg[5][r];
+    casadi_slack(res[5] + r, slope, size, s + r);
+    length = casadi_length(s + r, size);
+    s[r] = (s[r]>length ? s[r] : length) + 2*share*largest;
+  }
+}
+/* impulses of x, their speeds and residual */
+static void casadi_interior_impulses(const casadi_real** arg, casadi_real** res,
+    const casadi_int* iw, casadi_real* w) {
+  casadi_int i, a;
+  for (i=0; i<iw[0]; ++i) {
+    for (a=0; a<iw[1]; ++a) res[0][i*iw[1]+a] = res[36][i*iw[1]+a];
+    res[0][i*iw[1]] = res[0][i*iw[1]]/casadi_slope(arg, iw, i);
+  }
+  casadi_state(arg, res, iw, w);
+}
+/* scaled variables, and the residuals of s in res[7]; the mean of x.s */
+static casadi_real casadi_interior_state(const casadi_real** arg, casadi_real** res,
+    const casadi_int* iw) {
+  const casadi_real* x = res[36];
+  const casadi_real* s = res[37];
+  casadi_int i, a, r, size;
+  casadi_real gap = 0;
+  for (i=0; i<iw[0]; ++i) {
+    r = i*iw[1];
+    size = casadi_cone(arg, iw, i);
+    res[43][i] = casadi_scaling(x + r, s + r, size, res[41] + r, res[42] + r);
+    casadi_turn(res[41] + r, res[43][i], 0, x + r, size, res[40] + r);
+    casadi_slack(res[5] + r, casadi_slope(arg, iw, i), size, res[7] + r);
+    for (a=0; a<size; ++a) {
+      gap += x[r+a]*s[r+a];
+      res[7][r+a] -= s[r+a];
+      res[38][r+a] = 0;
+      res[39][r+a] = 0;
+    }
+  }
+  return gap/iw[0];
+}
+/* equations of a step to a centre, after the predictor in res[38] and res[39]; the matrix only if
+   assembled. 1 if a contact is singular */
+static int casadi_interior_equations(const casadi_real** arg, casadi_real** res,
+    const casadi_int* iw, casadi_real center, casadi_real shift, casadi_int assembled,
+    casadi_real* w) {
+  casadi_int width = iw[1], i, a, b, r, size;
+  casadi_real* both = w + 4*width*width;
+  casadi_real* q = w + 8*width*width;
+  casadi_real scale;
+  for (i=0; i<iw[0]; ++i) {
+    r = i*width;
+    size = casadi_cone(arg, iw, i);
+    scale = res[43][i];
+    casadi_turn(res[41] + r, scale, 0, res[38] + r, size, q);
+    casadi_turn(res[41] + r, scale, 1, res[39] + r, size, q + width);
+    casadi_target(res[40] + r, q, q + width, center, size, q + 2*width);
+    casadi_divide(res[40] + r, q + 2*width, size, q);
+    casadi_turn(res[41] + r, scale, 1, q, size, q + width);
+    casadi_turn(res[42] + r, scale*scale, 1, res[7] + r, size, q);
+    for (a=0; a<width; ++a) res[3][r+a] = a<size ? q[width+a] - q[a] : 0.0;
+    res[3][r] = res[3][r]/casadi_slope(arg, iw, i);
+    if (casadi_linearise(arg, iw, i, res[42] + r, scale, res[5] + r, shift, res[3] + r, both,
+        w)) return 1;
+    for (a=0; a<width; ++a) {
+      res[3][r+a] = both[a*(width+1)+width];
+      for (b=0; b<width; ++b) res[4][(r+a)*width+b] = both[a*(width+1)+b];
+    }
+    if (assembled) casadi_add_blocks(arg, res, iw, i, res[4] + r*width, q);
+  }
+  return 0;
+}
+/* changes of x and s by the equations; the largest share of these within the cones */
+static casadi_real casadi_interior_step(const casadi_real** arg, casadi_real** res,
+    const casadi_int* iw, casadi_real shift, const casadi_real* used, casadi_real* w) {
+  const int* row = (const int*) arg[9];
+  const casadi_real* speed = res[5];
+  casadi_real* dx = res[38];
+  casadi_real* ds = res[39];
+  casadi_int width = iw[1], i, a, b, r, j, size;
+  casadi_real slope, length, share = 1;
+  casadi_real* z = w;
+  for (j=0; j<iw[5]; ++j) res[2][j] = 0;
+  for (i=0; i<iw[0]; ++i) casadi_add_push(arg, res, iw, i, res[3]);
+  casadi_solve(res[1], (const int*) arg[19], (const int*) arg[20], (const int*) arg[21], iw[8],
+    iw[9], used, res[2], res[13], w);
+  for (i=0; i<iw[0]; ++i) {
+    r = i*width;
+    size = casadi_cone(arg, iw, i);
+    slope = casadi_slope(arg, iw, i);
+    for (a=0; a<width; ++a) {
+      z[a] = casadi_row(arg[0], (const int*) arg[10], row[r+a], row[r+a+1], res[13]);
+    }
+    for (a=0; a<size; ++a) {
+      dx[r+a] = res[3][r+a];
+      for (b=0; b<width; ++b) dx[r+a] -= res[4][(r+a)*width+b]*z[b];
+    }
+    for (a=0; a<size; ++a) z[a] += shift*arg[5][r+a]*dx[r+a];
+    dx[r] = slope*dx[r];
+    length = casadi_length(speed + r, size);
+    ds[r] = res[7][r] + z[0]/slope;
+    for (a=1; a<size; ++a) {
+      if (length>0) ds[r] += speed[r+a]/length*z[a];
+      ds[r+a] = z[a] + res[7][r+a];
+    }
+    share = casadi_boundary(res[36] + r, dx + r, size, share);
+    share = casadi_boundary(res[37] + r, ds + r, size, share);
+  }
+  return share;
+}
+/* x and s after a share of their changes, in the cones in spite of rounding */
+static void casadi_interior_move(const casadi_real** arg, casadi_real** res,
+    const casadi_int* iw, casadi_real share, casadi_real largest) {
+  casadi_real* x = res[36];
+  casadi_real* s = res[37];
+  casadi_int i, a, r, size;
+  casadi_real length;
+  for (i=0; i<iw[0]; ++i) {
+    r = i*iw[1];
+    size = casadi_cone(arg, iw, i);
+    for (a=0; a<size; ++a) {
+      x[r+a] += share*res[38][r+a];
+      s[r+a] += share*res[39][r+a];
+    }
+    length = casadi_length(x + r, size)*(1 + 1e-13);
+    if (!(x[r]>length)) x[r] = length + 1e-14*largest/arg[5][r];
+    length = casadi_length(s + r, size)*(1 + 1e-13);
+    if (!(s[r]>length)) s[r] = length + 1e-14*largest;
+  }
+}
+/* share of the gap that remains after a share of the predictor, cubed */
+static casadi_real casadi_interior_center(casadi_real** res, casadi_int rows, casadi_real share,
+    casadi_real sum) {
+  casadi_int r;
+  casadi_real next = 0;
+  for (r=0; r<rows; ++r) {
+    next += (res[36][r] + share*res[38][r])*(res[37][r] + share*res[39][r]);
+  }
+  next = next>0 ? (next<sum ? next/sum : 1.0) : 0.0;
+  return next*next*next;
+}
+/* one iteration from the speeds in res[5]; the share of the step, negative if singular */
+static casadi_real casadi_interior(const casadi_real** arg, casadi_real** res,
+    const casadi_int* iw, casadi_real* w, casadi_real largest) {
+  casadi_real shift = arg[37][res[11][1]<arg[37][18]*largest ? 19 : 12];
+  casadi_real* used = w + iw[13] + iw[0]*iw[1] + iw[11] + iw[0] + 2;
+  casadi_real gap = casadi_interior_state(arg, res, iw), share, center;
+  casadi_int j;
+  for (j=0; j<iw[4]; ++j) res[1][j] = res[12][j];
+  if (casadi_interior_equations(arg, res, iw, 0.0, shift, 1, w)) return -1;
+  if (casadi_factorise(res[1], (const int*) arg[19], (const int*) arg[20], iw[8], iw[9], used,
+      w)) return -1;
+  share = casadi_interior_step(arg, res, iw, shift, used, w);
+  center = casadi_interior_center(res, iw[0]*iw[1], share, gap*iw[0]);
+  if (casadi_interior_equations(arg, res, iw, center*gap, shift, 0, w)) return -1;
+  share = arg[37][13]*casadi_interior_step(arg, res, iw, shift, used, w);
+  casadi_interior_move(arg, res, iw, share, largest);
+  return share;
+}

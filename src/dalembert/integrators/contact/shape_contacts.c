@@ -1,0 +1,350 @@
+/* Contacts of balls, hulls and walls that are near each other, on free bodies. The places of a shape
+   are those of its form, corners and axes, its first feature, and its number among balls and walls,
+   -1 for others. Sizes are the numbers of impulses before, of features, of balls and walls, the
+   offset of the keys of hulls, the size of the table of keys, whether there are hulls, whether only
+   contacts of the path are evaluated, and the numbers of contacts of the path and of the step before */
+/* largest speeds of the centres of balls and walls, and of points of hulls, by speeds of the bodies,
+   if larger than those before */
+static void casadi_fastest(const casadi_real** arg, const casadi_int* iw, const casadi_real* v,
+    casadi_real* largest) {
+  const int* body = (const int*) arg[29];
+  const int* start = (const int*) arg[30];
+  const int* place = (const int*) arg[38];
+  const casadi_int* sizes = (const casadi_int*) arg[47];
+  const casadi_real* shape;
+  casadi_int width = iw[9], s, c, a, size;
+  casadi_real twist[6], arm[3], turned[3], speed;
+  for (s=0; s<iw[14]; ++s) {
+    if (body[s]<0) continue;
+    size = start[body[s]+1] - start[body[s]];
+    shape = arg[27] + 6*width*s;
+    for (a=0; a<6; ++a) {
+      twist[a] = 0;
+      for (c=0; c<size; ++c) twist[a] += shape[a*width+c]*v[start[body[s]]+c];
+    }
+    if (sizes[5]) {
+      speed = sqrt(casadi_dot(twist, twist));
+      speed += arg[49][s]*sqrt(casadi_dot(twist + 3, twist + 3));
+      if (!(speed<=largest[1])) largest[1] = speed;
+    }
+    if (place[5*s+4]<0) continue;
+    casadi_between(arg[24] + 3*s, arg[40] + 3*place[5*s+1], arm);
+    casadi_cross(twist + 3, arm, turned);
+    for (a=0; a<3; ++a) turned[a] += twist[a];
+    speed = sqrt(casadi_dot(turned, turned));
+    if (!(speed<=largest[0])) largest[0] = speed;
+  }
+}
+/* whether the list contains all pairs within reach: centres moved little since it was made */
+static int casadi_listed(const casadi_real** arg, const casadi_int* iw, casadi_real reach) {
+  const casadi_real* normal = arg[25];
+  const casadi_real* old = arg[34];
+  const casadi_real* old_normal = arg[35];
+  const int* place = (const int*) arg[38];
+  casadi_real* center = (casadi_real*) arg[48];
+  casadi_int shapes = iw[14], walls = iw[14] - iw[15], s, a, k, corners, same = 1;
+  const casadi_real* corner;
+  casadi_real largest = 0, moved[3];
+  for (s=0; s<3*walls; ++s) {
+    if (normal[s]!=old_normal[s]) same = 0;
+  }
+  for (s=0; s<shapes; ++s) {
+    corner = arg[40] + 3*place[5*s+1];
+    corners = place[5*s]<0 ? 1 : ((const int*) arg[39])[place[5*s]];
+    for (a=0; a<3; ++a) {
+      center[3*s+a] = 0;
+      for (k=0; k<corners; ++k) center[3*s+a] += corner[3*k+a];
+      center[3*s+a] = center[3*s+a]/corners;
+    }
+    casadi_between(old + 3*s, center + 3*s, moved);
+    if (!(casadi_dot(moved, moved)<=largest)) largest = casadi_dot(moved, moved);
+  }
+  return same && reach + 2*sqrt(largest)<=arg[36][3];
+}
+/* rows of X of a contact of shapes i and j */
+static void casadi_response_rows(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+    casadi_int contact, casadi_int i, casadi_int j) {
+  const casadi_real* directions = arg[0];
+  casadi_real* responses = (casadi_real*) arg[1];
+  const int* row = (const int*) arg[9];
+  const int* start = (const int*) arg[30];
+  const casadi_real* inverse;
+  casadi_int width = iw[1], widest = iw[9], a, s, k, c, body, size, next;
+  casadi_real sum;
+  for (a=0; a<width; ++a) {
+    next = row[contact*width+a];
+    for (s=0; s<2; ++s) {
+      body = ((const int*) arg[29])[s==0 ? i : j];
+      if (body<0) continue;
+      size = start[body+1] - start[body];
+      inverse = res[20] + body*widest*widest;
+      for (k=0; k<size; ++k) {
+        sum = 0;
+        for (c=0; c<size; ++c) sum += inverse[k*size+c]*directions[next+c];
+        responses[next+k] = sum;
+      }
+      next += size;
+    }
+  }
+}
+/* rows of W of a contact of shapes i and j, appended behind those of the contacts before; levers are
+   those of the surfaces, apart by the gap from the place halfway between them */
+static void casadi_direction_rows(const casadi_real** arg, const casadi_int* iw,
+    casadi_int contact, casadi_int i, casadi_int j, casadi_real* direction,
+    const casadi_real* place, casadi_real gap) {
+  casadi_real* directions = (casadi_real*) arg[0];
+  int* row = (int*) arg[9];
+  int* column = (int*) arg[10];
+  const int* start = (const int*) arg[30];
+  casadi_int width = iw[1], widest = iw[9], dimension = iw[18], a, b, s, k, shape, body, size;
+  casadi_int next = row[contact*width], turn;
+  casadi_real arm[3], half = gap/2;
+  const casadi_real* along;
+  casadi_tangents(direction, dimension);
+  for (a=0; a<width; ++a) {
+    turn = a - dimension;
+    along = direction + 3*a;
+    if (turn>=0) along = direction + 3*(turn==2 ? 0 : turn + 1);
+    if (turn>=0 && dimension==2) along = direction + 6;
+    for (s=0; s<2; ++s) {
+      shape = s==0 ? i : j;
+      body = ((const int*) arg[29])[shape];
+      if (body<0) continue;
+      size = start[body+1] - start[body];
+      for (b=0; b<3; ++b) {
+        arm[b] = place[b] + (s ? half : -half)*direction[b] - arg[24][3*shape+b];
+      }
+      casadi_lever(arg[27] + 6*widest*shape, widest, size, along, arm, turn>=0, s ? 1.0 : -1.0,
+        directions + next);
+      for (k=0; k<size; ++k) column[next+k] = start[body] + k;
+      next += size;
+    }
+    row[contact*width+a+1] = next;
+  }
+}
+/* gap of a contact at a position, by its description: kind, first shape and feature, second shape and
+   feature, and the pair of the list */
+static casadi_real casadi_described_gap(const casadi_real** arg, const casadi_int* iw,
+    const int* contact, casadi_real* direction, casadi_real* point) {
+  const int* place = (const int*) arg[38];
+  const int* forms = (const int*) arg[39];
+  const casadi_real* radius = arg[26];
+  casadi_int a, i = contact[1], j = contact[3];
+  const casadi_real* x = arg[40] + 3*place[5*i+1];
+  const casadi_real* y = arg[40] + 3*place[5*j+1];
+  if (contact[0]==0) {
+    for (a=0; a<3; ++a) direction[a] = arg[25][3*(i-iw[15])+a];
+    return casadi_wall_gap(x, y + 3*contact[4], radius[j], direction, point);
+  }
+  if (contact[0]==2) {
+    return casadi_ball_gap(x + 3*contact[2], radius[i], y + 3*contact[4], radius[j], direction,
+      point);
+  }
+  return casadi_feature_gap(contact[0], forms + place[5*i], x, arg[41] + 3*place[5*i+2], radius[i],
+    contact[2], forms + place[5*j], y, radius[j], contact[4], iw[18], direction, point);
+}
+/* place of a key on the path, or -1 */
+static casadi_int casadi_on_path(const casadi_real** arg, casadi_int key) {
+  const casadi_int* sizes = (const casadi_int*) arg[47];
+  const casadi_int* on_path = (const casadi_int*) arg[54];
+  casadi_int k;
+  for (k=0; k<sizes[7]; ++k) {
+    if (on_path[k]==key) return k;
+  }
+  return -1;
+}
+/* means over the path in the rows of W of a contact */
+static void casadi_take_means(const casadi_real** arg, const casadi_int* iw, casadi_int contact,
+    casadi_int slot) {
+  casadi_real* directions = (casadi_real*) arg[0];
+  const int* row = (const int*) arg[9];
+  casadi_int a, c, width = iw[1], widest = 2*iw[9], first;
+  for (a=0; a<width; ++a) {
+    first = row[contact*width+a];
+    for (c=first; c<row[contact*width+a+1]; ++c) {
+      directions[c] = arg[55][(slot*width+a)*widest+c-first];
+    }
+  }
+}
+/* append a contact with a description, a key and the impulse of this key; with means over the path of
+   the step if the path has this key */
+static void casadi_add_contact(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    const int* contact, casadi_int key, casadi_real gap, casadi_real* direction,
+    const casadi_real* place) {
+  const int* law = (const int*) arg[33];
+  const int* row = (const int*) arg[9];
+  const int* column = (const int*) arg[10];
+  const int* table = (const int*) arg[46];
+  const casadi_int* last = (const casadi_int*) arg[44];
+  const casadi_int* sizes = (const casadi_int*) arg[47];
+  casadi_real* friction = (casadi_real*) arg[3];
+  casadi_int count = iw[0], width = iw[1], groups = iw[2], g, a, r, slot, pair = contact[5];
+  iw[0] = count + 1;
+  if (count>=iw[19]) return;
+  casadi_direction_rows(arg, iw, count, contact[1], contact[3], direction, place, gap);
+  ((casadi_real*) arg[45])[count] = gap;
+  res[22][count] = gap>0 ? gap : 0.0;
+  slot = casadi_on_path(arg, key);
+  if (slot>=0) {
+    casadi_take_means(arg, iw, count, slot);
+    res[22][count] = arg[56][slot];
+  }
+  casadi_response_rows(arg, res, iw, count, contact[1], contact[3]);
+  ((int*) res[23])[count] = pair;
+  ((casadi_int*) arg[43])[count] = key;
+  for (a=0; a<6; ++a) ((int*) arg[51])[6*count+a] = contact[a];
+  for (g=0; g<groups; ++g) friction[count*groups+g] = arg[28][law[pair]*(2+groups)+2+g];
+  slot = table[casadi_slot(table, sizes[4], last, key)];
+  for (a=0; a<width; ++a) {
+    r = count*width + a;
+    res[24][r] = casadi_row(arg[0], column, row[r], row[r+1], arg[22]);
+    res[25][r] = casadi_row(arg[0], column, row[r], row[r+1], res[19]);
+    res[0][r] = slot<0 ? 0.0 : res[29][slot*width+a];
+  }
+}
+/* contacts of hulls i and j of a pair of the list; the smallest gap, or zero */
+static casadi_real casadi_hull_contacts(const casadi_real** arg, casadi_real** res,
+    casadi_int* iw, casadi_int pair, casadi_int i, casadi_int j, casadi_real reach) {
+  const int* place = (const int*) arg[38];
+  const int* forms = (const int*) arg[39];
+  const casadi_int* sizes = (const casadi_int*) arg[47];
+  const casadi_real* corners = arg[40];
+  const casadi_real* axes = arg[41];
+  const casadi_real* radius = arg[26];
+  const int* a = forms + place[5*i];
+  const int* b = forms + place[5*j];
+  const casadi_real* x = corners + 3*place[5*i+1];
+  const casadi_real* y = corners + 3*place[5*j+1];
+  const casadi_real* n = axes + 3*place[5*i+2];
+  const casadi_real* m = axes + 3*place[5*j+2];
+  int* rows = (int*) arg[42];
+  int contact[6];
+  casadi_int r, count, one, two, key, rounded = radius[i]>0 || radius[j]>0;
+  casadi_real gap, deepest = 0, limit = reach + radius[i] + radius[j], direction[9], point[3];
+  if (iw[18]==2) count = casadi_planar_features(a, x, n, b, y, m, rounded, limit, rows);
+  else {
+    count = casadi_spatial_features(a, x, n, b, y, m, rounded, limit, rows, (casadi_real*) arg[50]);
+  }
+  for (r=0; r<count; ++r) {
+    one = rows[4*r+1] ? j : i;
+    two = rows[4*r+1] ? i : j;
+    contact[0] = rows[4*r];
+    contact[1] = one;
+    contact[2] = rows[4*r+2];
+    contact[3] = two;
+    contact[4] = rows[4*r+3];
+    contact[5] = pair;
+    gap = casadi_described_gap(arg, iw, contact, direction, point);
+    if (!(gap>=deepest)) deepest = gap;
+    if (gap>reach) continue;
+    key = (rows[4*r]*sizes[1] + place[5*one+3] + contact[2])*sizes[1] + place[5*two+3] + contact[4];
+    casadi_add_contact(arg, res, iw, contact, sizes[3] + key, gap, direction, point);
+  }
+  return deepest;
+}
+/* contacts of a wall i with the corners of a hull or with a ball j; the smallest gap, or zero */
+static casadi_real casadi_wall_contacts(const casadi_real** arg, casadi_real** res,
+    casadi_int* iw, casadi_int pair, casadi_int i, casadi_int j, const casadi_real* reach) {
+  const int* place = (const int*) arg[38];
+  const casadi_int* sizes = (const casadi_int*) arg[47];
+  casadi_int k, ball = place[5*j+4]>=0, key;
+  casadi_int count = ball ? 1 : ((const int*) arg[39])[place[5*j]];
+  casadi_real gap, deepest = 0, direction[9], point[3];
+  int contact[6];
+  contact[0] = 0;
+  contact[1] = i;
+  contact[2] = 0;
+  contact[3] = j;
+  contact[5] = pair;
+  for (k=0; k<count; ++k) {
+    contact[4] = k;
+    gap = casadi_described_gap(arg, iw, contact, direction, point);
+    if (!(gap>=deepest)) deepest = gap;
+    if (gap>reach[ball ? 0 : 1]) continue;
+    key = sizes[3] + place[5*i+3]*sizes[1] + place[5*j+3] + k;
+    if (ball) key = place[5*i+4]*sizes[2] + place[5*j+4];
+    casadi_add_contact(arg, res, iw, contact, key, gap, direction, point);
+  }
+  return deepest;
+}
+/* axes of all hulls */
+static void casadi_all_axes(const casadi_real** arg, const casadi_int* iw) {
+  const int* place = (const int*) arg[38];
+  const int* forms = (const int*) arg[39];
+  const casadi_int* sizes = (const casadi_int*) arg[47];
+  casadi_int i;
+  for (i=0; i<iw[15] && sizes[5]; ++i) {
+    casadi_axes(forms + place[5*i], arg[40] + 3*place[5*i+1], iw[18],
+      (casadi_real*) arg[41] + 3*place[5*i+2]);
+  }
+}
+/* contacts within reach, with their gaps, laws and velocities, then those of the path beyond it; the
+   smallest gap, or zero */
+static casadi_real casadi_contacts(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    const casadi_real* reach) {
+  const int* place = (const int*) arg[38];
+  const casadi_int* sizes = (const casadi_int*) arg[47];
+  const casadi_int* keys = (const casadi_int*) arg[43];
+  const casadi_int* on_path = (const casadi_int*) arg[54];
+  casadi_int e, i, j, k;
+  casadi_real deepest = 0, gap, direction[9], point[3];
+  int contact[6];
+  ((int*) arg[9])[0] = 0;
+  iw[0] = 0;
+  casadi_index((int*) arg[46], sizes[4], (const casadi_int*) arg[44], sizes[0]);
+  casadi_all_axes(arg, iw);
+  for (e=0; e<iw[17]; ++e) {
+    i = ((const int*) arg[31])[e];
+    j = ((const int*) arg[32])[e];
+    if (i>=iw[15]) {
+      gap = casadi_wall_contacts(arg, res, iw, e, i, j, reach);
+    } else if (place[5*i+4]<0 || place[5*j+4]<0) {
+      gap = casadi_hull_contacts(arg, res, iw, e, i, j, reach[1]);
+    } else {
+      contact[0] = 2;
+      contact[1] = i;
+      contact[2] = 0;
+      contact[3] = j;
+      contact[4] = 0;
+      contact[5] = e;
+      gap = casadi_described_gap(arg, iw, contact, direction, point);
+      if (!(gap>reach[0])) {
+        casadi_add_contact(arg, res, iw, contact, place[5*i+4]*sizes[2] + place[5*j+4], gap,
+          direction, point);
+      }
+    }
+    if (!(gap>=deepest)) deepest = gap;
+  }
+  for (k=0; k<sizes[7]; ++k) {
+    for (i=0; i<iw[0] && i<iw[19] && keys[i]!=on_path[k]; ++i) {}
+    if (i<iw[0]) continue;
+    gap = casadi_described_gap(arg, iw, (const int*) arg[53] + 6*k, direction, point);
+    casadi_add_contact(arg, res, iw, (const int*) arg[53] + 6*k, on_path[k], gap, direction, point);
+  }
+  return deepest;
+}
+/* gaps of the contacts of the path at a position and, with a weight, the part of this position in the
+   means of their directions */
+static void casadi_path(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
+  const casadi_int* sizes = (const casadi_int*) arg[47];
+  const int* contact;
+  const int* row = (const int*) arg[9];
+  const int* column = (const int*) arg[10];
+  casadi_real* mean = (casadi_real*) arg[55];
+  casadi_real* gaps = (casadi_real*) arg[56];
+  casadi_int k, a, c, width = iw[1], widest = 2*iw[9];
+  casadi_real direction[9], point[3];
+  casadi_all_axes(arg, iw);
+  ((int*) arg[9])[0] = 0;
+  for (k=0; k<sizes[7]; ++k) {
+    contact = (const int*) arg[53] + 6*k;
+    gaps[k] = casadi_described_gap(arg, iw, contact, direction, point);
+    if (arg[36][4]==0) continue;
+    casadi_direction_rows(arg, iw, 0, contact[1], contact[3], direction, point, gaps[k]);
+    for (a=0; a<width; ++a) {
+      for (c=row[a]; c<row[a+1]; ++c) {
+        mean[(k*width+a)*widest+c-row[a]] += arg[36][4]*arg[52][column[c]]*arg[0][c];
+      }
+    }
+  }
+}

@@ -1,0 +1,176 @@
+"""Linearised maps of many steps, evaluated together.
+
+States, gaps and equations of all steps follow one another, so that matrices are block-diagonal.
+The linearisation is that of ``ContactMaps.step`` at the recorded solutions.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy
+
+from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations
+from dalembert.sensitivity.nonsmooth.contact_changes import near_change
+from dalembert.sensitivity.nonsmooth.contact_maps import SOLVED, ContactMaps, terms_of
+from dalembert.sensitivity.nonsmooth.gap_matrices import NAMES, MatrixGaps
+from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
+from dalembert.sensitivity.nonsmooth.linear_map import ForcedChange, MapAt
+from dalembert.sensitivity.nonsmooth.proximal_factors import (
+    Block,
+    ProximalFactors,
+    ScaledMatrix,
+    diagonal_block,
+)
+from dalembert.sensitivity.nonsmooth.slope_function import Sparse
+from dalembert.sensitivity.nonsmooth.source_slopes import StepState
+
+
+@dataclass(frozen=True, eq=False)
+class StepColumns:
+    """Recorded steps in columns.
+
+    Attributes
+    ----------
+    t, h : (K,) starts and lengths
+    x, end : (n_x, K) states at the starts and ends
+    active : pressing contacts of all steps
+    owner : (n,) step of each contact, in ascending order
+    """
+
+    t: np.ndarray
+    h: np.ndarray
+    x: np.ndarray
+    end: np.ndarray
+    active: ActiveContacts
+    owner: np.ndarray
+
+    @property
+    def count(self) -> int:
+        """Number of steps."""
+        return self.t.size
+
+    @cached_property
+    def first(self) -> np.ndarray:
+        """(K + 1,) first contact of each step."""
+        return np.searchsorted(self.owner, np.arange(self.count + 1))
+
+
+class StackedMaps:
+    """Maps of steps without joints, means over paths, impacts at the start and force laws.
+
+    Parameters
+    ----------
+    maps : ContactMaps of the run
+    steps : StepColumns
+
+    Attributes
+    ----------
+    solved : (K,) mask of the steps whose recorded solutions satisfy their equations
+    following : (n_x, K) states at the ends, before corrections
+    forced : (K,) mask of the steps with offsets that depend on the largest change by forces
+    changing : (K,) mask of the steps with a contact that is about to slip or to stick
+    """
+
+    def __init__(self, maps: ContactMaps, steps: StepColumns):
+        self._maps, self._steps = maps, steps
+        (y, v), n = np.split(steps.x, [maps.size]), maps.speeds
+        after, t, h = steps.end[maps.size :], steps.t[None], steps.h[None]
+        value, (by_z, by_q), following, slopes = maps.equations.step(after, y, v, t, maps.p, h)
+        self.following = following.reshape(steps.count, -1).T
+        self._by_z, self._by_q, self._next = by_z, by_q, slopes
+        active, owner = steps.active, steps.owner
+        state = StepState(t, y, maps.p, v, after)
+        gaps = maps.gaps(state, active.keys, active.impulses, owner=owner)
+        inertia = np.maximum(np.abs(by_z.diagonal()), np.finfo(float).tiny)
+        step, width = maps.contact_step, active.impulses.shape[1]
+        self.contacts = ContactEquations.of(gaps, step, active, steps.h[owner], inertia)
+        self._z = np.concatenate([after.T.ravel(), active.impulses.ravel()])
+        right, blocks = maps.joined(value, self.contacts, active.impulses.ravel())
+        matrix: list[Block] = [(0, 0, by_z), *blocks]
+        self._step_of = np.concatenate(
+            [np.repeat(np.arange(steps.count), n), np.repeat(owner, width)]
+        )
+        self._order = np.argsort(self._step_of, kind="stable")
+        self._bounds = np.searchsorted(self._step_of[self._order], np.arange(steps.count + 1))
+        place = np.argsort(self._order)
+        weight = np.repeat([0.0, 1.0], [value.size, active.impulses.size])
+        self._scaled = ScaledMatrix.of(matrix, weight, place)
+        terms = terms_of(right, matrix, self._z)
+        residual, largest = np.zeros(steps.count), np.ones(steps.count)
+        np.maximum.at(residual, self._step_of, np.abs(right))
+        np.maximum.at(largest, self._step_of, terms)
+        self.solved = residual <= SOLVED * largest
+        self.forced = np.bincount(owner, self.contacts.slopes.forced != 0, steps.count) > 0
+        change = np.abs(after - v).max(axis=0)
+        near = near_change(self.contacts, active.impulses, step.groups, change[owner])
+        self.changing = np.bincount(owner, near, steps.count) > 0
+
+    @cached_property
+    def _by_all(self) -> Sparse:
+        """Derivatives of all equations by ``q``, by steps."""
+        momentum, rows = self.contacts.by_q
+        joined = scipy.sparse.csr_array(scipy.sparse.vstack([self._by_q - momentum, rows]))
+        return joined[self._order]
+
+    def at(self, k: int, whole: bool) -> MapAt:
+        """Map of a step.
+
+        Parameters
+        ----------
+        whole : whether ``by_q`` has the derivatives of the contacts, too, in place of their
+            equations; not for ``forced`` steps
+        """
+        begin, end = self._bounds[k : k + 2]
+        first, contacts = self._steps.first, None
+        if whole:
+            by_q = self._block(self._by_all, self._bounds, k)
+        else:
+            by_q = self._block(self._by_q, self._maps.speeds, k)
+            contacts = self._contacts(k) if first[k] < first[k + 1] else None
+        forced = self._forced(k) if self.forced[k] else None
+        factors = ProximalFactors(self._scaled.block(begin, end))
+        z = self._z[self._order[begin:end]]
+        (by_z, by_state), rows = self._next, self.following.shape[0]
+        own = self._block(by_z, rows, k), self._block(by_state, rows, k)
+        return MapAt(z, self.following[:, k], factors, by_q, *own, contacts, forced)
+
+    def bounces(self, k: int) -> np.ndarray:
+        """Mask of the contacts of a step that may impact."""
+        return self.contacts.slopes.bounces[slice(*self._steps.first[k : k + 2])]
+
+    def _block(self, matrix: Sparse, rows: int | np.ndarray, k: int) -> Sparse:
+        """Block of a step, with as many rows in each, or with rows between bounds."""
+        width = matrix.shape[1] // self._steps.count
+        if isinstance(rows, int):
+            begin, end = rows * k, rows * (k + 1)
+        else:
+            begin, end = rows[k : k + 2]
+        return diagonal_block(matrix, begin, end, width * k, width)
+
+    def _forced(self, k: int) -> ForcedChange:
+        steps, rows = self._steps, slice(*self._steps.first[k : k + 2])
+        y, v = np.split(steps.x[:, k], [self._maps.size])
+        offsets = steps.active.offsets[rows][self.contacts.slopes.forced[rows] > 0]
+        return self._maps.forced_change(y, v, float(steps.t[k]), float(steps.h[k]), offsets)
+
+    def _contacts(self, k: int) -> ContactEquations:
+        """Equations of the contacts of a step."""
+        whole, first = self.contacts, self._steps.first
+        rows, (total, width) = np.arange(*first[k : k + 2]), whole.factors.shape
+        matrices = whole.gap_slopes
+        slopes = {
+            name: self._block(matrices[name], matrices[name].shape[0] // total * first, k)
+            for name in NAMES
+        }
+        momentum = self._block(matrices["momentum"], self._maps.speeds, k)
+        across = self._block(whole.gaps.directions, width * first, k)
+        values, size = whole.gaps.values.some(rows), momentum.shape[1]
+        part = MatrixGaps(np.arange(rows.size), values, across, slopes, momentum, size)
+        gaps = Gaps([part], values, across)
+        own = whole.own[rows], whole.coupled[rows], whole.slopes.some(rows)
+        limits = whole.limit[rows], whole.column[rows], whole.factors[rows]
+        residual = whole.residual.reshape(total, width)[rows].ravel()
+        return ContactEquations(whole.keys[rows], gaps, *own, *limits, residual)

@@ -1,0 +1,72 @@
+"""Stacks of consecutive steps of a run, whose maps are evaluated together."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dalembert.errors import AnalysisError
+from dalembert.results.nonsmooth_motion import ContactRecord
+from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
+from dalembert.sensitivity.nonsmooth.recorded_contacts import RecordedContacts
+from dalembert.sensitivity.nonsmooth.stacked_maps import StackedMaps, StepColumns
+
+STACK = 64
+"""Number of steps whose maps are evaluated together."""
+UNMOVED = 0.1
+"""Threshold of a correction of positions, relative to the penetration that counts as rounding
+[-]."""
+
+
+class StepStacks:
+    """Stacks of a run; the last one is cached.
+
+    Parameters
+    ----------
+    maps : ContactMaps of the run
+    record : ContactRecord
+    contacts : RecordedContacts
+    repeated : (K,) mask of the steps with solutions that are not recorded
+    """
+
+    def __init__(
+        self,
+        maps: ContactMaps,
+        record: ContactRecord,
+        contacts: RecordedContacts,
+        repeated: np.ndarray,
+    ):
+        step = maps.contact_step
+        self._maps, self._record, self._contacts = maps, record, contacts
+        self._x = np.vstack([record.ends.y, record.ends.v])
+        unfit = step.smooth.has_joints or step.force_laws.elements
+        self._fit = np.zeros_like(repeated) if unfit else ~repeated
+        self._number = -1
+        self._last: tuple[dict[int, int], StackedMaps | None] = {}, None
+
+    def at(self, k: int) -> tuple[StackedMaps, int] | None:
+        """Maps that contain those of a step, and its number among them; None if the step has
+        joints, force laws or corrections of positions, or solutions that are not recorded."""
+        if not self._fit[k]:
+            return None
+        if k // STACK != self._number:
+            self._number, self._last = k // STACK, self._evaluated(k // STACK)
+        places, maps = self._last
+        return None if maps is None or k not in places else (maps, places[k])
+
+    def _evaluated(self, number: int) -> tuple[dict[int, int], StackedMaps | None]:
+        """Places of steps in their maps, and the maps."""
+        t, first = self._record.t, number * STACK
+        numbers = first + np.flatnonzero(self._fit[first : first + STACK])
+        place = np.full(self._fit.size, -1)
+        place[numbers] = np.arange(numbers.size)
+        rows = np.flatnonzero(place[self._contacts.owner] >= 0)
+        contacts, owner = self._contacts.all.some(rows), place[self._contacts.owner[rows]]
+        states = self._x[:, numbers], self._x[:, numbers + 1]
+        columns = StepColumns(t[numbers], np.diff(t)[numbers], *states, contacts, owner)
+        try:
+            maps = StackedMaps(self._maps, columns)
+        except AnalysisError:  # of one of the steps, which raises it on its own
+            return {}, None
+        moved = np.abs(maps.following - columns.end).max(axis=0)
+        usable = maps.solved & (moved <= UNMOVED * self._maps.contact_step.rounding)
+        return {int(numbers[i]): int(i) for i in np.flatnonzero(usable)}, maps

@@ -1,0 +1,92 @@
+"""Arrays in the text of a model file: items added and removed, comments of the others kept."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+from dalembert.errors import ModelError
+from dalembert.io.messages import key_path
+from dalembert.studio.toml_values import as_toml
+
+if TYPE_CHECKING:
+    from dalembert.io.toml_places import Keys
+    from dalembert.studio.text_edits import TextEdits
+
+COMMA = re.compile(r"(?:\s|#[^\n]*\n)*,")
+"""What may precede the comma behind an item."""
+
+
+def append_item(edits: TextEdits, keys: Keys, value: Any) -> None:
+    """Add an item at the end of an array, on a line of its own where the last one has its own.
+
+    Parameters
+    ----------
+    edits : of the text
+    keys : of the array; a missing one is added to its table
+
+    Raises
+    ------
+    ModelError
+        It is no array, or the value is invalid.
+    """
+    place = edits.places.get(keys)
+    if place is None:
+        edits.set_value(keys, [value])
+        return
+    count, text = len(_items(edits, keys)), edits.text
+    if not count:
+        at = place.value + 1
+        edits.set_text(text[:at] + as_toml(value) + text[at:])
+        return
+    last = edits.places[*keys, count - 1]
+    behind = text[last.end : place.end - 1]
+    if not (_begins_line(text, last.start) and "\n" in behind):
+        edits.set_text(f"{text[: last.end]}, {as_toml(value)}{text[last.end :]}")
+        return
+    comma = COMMA.match(behind) is not None
+    line = text.rfind("\n", 0, last.start) + 1
+    end = text.find("\n", last.end)
+    new = f"\n{text[line : last.start]}{as_toml(value)}{',' if comma else ''}"
+    between = ("" if comma else ",") + text[last.end : end]
+    edits.set_text(text[: last.end] + between + new + text[end:])
+
+
+def remove_item(edits: TextEdits, keys: Keys, index: int) -> None:
+    """Remove an item of an array, with the comment in its line.
+
+    Raises
+    ------
+    ModelError
+        It is no array, or there is no item of this number.
+    """
+    count = len(_items(edits, keys))
+    if not 0 <= index < count:
+        raise ModelError("there is no such item", key_path(*keys, index))
+    text, own = edits.text, edits.places[*keys, index]
+    if index + 1 < count:
+        start, end = own.start, edits.places[*keys, index + 1].start
+    elif index and _begins_line(text, own.start):
+        start = text.rfind("\n", 0, own.start)
+        end = min(text.find("\n", own.end), edits.places[keys].end - 1)
+    else:
+        start = edits.places[*keys, index - 1].end if index else own.start
+        end = own.end
+    edits.set_text(text[:start] + text[end:])
+
+
+def _items(edits: TextEdits, keys: Keys) -> list[Any]:
+    """Items of an array that is written as one."""
+    value: Any = edits.data
+    for key in keys:
+        value = value[key] if keys in edits.places else None
+        if value is None:
+            break
+    if not isinstance(value, list):
+        raise ModelError("is no array", key_path(*keys))
+    return value
+
+
+def _begins_line(text: str, at: int) -> bool:
+    """Whether only space precedes a character in its line."""
+    return not text[text.rfind("\n", 0, at) + 1 : at].strip()

@@ -1,0 +1,65 @@
+// Keys of the drawing of a spatial structure: tools, typed coordinates and values.
+
+/** @import { SpaceStructure } from "./space_structure.js" */
+
+import { pulled, withTyped } from "./space_gizmo.js";
+import { SPACE_STRUCTURE_TOOLS } from "./space_structure_tools.js";
+import { BEGINS, TYPED } from "./typed_numbers.js";
+
+/** Carry out a key; returns whether it has a meaning. @param {SpaceStructure} structure @param {string} key */
+export function answer(structure, key) {
+  const { held, tool, boundPage: page } = structure;
+  if (held) return whileHeld(structure, key);
+  if (typing(structure, key)) return true;
+  if (key === "Escape") {
+    if (structure.places.length) [structure.places, structure.target] = [[], null];
+    else if (tool.name === "select") structure.select([]);
+    else structure.choose("select");
+  } else if (key === "Enter" && tool.chain && structure.places.length) structure.places = [];
+  else if ((key === "Delete" || key === "Backspace") && structure.selection.length) structure.properties.removeSelection();
+  else if (key === "h") structure.palette.choice.throughSelected();
+  else if (page?.scene.keys[key]) page.scene.keys[key]();
+  else {
+    const next = SPACE_STRUCTURE_TOOLS.find((item) => item.key === key);
+    if (!next) return false;
+    structure.choose(next.name);
+  }
+  return true;
+}
+
+/** @param {SpaceStructure} structure @param {string} key */
+function whileHeld(structure, key) {
+  const { held, boundPage: page } = structure;
+  if (!held || !page) return false;
+  if (key === "Enter") structure.release(held);
+  else if (key === "Escape") structure.revert();
+  else if (/^[-\d.]$/.test(key) || (key === "Backspace" && held.typed)) {
+    const typed = key === "Backspace" ? held.typed.slice(0, -1) : held.typed + key;
+    structure.held = typed === "-" ? { ...held, typed } : typed ? withTyped(held, typed) : pulled(page, { ...held, typed: "" }, held.pixel, held.free);
+    structure.preview();
+  } else return false;
+  return true;
+}
+
+/** Keys of coordinates and values. @param {SpaceStructure} structure @param {string} key */
+function typing(structure, key) {
+  const { tool, typed } = structure;
+  if (tool.clicks < 1 || (tool.target && !structure.places.length)) return false;
+  if (key === "Enter" && typed) place(structure);
+  else if (key === "Backspace" && typed) structure.typed = typed.slice(0, -1);
+  else if (key === "Escape" && typed) structure.typed = "";
+  else if (typed ? TYPED.test(key) : BEGINS.test(key)) structure.typed += key;
+  else return false;
+  return true;
+}
+
+/** A place with typed coordinates, or the value of a load. @param {SpaceStructure} structure */
+function place(structure) {
+  const { tool, typed, now, places } = structure, last = places.at(-1)?.p, at = (/** @type {number[]} */ p) => ({ p, names: [], body: null, joint: null, normal: null, how: "typed" });
+  if (tool.units && last) return structure.put(now ? { ...now } : at(last));
+  const values = typed.split(/[\s,;]+/).filter(Boolean).map(Number), k = "xyz".indexOf(structure.palette.plane.axis);
+  const p = values.length === 3 ? values : values.length === 1 && last ? last.map((v, i) => (i === k ? v + values[0] : v)) : null;
+  if (p?.every(Number.isFinite)) structure.put(at(p));
+  else structure.actions.refuse("type three coordinates, such as 0.1, 0, 0.25, or one along the normal of the plane from the last place");
+  structure.typed = "";
+}

@@ -1,0 +1,48 @@
+"""Law of runs with contacts: steps linearised together have the derivatives of single steps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
+from tests.registry.contact_models import CONTACT_MODELS
+
+STACKED = {
+    "bouncing ball": 0.1,
+    "rocking block": 0.05,
+    "discs in a box": 0.02,
+    "discs of many sizes": 0.03,
+    "spheres that roll": 0.06,
+    "ball and box in space": 0.1,
+}
+"""Models, and durations of their runs [s]."""
+
+
+@pytest.mark.parametrize("name", STACKED)
+def test_steps_together_are_those_one_by_one(name):
+    case = CONTACT_MODELS[name]
+    motion = da.solve_nonsmooth(case.build(), STACKED[name], step=case.step)
+    steps, rng, stacked = ContactSteps(motion), np.random.default_rng(3), 0
+    columns = steps.x.shape[0], steps.p.size
+    dx, dp = (rng.normal(size=(n, 2)) for n in columns)
+    weights = rng.normal(size=(columns[0], 2))
+    for k in range(steps.count):
+        if steps.stacks.at(k) is None:
+            continue
+        stacked += 1
+        single = steps.maps.step(
+            steps.x[:, k], steps.x[steps.size :, k + 1], *steps.span(k), steps.active(k)
+        )
+        pushed, pulled = single.push(dx, 0.7, dp), np.vstack(single.pull(weights))
+        for calm in {False, steps.calm(k) is not None}:
+            (own,) = steps.at(k, calm)
+            for values, exact in (
+                (own.push(dx, 0.7, dp), pushed),
+                (np.vstack(own.pull(weights)), pulled),
+            ):
+                scale = np.abs(exact).max()
+                np.testing.assert_allclose(values, exact, rtol=0, atol=1e-9 * scale)
+            assert own.consistent == single.consistent
+    assert stacked > steps.count // 2

@@ -1,0 +1,62 @@
+"""Spatial structures in the studio: a frame that is drawn by its scripts, against closed forms."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import tomllib
+from pathlib import Path
+
+import pytest
+from browser import missing
+
+import dalembert as da
+from dalembert.io import load_model_file
+from dalembert.studio.drawing_edits import apply
+from dalembert.studio.session import UNTITLED_SPATIAL_STRUCTURE
+
+HERE = Path(__file__).parent
+ASSETS = HERE.parent / "src/dalembert/studio/assets"
+
+
+def test_a_bent_cantilever(tmp_path: Path) -> None:
+    """A column of height h with an arm of length a, and a force P across both at its end.
+
+    Both bend, and the column twists: u = P a³/(3 E I) + P h³/(3 E I') + P a² h/(G J).
+    """
+    node = shutil.which("node") or missing("node")
+    shutil.copytree(ASSETS, tmp_path / "assets", ignore=shutil.ignore_patterns("*.png", "vendor"))
+    (tmp_path / "assets" / "package.json").write_text('{"type": "module"}')
+    command = [str(node), str(HERE / "studio_space_structure.mjs"), (tmp_path / "assets").as_uri()]
+    run = subprocess.run(command, capture_output=True, text=True, check=True)
+    drawn = json.loads(run.stdout)
+    assert drawn["refused"] == []
+    text = UNTITLED_SPATIAL_STRUCTURE
+    for operations in drawn["changes"]:
+        text = apply(text, operations)
+    data = tomllib.loads(text)
+    assert data["nodes"] == {"n1": [0, 0, 0], "n2": [0, 0, 2], "n3": [1, 0, 2]}
+    assert data["supports"] == [{"nodes": "n1"}]
+    assert data["loads"] == [{"nodes": "n3", "fy": 1000}, {"nodes": "n2", "mz": -2000}]
+    assert data["line_loads"] == [{"elements": "beam2", "qz": -3000}]
+    assert data["temperatures"] == [{"elements": "beam1", "temperature": -30}]
+    assert drawn["handles"] == 6  # arrows and planes; a node does not rotate
+    moved = tomllib.loads(apply(text, drawn["moved"]["operations"]))
+    assert moved["nodes"]["n3"] == [1.5, 0, 2]
+    path = tmp_path / "drawn.toml"
+    path.write_text(text, encoding="utf-8")
+    result = da.solve_statics(load_model_file(path).model())
+    beam = data["elements"]["beam1"]
+    stiff = {key: beam["modulus"] * beam[f"second_moment_{key}"] for key in "yz"}
+    twist = beam["shear_modulus"] * beam["torsion_constant"]
+    force, arm, height, moment = 1e3, 1.0, 2.0, -2e3
+    # The force is along the own z axis of the arm, and along the own y axis of the column.
+    about = {"arm": stiff["y"], "column": stiff["z"]}
+    wanted = force * (arm**3 / (3 * about["arm"]) + height**3 / (3 * about["column"]))
+    wanted += (force * arm + moment) * height * arm / twist
+    assert float(result["n3.uy"]) == pytest.approx(wanted, rel=1e-4)
+    weight = 3e3 * arm
+    shrinks = beam["expansion"] * 30 * height
+    down = weight * height / (beam["modulus"] * beam["area"]) + shrinks
+    assert float(result["n2.uz"]) == pytest.approx(-down, rel=1e-6)
