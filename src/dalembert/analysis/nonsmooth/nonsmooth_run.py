@@ -14,7 +14,6 @@ from dalembert.analysis.dynamics.residual_check import DRIFT, DRIFT_WARNING, Ene
 from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.model_residuals import Violation
 from dalembert.analysis.nonsmooth.advance import advance
-from dalembert.analysis.nonsmooth.balls.ball_march import BallMarch
 from dalembert.analysis.nonsmooth.between_steps import interpolate
 from dalembert.analysis.nonsmooth.contact_durations import duration_warnings
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
@@ -23,6 +22,7 @@ from dalembert.analysis.nonsmooth.correction import (
     consistent_speeds,
     correct_position,
 )
+from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.missing_rebounds import rebound_warnings
 from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
@@ -109,7 +109,7 @@ class NonsmoothRun:
     def march(self, grid: np.ndarray, log: StepLog, report) -> Status:
         """Steps until the end or until one fails."""
         result, last, k = None, None, 0
-        balls = BallMarch.of(self.step)
+        balls = FreeBodyMarch.of(self.step)
         try:
             while k < grid.size - 1:
                 if balls is not None and last is not None:

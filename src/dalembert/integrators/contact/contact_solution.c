@@ -63,25 +63,25 @@ static casadi_real casadi_central(const casadi_real** arg, casadi_real** res, ca
     casadi_real* w, casadi_real allowed, casadi_real largest, casadi_real start,
     casadi_real least) {
   casadi_int most = iw[10], rows = iw[0]*iw[1], k, short_steps = 0;
-  casadi_real limit = arg[37][15]*largest, share;
+  casadi_real limit = arg[37][10]*largest, share;
   casadi_interior_start(arg, res, iw, largest, start, w);
   for (k=0; k<iw[26] && short_steps<iw[28]; ++k) {
     casadi_interior_impulses(arg, res, iw, w);
     least = casadi_keep(res, rows, least);
     if (!(res[11][1]<1e300) || least<=allowed) break;
     if (res[11][1]<=limit) {
-      limit = arg[37][16]*res[11][1];
+      limit = arg[37][11]*res[11][1];
       iw[10] = iw[27];
       casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
       casadi_newton(arg, res, iw, w, allowed);
       iw[10] = most;
       least = casadi_keep(res, rows, least);
-      if (least<=allowed || least<arg[37][18]*largest) break;
+      if (least<=allowed || least<arg[37][13]*largest) break;
       casadi_interior_impulses(arg, res, iw, w);
     }
     share = casadi_interior(arg, res, iw, w, largest);
     if (share<0) break;
-    short_steps = share<arg[37][17] ? short_steps + 1 : 0;
+    short_steps = share<arg[37][12] ? short_steps + 1 : 0;
   }
   return least;
 }
@@ -93,10 +93,10 @@ static casadi_real casadi_centered(const casadi_real** arg, casadi_real** res, c
   casadi_int rows = iw[0]*iw[1], r;
   casadi_real least = casadi_keep(res, rows, 1e300);
   if (iw[2]>1 || (iw[2]==1 && group[1]!=iw[1])) return least;
-  least = casadi_central(arg, res, iw, w, allowed, largest, arg[37][14], least);
-  if (least>arg[37][18]*largest) {
+  least = casadi_central(arg, res, iw, w, allowed, largest, arg[37][9], least);
+  if (least>arg[37][13]*largest) {
     for (r=0; r<rows; ++r) res[0][r] = 0;
-    least = casadi_central(arg, res, iw, w, allowed, largest, arg[37][20], least);
+    least = casadi_central(arg, res, iw, w, allowed, largest, arg[37][15], least);
   }
   for (r=0; r<rows; ++r) res[0][r] = res[35][r];
   casadi_forget(w + iw[13] + rows + iw[11], iw[0]);

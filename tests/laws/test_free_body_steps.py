@@ -7,8 +7,8 @@ from thorough import sampled
 import dalembert as da
 from dalembert import planar, spatial
 from dalembert.analysis.nonsmooth import nonsmooth_run
-from dalembert.analysis.nonsmooth.balls import ball_march, ball_steps
-from dalembert.analysis.nonsmooth.balls.ball_march import BallMarch
+from dalembert.analysis.nonsmooth.free_bodies import free_body_march, free_body_steps
+from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 
 SEEDS = sampled(range(6), 3)  # on a push one without and one with friction of rolling
@@ -132,7 +132,7 @@ def both_ways(model: da.Model, monkeypatch, **options):
     """Runs in machine code and by general steps."""
     compiled = da.solve_nonsmooth(model, **options)
     with monkeypatch.context() as patch:
-        patch.setattr(BallMarch, "of", lambda step: None)
+        patch.setattr(FreeBodyMarch, "of", lambda step: None)
         general = da.solve_nonsmooth(model, **options)
     return compiled, general
 
@@ -162,7 +162,7 @@ def test_steps_of_hulls_are_the_general_steps(scene, seed, monkeypatch):
     monkeypatch.setattr(nonsmooth_run, "advance", counted)
     compiled = da.solve_nonsmooth(model, 0.12, step=1e-3)
     assert len(calls) < 5
-    monkeypatch.setattr(BallMarch, "of", lambda step: None)
+    monkeypatch.setattr(FreeBodyMarch, "of", lambda step: None)
     compare(compiled, da.solve_nonsmooth(model, 0.12, step=1e-3))
 
 
@@ -192,7 +192,7 @@ def test_steps_go_on_beyond_the_limits_of_machine_code(limits, monkeypatch):
     model = planar_scene(0)
     general = da.solve_nonsmooth(model, duration=0.3, step=1e-3)
     for name, value in limits.items():
-        for owner in (ball_steps, ball_march):
+        for owner in (free_body_steps, free_body_march):
             if hasattr(owner, name):
                 monkeypatch.setattr(owner, name, value)
     limited = da.solve_nonsmooth(model, duration=0.3, step=1e-3)
@@ -229,7 +229,7 @@ def test_steps_that_close_gaps_are_repeated_by_the_general_step(monkeypatch):
     monkeypatch.setattr(nonsmooth_run, "advance", counted)
     compiled = da.solve_nonsmooth(model, 0.3, step=1e-3)
     repeated = len(calls)
-    monkeypatch.setattr(BallMarch, "of", lambda step: None)
+    monkeypatch.setattr(FreeBodyMarch, "of", lambda step: None)
     general = da.solve_nonsmooth(model, 0.3, step=1e-3)
     assert 1 < repeated < 300 and len(calls) == repeated + 300
     for name, tolerance in AGREEMENT.items():

@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.balls.ball_steps import BallSteps
+from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import FreeBodySteps
 from dalembert.analysis.nonsmooth.mean_gaps import LOBATTO
 from dalembert.model.graph.manifold import Manifold
 
@@ -33,7 +33,7 @@ class PathRepeats:
     count : number of repetitions
     """
 
-    def __init__(self, steps: BallSteps, manifold: Manifold, rounding: float):
+    def __init__(self, steps: FreeBodySteps, manifold: Manifold, rounding: float):
         self._steps, self._manifold, self._rounding = steps, manifold, rounding
         self.step, self.keys, self.count = -1, np.zeros(0, dtype=np.int64), 0
 

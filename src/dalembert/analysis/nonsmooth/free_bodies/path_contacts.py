@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.balls.ball_motion import BallMotion
+from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
 from dalembert.integrators.contact.machine_code import Loop
 
 ONLY_PATH, PATH, BEFORE, SIZES = range(6, 10)
@@ -23,7 +23,7 @@ class PathContacts:
     counts: np.ndarray
     limits: np.ndarray
     width: int
-    _motion: BallMotion
+    _motion: FreeBodyMotion
     _loop: Loop | None
     _sizes: np.ndarray
     _keys: np.ndarray

@@ -8,8 +8,8 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.nonsmooth.balls.step_shapes import StepShapes, step_shapes
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.free_bodies.step_shapes import StepShapes, step_shapes
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
 from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
@@ -25,7 +25,7 @@ from dalembert.symbolic.once import once
 
 
 @dataclass(frozen=True, eq=False)
-class BallMotion:
+class FreeBodyMotion:
     """Functions of a step, and the bodies to which its speeds and shapes belong.
 
     Attributes
@@ -65,7 +65,7 @@ class BallMotion:
         return int(np.diff(self.first).max(initial=1))
 
 
-def ball_motion(step: ContactStep) -> BallMotion | None:
+def free_body_motion(step: ContactStep) -> FreeBodyMotion | None:
     """Functions of the steps if these run in machine code: free bodies, all of whose shapes are
     balls, rigid hulls and walls with Newton's law of impact, and the scheme of anticipated
     impacts."""
@@ -81,7 +81,7 @@ def ball_motion(step: ContactStep) -> BallMotion | None:
 
 
 @once
-def _functions(model: Model) -> BallMotion | None:
+def _functions(model: Model) -> FreeBodyMotion | None:
     sources, e = gap_sources(model), model.equations
     bodies = [group.twist.numel() for group in model.coordinates]
     shapes = step_shapes(sources[0]) if len(sources) == 1 else None
@@ -106,7 +106,7 @@ def _functions(model: Model) -> BallMotion | None:
     parts = [placed[i:j] for i, j in pairwise(cuts.tolist())]
     inputs = [e.t, e.y, e.manifold.delta, e.p]
     entries = stack(matrix.T.nonzeros())  # type: ignore[arg-type]
-    return BallMotion(
+    return FreeBodyMotion(
         forces=condensed("forces", [e.t, e.y, e.v, e.p, h], [forces, ca.densify(entries)]),
         places=condensed("places", inputs, [ca.densify(part) for part in parts]),
         shapes=shapes,

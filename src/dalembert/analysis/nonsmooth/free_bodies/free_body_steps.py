@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from dalembert.analysis.nonsmooth.advance import AHEAD
-from dalembert.analysis.nonsmooth.balls.ball_motion import BallMotion
-from dalembert.analysis.nonsmooth.balls.path_contacts import (
+from dalembert.analysis.nonsmooth.contact_step import JAMMED, ROUNDS, ContactStep
+from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
+from dalembert.analysis.nonsmooth.free_bodies.path_contacts import (
     COUNT,
     SIZES,
     PathContacts,
     contact_arrays,
 )
-from dalembert.analysis.nonsmooth.balls.step_outcome import NUMBERS, PRESSED, StepOutcome
-from dalembert.analysis.nonsmooth.contact_step import JAMMED, ROUNDS, ContactStep
+from dalembert.analysis.nonsmooth.free_bodies.step_outcome import NUMBERS, PRESSED, StepOutcome
 from dalembert.analysis.nonsmooth.gaps.hulls.compiled_features import GEOMETRY
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
 from dalembert.integrators.contact.approach import SLOW
@@ -23,25 +23,21 @@ from dalembert.integrators.contact.compiled_newton import (
     MEMORY,
 )
 from dalembert.integrators.contact.contact_laws import FIRST
-from dalembert.integrators.contact.impulses import (
-    DECREASE,
-    INCREASE,
-    RESIDUAL_SHARE,
-    TOLERANCE_SHARE,
-    WEIGHT,
-    WEIGHT_MAX,
-    WEIGHT_MIN,
-)
 from dalembert.integrators.contact.machine_code import Loop, machine_code
 from dalembert.integrators.contact.schemes import CLOSING, ROUNDING
 from dalembert.integrators.contact.semismooth_newton import OVERSHOOT
+from dalembert.integrators.contact.solution_settings import (
+    INTERIOR_POINTS,
+    MANY_PROXIMAL,
+    NEWTON_STEPS,
+    POLISHING,
+    SHORT_STEPS,
+    SOLUTION_FILES,
+    SOLUTION_SHARES,
+)
 
 FILES = (
-    "newton_pieces.c",
-    "block_factors.c",
-    "semismooth_newton.c",
-    "interior_point.c",
-    "contact_solution.c",
+    *SOLUTION_FILES,
     "free_bodies.c",
     *GEOMETRY,
     "feature_gaps.c",
@@ -52,19 +48,6 @@ FILES = (
 """Files of the machine code of a step."""
 CHUNK, RECORDS = 256, 4096
 """Steps between transfers of the record, and least number of its contacts."""
-MANY_PROXIMAL = 100
-"""Upper limit of the proximal problems."""
-NEWTON_STEPS, INTERIOR_POINTS, POLISHING, SHORT_STEPS = 15, 45, 6, 5
-"""Upper limits of Newton's steps, of interior points, of Newton's steps from one of these, and of
-consecutive short steps of interior points."""
-INTERIOR_STARTS, TO_BOUNDARY, SHORT = (0.1, 1.0), 0.995, 1e-2
-"""Distances of the first interior points from the boundary relative to the largest speed, share of
-a step to the boundary, and share of a short step [-]."""
-INTERIOR_SHARE, INTERIOR_FACTOR, INTERIOR_END = 1e-5, 0.03, 1e-6
-"""Residual relative to the largest speed at which Newton's method begins, factor by which it has to
-fall until it begins again, and residual at which it begins for the last time [-]."""
-REGULARIZATIONS = 1e-6, 1e-4
-"""Regularisation of interior points relative to the mobility, and that below ``INTERIOR_END``."""
 GROWTH = 1.5
 """Ratio of new memory for pairs or contacts to the number that first exceeded it [-]."""
 WIDTH, GROUPS, SPEEDS, ENTRIES, UNKNOWNS, OUTCOME, WIDEST, BLOCKS, SIZE = range(1, 10)
@@ -78,7 +61,7 @@ RENEWALS = 4
 """Upper limit of the repetitions of a call with other lists and orders."""
 
 
-class BallSteps(PathContacts):
+class FreeBodySteps(PathContacts):
     """Arrays of the machine code, and its calls.
 
     Parameters
@@ -95,7 +78,7 @@ class BallSteps(PathContacts):
     lists : number of lists of pairs so far
     """
 
-    def __init__(self, step: ContactStep, motion: BallMotion):
+    def __init__(self, step: ContactStep, motion: FreeBodyMotion):
         self._motion, self._shapes = motion, motion.shapes
         self._neighbours = motion.shapes.neighbours()
         n, shapes, widest = motion.first[-1], motion.shapes.count, motion.widest
@@ -112,10 +95,7 @@ class BallSteps(PathContacts):
         self._radii = motion.radii(step.p)
         self._laws = np.ascontiguousarray(coefficients[used].T)
         self._settings = np.array([0.0, BLOCK_REGULARIZATION, OVERSHOOT])
-        shares = [WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN, RESIDUAL_SHARE]
-        shares += [TOLERANCE_SHARE, 2 * AHEAD, CLOSING, SLOW, ROUNDING, JAMMED]
-        shares += [REGULARIZATIONS[0], TO_BOUNDARY, INTERIOR_STARTS[0], INTERIOR_SHARE]
-        shares += [INTERIOR_FACTOR, SHORT, INTERIOR_END, REGULARIZATIONS[1], INTERIOR_STARTS[1]]
+        shares = [*SOLUTION_SHARES, 2 * AHEAD, CLOSING, SLOW, ROUNDING, JAMMED]
         self._shares = np.array(shares)
         self._groups = np.cumsum([1, *step.groups]).astype(np.int32)
         self._loop: Loop | None = None

@@ -7,10 +7,19 @@ from collections.abc import Callable
 import numpy as np
 
 from dalembert.analysis.nonsmooth.advance import REPETITIONS
-from dalembert.analysis.nonsmooth.balls.ball_motion import BallMotion, ball_motion
-from dalembert.analysis.nonsmooth.balls.ball_steps import CHUNK, PRESSING, STEPS, BallSteps
-from dalembert.analysis.nonsmooth.balls.path_repeats import PathRepeats
-from dalembert.analysis.nonsmooth.balls.step_outcome import (
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import (
+    FreeBodyMotion,
+    free_body_motion,
+)
+from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import (
+    CHUNK,
+    PRESSING,
+    STEPS,
+    FreeBodySteps,
+)
+from dalembert.analysis.nonsmooth.free_bodies.path_repeats import PathRepeats
+from dalembert.analysis.nonsmooth.free_bodies.step_outcome import (
     DEPTH,
     FRICTION,
     LOSS,
@@ -19,7 +28,6 @@ from dalembert.analysis.nonsmooth.balls.step_outcome import (
     ROUNDS_OF,
     StepOutcome,
 )
-from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.step_log import StepEntries, StepLog
 from dalembert.analysis.nonsmooth.step_state import LastImpulses
 from dalembert.symbolic.evaluation.fixed_call import FixedCalls
@@ -28,7 +36,7 @@ REPORTED = 16
 """Number of steps between reports of the progress."""
 
 
-class BallMarch:
+class FreeBodyMarch:
     """Steps of free bodies with balls, hulls and walls.
 
     A step with a gap that is closed at its end is repeated with means over its path. It is left to
@@ -41,7 +49,7 @@ class BallMarch:
     steps : arrays and machine code of a step
     """
 
-    def __init__(self, step: ContactStep, motion: BallMotion, steps: BallSteps):
+    def __init__(self, step: ContactStep, motion: FreeBodyMotion, steps: FreeBodySteps):
         self._step, self._motion, self._steps = step, motion, steps
         self._t, self._h = np.zeros(1), np.zeros(1)
         self._y = np.zeros(step.model.equations.coordinate_count)
@@ -62,12 +70,12 @@ class BallMarch:
         self._place = places.on(*([flat(a) for a in part] for part in place))
 
     @classmethod
-    def of(cls, step: ContactStep) -> BallMarch | None:
+    def of(cls, step: ContactStep) -> FreeBodyMarch | None:
         """The loop, if the steps run in machine code."""
-        motion = ball_motion(step)
+        motion = free_body_motion(step)
         if motion is None:
             return None
-        steps = BallSteps(step, motion)
+        steps = FreeBodySteps(step, motion)
         return cls(step, motion, steps) if steps.available else None
 
     def march(

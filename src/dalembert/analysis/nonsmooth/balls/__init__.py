@@ -1,1 +1,0 @@
-"""Steps of free bodies with balls and walls in machine code."""

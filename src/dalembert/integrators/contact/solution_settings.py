@@ -1,0 +1,42 @@
+"""Settings of the machine code that solves contact problems of free bodies: Newton's method,
+interior points, and proximal problems."""
+
+from __future__ import annotations
+
+from dalembert.integrators.contact.impulses import (
+    DECREASE,
+    INCREASE,
+    RESIDUAL_SHARE,
+    TOLERANCE_SHARE,
+    WEIGHT,
+    WEIGHT_MAX,
+    WEIGHT_MIN,
+)
+
+SOLUTION_FILES = (
+    "newton_pieces.c",
+    "block_factors.c",
+    "semismooth_newton.c",
+    "interior_point.c",
+    "contact_solution.c",
+)
+"""Files of the machine code."""
+MANY_PROXIMAL = 100
+"""Upper limit of the proximal problems."""
+NEWTON_STEPS, INTERIOR_POINTS, POLISHING, SHORT_STEPS = 15, 45, 6, 5
+"""Upper limits of Newton's steps, of interior points, of Newton's steps from one of these, and of
+consecutive short steps of interior points."""
+INTERIOR_STARTS, TO_BOUNDARY, SHORT = (0.1, 1.0), 0.995, 1e-2
+"""Distances of the first interior points from the boundary relative to the largest speed, share of
+a step to the boundary, and share of a short step [-]."""
+INTERIOR_SHARE, INTERIOR_FACTOR, INTERIOR_END = 1e-5, 0.03, 1e-6
+"""Residual relative to the largest speed at which Newton's method begins, factor by which it has to
+fall until it begins again, and residual at which it begins for the last time [-]."""
+REGULARIZATIONS = 1e-6, 1e-4
+"""Regularisation of interior points relative to the mobility, and that below ``INTERIOR_END``."""
+SOLUTION_SHARES = (
+    *(WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN, RESIDUAL_SHARE, TOLERANCE_SHARE),
+    *(REGULARIZATIONS[0], TO_BOUNDARY, INTERIOR_STARTS[0], INTERIOR_SHARE, INTERIOR_FACTOR),
+    *(SHORT, INTERIOR_END, REGULARIZATIONS[1], INTERIOR_STARTS[1]),
+)
+"""Numbers of the machine code, in its order."""
