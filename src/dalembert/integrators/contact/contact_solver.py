@@ -20,9 +20,11 @@ class ContactSolver:
     """Semismooth Newton method (Alart & Curnier 1991), started from the previous impulses.
 
     Accelerated Gauss–Seidel sweeps precede it and alternate with it, for many contacts of free
-    bodies only where it and a few proximal problems fail.
+    bodies only where it and a few proximal problems fail. Steps of free bodies in machine code go
+    on with interior points of the friction cones where it stagnates (Acary, Armand, Nguyen &
+    Shpakovych 2024).
 
-    If it stagnates, the proximal point method follows: it solves a sequence of problems with
+    If these stagnate, too, the proximal point method follows: it solves a sequence of problems with
     ``H + α D`` and ``b − α D P``, ``D`` the diagonal of ``H``, whose solution is the next ``P``.
     These problems are definite, so that Newton's method converges, and their limit solves the
     original problem (Acary, Brémond & Huber 2018).
