@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from structure_desk import LOOK as STRUCTURE_LOOK
 from studio_desk import Desk, opened, reset
 from studio_runs import Studio
-from test_studio_structures import LOOK as STRUCTURE_LOOK
 from test_studio_tools import CRANK
 
 

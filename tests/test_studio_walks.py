@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from structure_desk import LOOK as STRUCTURE_LOOK
 from studio_desk import LOOK, opened, reset
 from studio_runs import Studio
 from studio_walk import FREE, Edit, Walk, walk_randomly, walking
 from test_studio_editing import MECHANISM
 from test_studio_space import BOXES, HANDLE, LOOK as SPACE_LOOK
-from test_studio_structures import LOOK as STRUCTURE_LOOK, SQUARE
+from test_studio_structures import SQUARE
 
 PARTS = 100
 """Edits of one case."""

@@ -87,8 +87,8 @@ static void casadi_response_rows(const casadi_real** arg, casadi_real** res, con
     }
   }
 }
-/* rows of W of a contact of shapes i and j, appended behind those of the contacts before; levers are
-   those of the surfaces, apart by the gap from the place halfway between them */
+/* rows of W of a contact of shapes i and j, appended behind those of the contacts before; levers of
+   balls and walls are those of the surfaces, apart by the gap from the place halfway between them */
 static void casadi_direction_rows(const casadi_real** arg, const casadi_int* iw,
     casadi_int contact, casadi_int i, casadi_int j, casadi_real* direction,
     const casadi_real* place, casadi_real gap) {
@@ -98,7 +98,8 @@ static void casadi_direction_rows(const casadi_real** arg, const casadi_int* iw,
   const int* start = (const int*) arg[30];
   casadi_int width = iw[1], widest = iw[9], dimension = iw[18], a, b, s, k, shape, body, size;
   casadi_int next = row[contact*width], turn;
-  casadi_real arm[3], half = gap/2;
+  const int* number = (const int*) arg[38];
+  casadi_real arm[3], half = gap>0 && number[5*i+4]>=0 && number[5*j+4]>=0 ? gap/2 : 0.0;
   const casadi_real* along;
   casadi_tangents(direction, dimension);
   for (a=0; a<width; ++a) {

@@ -150,9 +150,6 @@ export class Structure {
     this.refresh();
   }
 
-  /** A structure is drawn as it is at rest. */
-  rest() {}
-
   // Pointer --------------------------------------------------------------------------------------
 
   /** Show one instant, in which places are selected. */

@@ -271,7 +271,7 @@ def _gap_function(dimension: int, wall: bool, turns: bool) -> ca.Function:
     speed = gap.surface_speeds(
         lambda point: twist[:3] + ca.cross(twist[3:6], point - first[:3]),
         lambda point: twist[6:9] + ca.cross(twist[9:], point - second[:3]),
-        gap.distance,
+        ca.fmax(gap.distance, 0),
     )
     if turns:
         speed = ca.vertcat(speed, gap.turning(twist[3:6], twist[9:]))

@@ -158,10 +158,9 @@ def gap_function(feature: Feature, dimension: int, turns: bool = False) -> ca.Fu
     radii = [column[3 * n] for column, n in zip(columns, counts, strict=True)]
     point = contact_point(feature, points[0], radii[0], points[1], radii[1])
     twist, origins = ca.SX.sym("twist", 2 * TWIST), [column[-3:] for column in columns]
-    speed = point.surface_speeds(
+    speed = point.speeds(
         lambda place: twist[:3] + ca.cross(twist[3:6], place - origins[0]),
         lambda place: twist[6:9] + ca.cross(twist[9:], place - origins[1]),
-        point.distance,
     )
     if turns:
         speed = ca.vertcat(speed, point.turning(twist[3:6], twist[9:]))
