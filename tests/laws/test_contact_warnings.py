@@ -8,7 +8,6 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
-from dalembert.analysis.explore import usual_analysis
 
 contact = planar.contact
 SCHEMES = [da.AnticipatedImpacts(), da.MoreauJean()]
@@ -53,13 +52,6 @@ def test_rebounds_with_a_wrong_energy_are_warned_about(scheme, height, restituti
         ball(0.1 + height, restitution), 0.1, step=shorter / 2, integrator=scheme
     )
     assert not fine.warnings
-
-
-def test_all_ways_to_a_run_have_the_scheme_of_solve_nonsmooth():
-    """Pages and notebooks without an analysis, strategy objects and functions."""
-    default = da.Nonsmooth(duration=1.0, step=0.01).integrator
-    assert usual_analysis(ball(1.0)).integrator == default
-    assert da.solve_nonsmooth(ball(1.0), 0.01, step=0.01).analysis.integrator == default
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)

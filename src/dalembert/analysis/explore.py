@@ -14,6 +14,7 @@ from dalembert.analysis.kinematics.kinematics import Kinematics
 from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.errors import ModelError
+from dalembert.integrators.contact.schemes import MoreauJean
 from dalembert.packages import optional_package
 from dalembert.report.page import render_page
 from dalembert.report.scripts import asset
@@ -41,7 +42,8 @@ def usual_analysis(model: ParametricModel) -> Analysis[Any, Any]:
         return Statics()
     mechanism: Any = model
     if any(isinstance(e, Collisions) for e in mechanism.closure.description.elements.values()):
-        return Nonsmooth(duration=DURATION, step=STEP, outputs=OUTPUTS)
+        integrator = MoreauJean()  # its contact forces at rest do not alternate
+        return Nonsmooth(duration=DURATION, step=STEP, outputs=OUTPUTS, integrator=integrator)
     kind: Any = Dynamics if mechanism.diagnosis.free > 0 else Kinematics
     analysis: Analysis[Any, Any] = kind(duration=DURATION, outputs=OUTPUTS)
     return analysis
