@@ -116,7 +116,7 @@ def test_no_process_outlives_a_killed_server(tmp_path: Path) -> None:
         receive(socket, "text")
         listed = Path(f"/proc/{server.process.pid}/task/{server.process.pid}/children").read_text()
         children = [int(child) for child in listed.split()]
-        assert len(children) >= 2
+        assert children  # on Linux the process that starts the others, and theirs end with it
         time.sleep(2.0)  # the model is being built, which takes minutes
         server.process.kill()
         server.process.wait()
