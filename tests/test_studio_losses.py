@@ -114,10 +114,10 @@ def test_no_process_outlives_a_killed_server(tmp_path: Path) -> None:
     path.write_text(LONG)
     with running_studio(tmp_path, path) as server, page(server) as socket:
         receive(socket, "text")
+        time.sleep(2.0)  # the model is being built, which takes minutes
         listed = Path(f"/proc/{server.process.pid}/task/{server.process.pid}/children").read_text()
         children = [int(child) for child in listed.split()]
         assert children  # on Linux the process that starts the others, and theirs end with it
-        time.sleep(2.0)  # the model is being built, which takes minutes
         server.process.kill()
         server.process.wait()
         end = time.monotonic() + 120  # on a busy machine they may only be starting
