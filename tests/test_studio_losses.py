@@ -26,9 +26,9 @@ from dalembert.studio.session import Session
 
 def session(path: Path | None, folder: Path) -> Session:
     """A session without pages."""
-    made = Session(path, folder / "journals")
-    made.broadcast = lambda message, but=None: None  # type: ignore[method-assign]
-    return made
+    own = Session(path, folder / "journals")
+    own.broadcast = lambda message, but=None: None  # type: ignore[method-assign]
+    return own
 
 
 def test_a_reopened_file_has_its_unsaved_changes(tmp_path: Path) -> None:

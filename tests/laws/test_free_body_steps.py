@@ -183,7 +183,7 @@ def compare(compiled: NonsmoothMotion, general: NonsmoothMotion) -> None:
     "limits",
     [
         {"CHUNK": 7, "RECORDS": 12},
-        {"BLOCK_ITERATIONS": 2, "FIRST_ATTEMPT": 2, "MANY_PROXIMAL": 0},
+        {"NEWTON_STEPS": 2, "INTERIOR_POINTS": 0, "MANY_PROXIMAL": 0},
     ],
     ids=["short records", "failing solutions"],
 )
@@ -192,15 +192,39 @@ def test_steps_go_on_beyond_the_limits_of_machine_code(limits, monkeypatch):
     model = planar_scene(0)
     general = da.solve_nonsmooth(model, duration=0.3, step=1e-3)
     for name, value in limits.items():
-        for owner in (free_body_steps, free_body_march):
-            if hasattr(owner, name):
-                monkeypatch.setattr(owner, name, value)
+        owners = [owner for owner in (free_body_steps, free_body_march) if hasattr(owner, name)]
+        assert owners
+        for owner in owners:
+            monkeypatch.setattr(owner, name, value)
     limited = da.solve_nonsmooth(model, duration=0.3, step=1e-3)
     assert limited.status.success
     for name, tolerance in AGREEMENT.items():
         ours, theirs = (getattr(run.record.ends, name) for run in (limited, general))
         assert ours == pytest.approx(theirs, abs=tolerance * np.abs(theirs).max())
     assert np.array_equal(limited.record.key, general.record.key)
+
+
+@pytest.mark.parametrize("scene", [planar_scene, spatial_scene])
+def test_interior_points_solve_what_newtons_method_does_not(scene, monkeypatch):
+    """One step of Newton's method solves few problems; interior points solve the others."""
+    model, calls, original = scene(0), [], nonsmooth_run.advance
+    usual = da.solve_nonsmooth(model, 0.3, step=1e-3)
+
+    def counted(*arguments):
+        calls.append(arguments[1])
+        return original(*arguments)
+
+    monkeypatch.setattr(nonsmooth_run, "advance", counted)
+    for name, value in {"NEWTON_STEPS": 1, "MANY_PROXIMAL": 0}.items():
+        monkeypatch.setattr(free_body_steps, name, value)
+    central = da.solve_nonsmooth(model, 0.3, step=1e-3)
+    few = len(calls)
+    monkeypatch.setattr(free_body_steps, "INTERIOR_POINTS", 0)
+    da.solve_nonsmooth(model, 0.3, step=1e-3)
+    assert few < 5 < len(calls) - few
+    for name, tolerance in AGREEMENT.items():
+        ours, theirs = (getattr(run.record.ends, name) for run in (central, usual))
+        assert ours == pytest.approx(theirs, abs=tolerance * np.abs(theirs).max())
 
 
 def turning_wall() -> da.Model:

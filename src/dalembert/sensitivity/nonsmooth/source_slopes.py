@@ -102,12 +102,12 @@ class SourceSlopes:
         velocities = partial(self._velocities, count=count)
         before, (before_by_q, moving) = velocities(t, y, state.before, p, share)
         after, (after_by_q, _) = velocities(t, y, state.after, p, share)
-        found = self.source.kinds(keys)
+        features = self.source.kinds(keys)
         if owner is not None:
             sizes = geometry.size // count, before.size // count
-            found = [_in_columns(kind, owner[kind.row], *sizes) for kind in found]
+            features = [_in_columns(kind, owner[kind.row], *sizes) for kind in features]
         kinds = [
-            self._evaluate(kind, geometry, before, after, impulses[kind.row]) for kind in found
+            self._evaluate(kind, geometry, before, after, impulses[kind.row]) for kind in features
         ]
         wrench = np.zeros((before.size, 1))
         for part in kinds:
