@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
 import pytest
 
 import dalembert as da
@@ -105,3 +106,26 @@ def test_contact_schemes_do_not_locate_impacts(scheme):
     """The message names the analysis that takes them."""
     with pytest.raises(da.AnalysisError, match="or use solve_nonsmooth, to which contact schemes"):
         da.solve_dynamics(ball(1.0), 1.0, step=0.01, integrator=scheme)
+
+
+def test_forces_that_alternate_at_rest_are_warned_about():
+    """Their mean is the weight; shorter steps, and Moreau and Jean's scheme, have it in each."""
+
+    def resting(step: float, **options):
+        system = da.System("rest", gravity=(0.0, -9.81))
+        ball = system.add(planar.Particle("ball", mass=1.0, position=(0.3, 0.5)))
+        floor = planar.contact.HalfPlane(system.ground.point(0.2, 0.1))
+        shapes = [planar.contact.Circle(ball.center, 0.1), floor]
+        system.add(planar.Collisions("hits", shapes, friction=0.3, restitution=0.2))
+        return da.solve_nonsmooth(system.build(), 3.0, step=step, **options)
+
+    rough = resting(0.01)
+    forces = rough.impulse("hits").values[-2:] / 0.01
+    assert forces.mean() == pytest.approx(9.81, rel=1e-6) and np.ptp(forces) > 1.0
+    (warning,) = (text for text in rough.warnings if "alternates" in text)
+    low, high = np.sort(forces)
+    assert warning.startswith(
+        f"a contact force of hits alternates between {low:.3g} and {high:.3g} N from step to step"
+    )
+    for fine in (resting(0.002), resting(0.01, integrator=da.MoreauJean())):
+        assert not any("alternates" in text for text in fine.warnings)

@@ -14,6 +14,7 @@ from dalembert.analysis.dynamics.residual_check import DRIFT, DRIFT_WARNING, Ene
 from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.model_residuals import Violation
 from dalembert.analysis.nonsmooth.advance import advance
+from dalembert.analysis.nonsmooth.alternating_forces import alternation_warnings
 from dalembert.analysis.nonsmooth.between_steps import interpolate
 from dalembert.analysis.nonsmooth.contact_durations import duration_warnings
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
@@ -294,4 +295,6 @@ class ContactCheck(ResidualCheck):
                 "value of acceptable to end such runs"
             )
         warnings += duration_warnings(record, self.energy.moved)
+        if self.step.scheme.anticipates:
+            warnings += alternation_warnings(record)
         return [*warnings, *rebound_warnings(self.step, record, self.energy.moved)]
