@@ -35,7 +35,7 @@ def page(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tup
         tab.click("text=Open…")
         tab.click("text=New structure")
         visit.until("document.documentElement.dataset.structure === 'true'", 20)
-        visit.until("studio.described?.revision >= studio.file.revision", 20)
+        visit.settle()
         yield visit, folder
         assert (visit.console, visit.errors) == ([], [])
         tab.close()

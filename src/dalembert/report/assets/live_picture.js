@@ -78,10 +78,10 @@ export class LivePicture {
     this.took = performance.now() - begin + result.duration;
   }
 
-  /** Whether a drag is faster where only the first instant is computed and drawn, which is shown. */
+  /** Whether a drag is faster where only the first instant is computed and drawn, which is shown. Drags in the plane read parts that it would change. */
   get slow() {
     const { live: { states = [], blocks = [] }, motion, player, took } = this;
-    return took > BUDGET && !motion.mesh && !motion.swings && !states.length && !blocks.length && !player.playing && motion.now === motion.start;
+    return took > BUDGET && motion.dimension === 3 && !motion.mesh && !motion.swings && !states.length && !blocks.length && !player.playing && motion.now === motion.start;
   }
 
   /** Show the first instant of another design, whose motion follows: the same parts at their new places. @param {LiveResult} result */

@@ -4,6 +4,9 @@
 
 import { el } from "./dom.js";
 
+/** Time without a press of a key or a button after which a picture is replaced [ms]: a press during the replacement would be lost. */
+const CALM = 150;
+
 /** Parts of a page of the report. @typedef {{ player: any, motion: any, scene: any, design?: any }} Page */
 
 export class Pictures {
@@ -22,7 +25,18 @@ export class Pictures {
     this.live = false;
     /** Whether something of the picture is being dragged; until it is released, the picture stays. */
     this.held = false;
+    /** Time of the last press of a key or a button [ms]. */
+    this.pressed = -CALM;
+    this.listen(window);
   }
+
+  /** Note the presses of keys and buttons. @param {Window} view */
+  listen(view) {
+    for (const kind of ["keydown", "pointerdown"]) view.addEventListener(kind, () => { this.pressed = performance.now(); }, true);
+  }
+
+  /** Whether a press of a key or a button goes on, or may follow at once. */
+  get busy() { return this.held || performance.now() - this.pressed < CALM; }
 
   /** Parts of the shown page. @returns {Page | null} */
   get page() { return partsOf(this.frame); }
@@ -46,13 +60,15 @@ export class Pictures {
   /** @param {HTMLIFrameElement} frame @param {number} number @param {boolean} live */
   async replace(frame, number, live) {
     for (let k = 0; k < 500 && frame.isConnected && !partsOf(frame); k++) await new Promise((resolve) => setTimeout(resolve, 10));
-    while (this.held && frame === this.next) await new Promise((resolve) => setTimeout(resolve, 20));
+    while (this.busy && frame === this.next) await new Promise((resolve) => setTimeout(resolve, 20));
     const page = partsOf(frame);
     if (frame !== this.next || !page) return;
     keepView(this.page, page, number === this.shown);
     setTheme(frame, document.documentElement.dataset.theme ?? "light");
     frame.classList.remove("loading");
+    if (document.activeElement === this.frame) window.focus();  // keys reach the drawing by the document
     this.frame?.remove();
+    if (frame.contentWindow) this.listen(frame.contentWindow);
     [this.frame, this.next, this.shown, this.live] = [frame, null, number, live];
     for (const listener of this.onShow) listener(page);
     document.documentElement.dataset.picture = `${number}${live ? " live" : ""}`;
