@@ -4,10 +4,9 @@
 /** @import { Operation } from "./operations.js" */
 /** @import { Document } from "./types.d.ts" */
 
-/** The page with the poses of its shown instant, which a preview does not change. @param {Page} page @returns {Page} */
+/** The page with its parts and poses of the shown instant, which previews do not change: they replace the parts of the shown motion. @param {Page} page @returns {Page} */
 export function stillPage(page) {
-  const { motion } = page, poses = new Map([...motion.bodies, motion.ground].map((body) => [body, motion.pose(body)]));
-  return { ...page, motion: Object.assign(Object.create(motion), { pose: (/** @type {any} */ body) => poses.get(body) ?? motion.pose(body) }) };
+  return { ...page, motion: Object.assign(Object.create(Object.getPrototypeOf(page.motion)), page.motion) };
 }
 
 /** Values of the parameters of a live page after the operations of a change; null where the page cannot compute it.
