@@ -57,7 +57,7 @@ static int casadi_strikes(const casadi_real** arg, casadi_real** res, const casa
     change = res[28][((const int*) arg[30])[body]];
     if (!(change<=largest)) largest = change;
   }
-  return casadi_fast(res[22][i], res[24][r], res[25][r], arg[36][0], largest, arg[37][18]);
+  return casadi_fast(res[22][i], res[24][r], res[25][r], arg[36][0], largest, arg[37][19]);
 }
 /* velocity offsets by Newton's law of impact, and the largest change of a normal speed by forces
    and the largest speed in limits */
@@ -91,7 +91,7 @@ static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
     fast = casadi_strikes(arg, res, iw, i);
     margin = casadi_margin(res[22][i], before[r], h, fast ? restitution : 0.0);
     if (free[r]<margin) {
-      margin = casadi_bounce(res[22][i], before[r], h, restitution, limits[0], arg[37][17], fast);
+      margin = casadi_bounce(res[22][i], before[r], h, restitution, limits[0], arg[37][18], fast);
     }
     res[26][r] = -margin;
   }
@@ -119,11 +119,11 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
     r = i*width;
     fast = casadi_strikes(arg, res, iw, i);
     bounce = casadi_bounce(res[22][i], before[r], arg[36][0], arg[28][law[pair[i]]*(2+iw[2])],
-      forced, arg[37][17], fast);
+      forced, arg[37][18], fast);
     if (impulse[r]>0 && -offset[r]<bounce && (before[r]<=0 || offset[r]<before[r])) {
       changed[r] = -bounce;
     }
-    if (!(total>arg[37][19]*magnitude)) continue;
+    if (!(total>arg[37][20]*magnitude)) continue;
     work = 0;
     for (a=0; a<width; ++a) work += impulse[r+a]*(after[r+a] + before[r+a]);
     if (!(work>0)) continue;
@@ -151,7 +151,7 @@ static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, ca
   for (k=0; k<iw[25]; ++k) {
     for (r=0; r<rows; ++r) velocity[r] = res[25][r] + res[26][r];
     allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
-    residual = casadi_newton(arg, res, iw, w, allowed);
+    residual = casadi_newton(arg, res, iw, w, arg[37][16]*allowed);
     if (!(residual<=allowed)) {
       allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
       residual = casadi_centered(arg, res, iw, w, allowed, scale);
@@ -161,7 +161,7 @@ static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, ca
       rounds += casadi_proximal(arg, res, iw, w, allowed);
       residual = res[11][1];
     }
-    if (!(residual<=allowed) || residual>arg[37][20]*scale) return -1;
+    if (!(residual<=allowed) || residual>arg[37][21]*scale) return -1;
     casadi_shorten(arg, res[0], iw);
     casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], res[0], rows, iw[3],
       res[10]);
@@ -239,7 +239,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   reach[1] = 0;
   casadi_fastest(arg, iw, v, reach);
   casadi_fastest(arg, iw, free, reach);
-  for (j=0; j<2; ++j) reach[j] = arg[37][16]*h*reach[j];
+  for (j=0; j<2; ++j) reach[j] = arg[37][17]*h*reach[j];
   res[11][3] = reach[0]>reach[1] ? reach[0] : reach[1];
   iw[6] = 2;
   if (!casadi_listed(arg, iw, res[11][3])) return 0;

@@ -73,7 +73,7 @@ static casadi_real casadi_central(const casadi_real** arg, casadi_real** res, ca
       limit = arg[37][11]*res[11][1];
       iw[10] = iw[27];
       casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
-      casadi_newton(arg, res, iw, w, allowed);
+      casadi_newton(arg, res, iw, w, arg[37][16]*allowed);
       iw[10] = most;
       least = casadi_keep(res, rows, least);
       if (least<=allowed || least<arg[37][13]*largest) break;

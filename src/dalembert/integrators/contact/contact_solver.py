@@ -31,7 +31,8 @@ class ContactSolver:
 
     Parameters
     ----------
-    tolerance : upper limit of the residual, relative to the largest speed of a contact [-]
+    tolerance : upper limit of the residual, relative to the largest speed of a contact [-];
+        Newton's method aims at a tenth of it
     acceptable : residual, relative to the same speed, with which a run continues, and warns, where
         the tolerance is out of reach [-]
     max_iterations : upper limit of iterations of the proximal method
@@ -52,7 +53,7 @@ class ContactSolver:
     5.0
     """
 
-    tolerance: float = 1e-9
+    tolerance: float = 1e-8
     acceptable: float = 1e-6
     max_iterations: int = 500
 

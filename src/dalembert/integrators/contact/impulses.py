@@ -21,8 +21,9 @@ BLOCK_ALTERNATIONS, BLOCK_ITERATIONS, BLOCK_SWEEPS = 6, 30, 60
 the upper limit of these."""
 FEW_PROXIMAL = 12
 """Upper limit of the proximal problems that precede sweeps there."""
-SWEEP_SHARE = 0.1
-"""Tolerance of sweeps relative to that of the problem [-]."""
+SWEEP_SHARE, NEWTON_SHARE = 0.1, 0.1
+"""Tolerances of sweeps and of Newton's method relative to that of the problem; the last step of the
+latter reduces the residual by far more [-]."""
 RESIDUAL_SHARE, TOLERANCE_SHARE = 0.01, 0.3
 """Tolerance of a proximal problem relative to the residual and to the tolerance of the original
 problem; the larger one counts [-]."""
@@ -83,12 +84,12 @@ def solved_impulses(
             return Impulses(guess, residual, True)
         if problem.matrix.dense is None:
             return _proximal(problem, guess, share, acceptable, max_iterations)
-    impulses = semismooth_newton(problem, guess, allowed)
+    impulses = semismooth_newton(problem, guess, NEWTON_SHARE * allowed)
     residual = problem.residual(impulses)
     allowed = share * problem.size(impulses)
     if residual <= allowed:
         return Impulses(impulses, residual, True)
-    impulses = semismooth_newton(problem, sticking_impulses(problem), allowed)
+    impulses = semismooth_newton(problem, sticking_impulses(problem), NEWTON_SHARE * allowed)
     residual = problem.residual(impulses)
     if residual <= share * problem.size(impulses):
         return Impulses(impulses, residual, True)
@@ -99,7 +100,7 @@ def _by_blocks(problem: FrictionProblem, impulses: np.ndarray, *limits: float | 
     """Impulses of free bodies by Newton's method, if it fails by few proximal problems."""
     share, acceptable, max_iterations = limits
     allowed = share * problem.size(impulses)
-    impulses = semismooth_newton(problem, impulses, allowed, BLOCK_ITERATIONS)
+    impulses = semismooth_newton(problem, impulses, NEWTON_SHARE * allowed, BLOCK_ITERATIONS)
     if (residual := problem.residual(impulses)) <= allowed:
         return Impulses(impulses, residual, True)
     few = min(FEW_PROXIMAL, int(max_iterations))
@@ -119,7 +120,7 @@ def _alternating(
         impulses = swept(problem, impulses, SWEEP_SHARE * allowed, sweeps)
         if (residual := problem.residual(impulses)) <= allowed:
             break
-        impulses = semismooth_newton(problem, impulses, allowed, few)
+        impulses = semismooth_newton(problem, impulses, NEWTON_SHARE * allowed, few)
         if (residual := problem.residual(impulses)) <= allowed:
             break
     return impulses, residual

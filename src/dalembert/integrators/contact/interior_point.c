@@ -13,7 +13,7 @@ static casadi_real casadi_determinant(const casadi_real* x, casadi_int size) {
   casadi_real length = casadi_length(x, size);
   return (x[0] - length)*(x[0] + length);
 }
-/* dimension of the cone of a contact, one without friction */
+/* dimension of the cone of a contact, one without friction; the other components are zero */
 static casadi_int casadi_cone(const casadi_real** arg, const casadi_int* iw, casadi_int i) {
   return iw[2]>0 && arg[3][i]>0 ? iw[1] : 1;
 }
@@ -84,32 +84,37 @@ static void casadi_target(const casadi_real* scaled, const casadi_real* dx, cons
     r[a] = -2*scaled[0]*scaled[a] - dx[0]*ds[a] - ds[0]*dx[a];
   }
 }
-/* impulses of a contact by its speeds, (1 + gain shift)^-1 (gain | right) with gain = W^-2 ds/du in
-   impulses, in both; 1 if singular */
+/* impulses of a contact by its speeds, inverse gain with inverse = (1 + gain shift)^-1 and gain =
+   W^-2 ds/du in impulses; 1 if singular */
 static int casadi_linearise(const casadi_real** arg, const casadi_int* iw, casadi_int i,
     const casadi_real* axis, casadi_real scale, const casadi_real* speed, casadi_real shift,
-    const casadi_real* right, casadi_real* both, casadi_real* w) {
+    casadi_real* gain, casadi_real* inverse, casadi_real* w) {
   casadi_int width = iw[1], size = casadi_cone(arg, iw, i), a, b, k;
-  casadi_real slope = casadi_slope(arg, iw, i), length = casadi_length(speed, size);
+  casadi_real slope = casadi_slope(arg, iw, i), length = casadi_length(speed, width), sum;
   casadi_real* left = w;
-  casadi_real* column = left + width*width;
+  casadi_real* own = left + width*width;
+  casadi_real* column = own + width*width;
   casadi_real* turned = column + width;
   for (b=0; b<width; ++b) {
-    for (k=0; k<width; ++k) {
-      left[k*width+b] = k==b ? 1.0 : 0.0;
-      both[k*(width+1)+b] = 0;
-    }
-    both[b*(width+1)+width] = right[b];
-    if (b>=size) continue;
-    for (a=0; a<size; ++a) column[a] = a==b ? 1.0 : 0.0;
+    for (a=0; a<width; ++a) column[a] = a==b ? 1.0 : 0.0;
     column[0] = b==0 ? 1/slope : (length>0 ? speed[b]/length : 0.0);
-    casadi_turn(axis, scale*scale, 1, column, size, turned);
-    for (a=0; a<size; ++a) {
-      both[a*(width+1)+b] = a==0 ? turned[0]/slope : turned[a];
-      left[a*width+b] += both[a*(width+1)+b]*shift*arg[5][i*width+b];
+    casadi_turn(axis, scale*scale, 1, column, width, turned);
+    for (a=0; a<width; ++a) {
+      own[a*width+b] = (a<size && b<size) ? turned[a] : 0.0;
+      if (a==0) own[b] = own[b]/slope;
+      inverse[a*width+b] = a==b ? 1.0 : 0.0;
+      left[a*width+b] = inverse[a*width+b] + own[a*width+b]*shift*arg[5][i*width+b];
     }
   }
-  return casadi_eliminate(left, both, width, width + 1) ? 0 : 1;
+  if (!casadi_eliminate(left, inverse, width, width)) return 1;
+  for (a=0; a<width; ++a) {
+    for (b=0; b<width; ++b) {
+      sum = 0;
+      for (k=0; k<width; ++k) sum += inverse[a*width+k]*own[k*width+b];
+      gain[a*width+b] = sum;
+    }
+  }
+  return 0;
 }
 /* x and s in the interior of the cones, near the impulses in res[0] */
 static void casadi_interior_start(const casadi_real** arg, casadi_real** res,
@@ -127,7 +132,8 @@ static void casadi_interior_start(const casadi_real** arg, casadi_real** res,
     for (a=0; a<width; ++a) x[r+a] = a<size ? res[0][r+a] : 0.0;
     x[r] = slope*x[r] + share*largest/arg[5][r];
     casadi_slack(res[5] + r, slope, size, s + r);
-    length = casadi_length(s + r, size);
+    for (a=size; a<width; ++a) s[r+a] = 0;
+    length = casadi_length(s + r, width);
     s[r] = (s[r]>length ? s[r] : length) + 2*share*largest;
   }
 }
@@ -146,53 +152,59 @@ static casadi_real casadi_interior_state(const casadi_real** arg, casadi_real** 
     const casadi_int* iw) {
   const casadi_real* x = res[36];
   const casadi_real* s = res[37];
-  casadi_int i, a, r, size;
+  casadi_int width = iw[1], i, a, r, size;
   casadi_real gap = 0;
   for (i=0; i<iw[0]; ++i) {
-    r = i*iw[1];
+    r = i*width;
     size = casadi_cone(arg, iw, i);
-    res[43][i] = casadi_scaling(x + r, s + r, size, res[41] + r, res[42] + r);
-    casadi_turn(res[41] + r, res[43][i], 0, x + r, size, res[40] + r);
+    res[43][i] = casadi_scaling(x + r, s + r, width, res[41] + r, res[42] + r);
+    casadi_turn(res[41] + r, res[43][i], 0, x + r, width, res[40] + r);
     casadi_slack(res[5] + r, casadi_slope(arg, iw, i), size, res[7] + r);
-    for (a=0; a<size; ++a) {
+    for (a=0; a<width; ++a) {
       gap += x[r+a]*s[r+a];
-      res[7][r+a] -= s[r+a];
+      res[7][r+a] = a<size ? res[7][r+a] - s[r+a] : 0.0;
       res[38][r+a] = 0;
       res[39][r+a] = 0;
     }
   }
   return gap/iw[0];
 }
-/* equations of a step to a centre, after the predictor in res[38] and res[39]; the matrix only if
-   assembled. 1 if a contact is singular */
-static int casadi_interior_equations(const casadi_real** arg, casadi_real** res,
-    const casadi_int* iw, casadi_real center, casadi_real shift, casadi_int assembled,
-    casadi_real* w) {
+/* matrix of the steps; 1 if a contact is singular */
+static int casadi_interior_matrix(const casadi_real** arg, casadi_real** res,
+    const casadi_int* iw, casadi_real shift, casadi_real* w) {
+  casadi_int width = iw[1], square = iw[1]*iw[1], i, j;
+  for (j=0; j<iw[4]; ++j) res[1][j] = res[12][j];
+  for (i=0; i<iw[0]; ++i) {
+    if (casadi_linearise(arg, iw, i, res[42] + i*width, res[43][i], res[5] + i*width, shift,
+        res[4] + i*square, res[44] + i*square, w)) return 1;
+    casadi_add_blocks(arg, res, iw, i, res[4] + i*square, w);
+  }
+  return 0;
+}
+/* equations of a step to a centre, after the predictor in res[38] and res[39] */
+static void casadi_interior_equations(const casadi_real** arg, casadi_real** res,
+    const casadi_int* iw, casadi_real center, casadi_real* w) {
   casadi_int width = iw[1], i, a, b, r, size;
-  casadi_real* both = w + 4*width*width;
-  casadi_real* q = w + 8*width*width;
+  casadi_real* q = w;
+  casadi_real* right = q + 3*width;
   casadi_real scale;
   for (i=0; i<iw[0]; ++i) {
     r = i*width;
     size = casadi_cone(arg, iw, i);
     scale = res[43][i];
-    casadi_turn(res[41] + r, scale, 0, res[38] + r, size, q);
-    casadi_turn(res[41] + r, scale, 1, res[39] + r, size, q + width);
-    casadi_target(res[40] + r, q, q + width, center, size, q + 2*width);
-    casadi_divide(res[40] + r, q + 2*width, size, q);
-    casadi_turn(res[41] + r, scale, 1, q, size, q + width);
-    casadi_turn(res[42] + r, scale*scale, 1, res[7] + r, size, q);
-    for (a=0; a<width; ++a) res[3][r+a] = a<size ? q[width+a] - q[a] : 0.0;
-    res[3][r] = res[3][r]/casadi_slope(arg, iw, i);
-    if (casadi_linearise(arg, iw, i, res[42] + r, scale, res[5] + r, shift, res[3] + r, both,
-        w)) return 1;
+    casadi_turn(res[41] + r, scale, 0, res[38] + r, width, q);
+    casadi_turn(res[41] + r, scale, 1, res[39] + r, width, q + width);
+    casadi_target(res[40] + r, q, q + width, center, width, q + 2*width);
+    casadi_divide(res[40] + r, q + 2*width, width, q);
+    casadi_turn(res[41] + r, scale, 1, q, width, q + width);
+    casadi_turn(res[42] + r, scale*scale, 1, res[7] + r, width, q);
+    for (a=0; a<width; ++a) right[a] = a<size ? q[width+a] - q[a] : 0.0;
+    right[0] = right[0]/casadi_slope(arg, iw, i);
     for (a=0; a<width; ++a) {
-      res[3][r+a] = both[a*(width+1)+width];
-      for (b=0; b<width; ++b) res[4][(r+a)*width+b] = both[a*(width+1)+b];
+      res[3][r+a] = 0;
+      for (b=0; b<width; ++b) res[3][r+a] += res[44][(r+a)*width+b]*right[b];
     }
-    if (assembled) casadi_add_blocks(arg, res, iw, i, res[4] + r*width, q);
   }
-  return 0;
 }
 /* changes of x and s by the equations; the largest share of these within the cones */
 static casadi_real casadi_interior_step(const casadi_real** arg, casadi_real** res,
@@ -221,14 +233,14 @@ static casadi_real casadi_interior_step(const casadi_real** arg, casadi_real** r
     }
     for (a=0; a<size; ++a) z[a] += shift*arg[5][r+a]*dx[r+a];
     dx[r] = slope*dx[r];
-    length = casadi_length(speed + r, size);
+    length = casadi_length(speed + r, width);
     ds[r] = res[7][r] + z[0]/slope;
     for (a=1; a<size; ++a) {
       if (length>0) ds[r] += speed[r+a]/length*z[a];
       ds[r+a] = z[a] + res[7][r+a];
     }
-    share = casadi_boundary(res[36] + r, dx + r, size, share);
-    share = casadi_boundary(res[37] + r, ds + r, size, share);
+    share = casadi_boundary(res[36] + r, dx + r, width, share);
+    share = casadi_boundary(res[37] + r, ds + r, width, share);
   }
   return share;
 }
@@ -237,18 +249,17 @@ static void casadi_interior_move(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw, casadi_real share, casadi_real largest) {
   casadi_real* x = res[36];
   casadi_real* s = res[37];
-  casadi_int i, a, r, size;
+  casadi_int width = iw[1], i, a, r;
   casadi_real length;
   for (i=0; i<iw[0]; ++i) {
-    r = i*iw[1];
-    size = casadi_cone(arg, iw, i);
-    for (a=0; a<size; ++a) {
+    r = i*width;
+    for (a=0; a<width; ++a) {
       x[r+a] += share*res[38][r+a];
       s[r+a] += share*res[39][r+a];
     }
-    length = casadi_length(x + r, size)*(1 + 1e-13);
+    length = casadi_length(x + r, width)*(1 + 1e-13);
     if (!(x[r]>length)) x[r] = length + 1e-14*largest/arg[5][r];
-    length = casadi_length(s + r, size)*(1 + 1e-13);
+    length = casadi_length(s + r, width)*(1 + 1e-13);
     if (!(s[r]>length)) s[r] = length + 1e-14*largest;
   }
 }
@@ -269,14 +280,13 @@ static casadi_real casadi_interior(const casadi_real** arg, casadi_real** res,
   casadi_real shift = arg[37][res[11][1]<arg[37][13]*largest ? 14 : 7];
   casadi_real* used = w + iw[13] + iw[0]*iw[1] + iw[11] + iw[0] + 2;
   casadi_real gap = casadi_interior_state(arg, res, iw), share, center;
-  casadi_int j;
-  for (j=0; j<iw[4]; ++j) res[1][j] = res[12][j];
-  if (casadi_interior_equations(arg, res, iw, 0.0, shift, 1, w)) return -1;
+  if (casadi_interior_matrix(arg, res, iw, shift, w)) return -1;
   if (casadi_factorise(res[1], (const int*) arg[19], (const int*) arg[20], iw[8], iw[9], used,
       w)) return -1;
+  casadi_interior_equations(arg, res, iw, 0.0, w);
   share = casadi_interior_step(arg, res, iw, shift, used, w);
   center = casadi_interior_center(res, iw[0]*iw[1], share, gap*iw[0]);
-  if (casadi_interior_equations(arg, res, iw, center*gap, shift, 0, w)) return -1;
+  casadi_interior_equations(arg, res, iw, center*gap, w);
   share = arg[37][8]*casadi_interior_step(arg, res, iw, shift, used, w);
   casadi_interior_move(arg, res, iw, share, largest);
   return share;

@@ -3,7 +3,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     int mem) {
   casadi_real* pieces = w + iw[13] + iw[0]*iw[1] + iw[11];
   casadi_forget(pieces, iw[0]);
-  if (iw[6]==0) return casadi_assemble(arg, res, iw, w, pieces);
+  if (iw[6]==0) return casadi_assemble(arg, res, iw, w, pieces, 0);
   if (iw[6]==1) return casadi_search(arg, res, iw, w);
   if (casadi_contact_places(arg, res, iw) || casadi_inertia_blocks(arg, res, iw)) return 1;
   return casadi_iterate(arg, res, iw, w);

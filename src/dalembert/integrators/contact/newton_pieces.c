@@ -49,25 +49,35 @@ static int casadi_eliminate(casadi_real* matrix, casadi_real* x, casadi_int size
   }
   return 1;
 }
+/* the first component of a group of tangents, and the one after its last; of one group, constants */
+static casadi_int casadi_begin(const int* group, casadi_int groups, casadi_int g) {
+  return groups==1 ? 1 : group[g];
+}
+static casadi_int casadi_end(const int* group, casadi_int groups, casadi_int width,
+    casadi_int g) {
+  return groups==1 ? width : group[g+1];
+}
 /* violation = impulse - projection of z = impulse - speed/mobility, of one contact */
 static void casadi_violation(const casadi_real* impulse, const casadi_real* speed,
     const casadi_real* mobility, const casadi_real* friction, casadi_real minimum,
-    const int* group, casadi_int groups, casadi_real* violation) {
-  casadi_int g, a;
+    const int* group, casadi_int groups, casadi_int width, casadi_real* violation) {
+  casadi_int g, a, begin, end;
   casadi_real pressure, length, limit, share;
   pressure = impulse[0] - speed[0]/mobility[0];
   if (!(pressure>minimum)) pressure = minimum;
   violation[0] = impulse[0] - pressure;
   for (g=0; g<groups; ++g) {
+    begin = casadi_begin(group, groups, g);
+    end = casadi_end(group, groups, width, g);
     length = 0;
-    for (a=group[g]; a<group[g+1]; ++a) {
+    for (a=begin; a<end; ++a) {
       violation[a] = impulse[a] - speed[a]/mobility[a];
       length += violation[a]*violation[a];
     }
     length = sqrt(length);
     limit = friction[g]*pressure;
     share = length>limit ? limit/length : 1.0;
-    for (a=group[g]; a<group[g+1]; ++a) violation[a] = impulse[a] - share*violation[a];
+    for (a=begin; a<end; ++a) violation[a] = impulse[a] - share*violation[a];
   }
 }
 /* squared merit of impulses, and their residual */
@@ -81,7 +91,7 @@ static casadi_real casadi_merit(const casadi_real* impulse, const casadi_real* s
   for (i=0; i<count; ++i) {
     r = i*width;
     casadi_violation(impulse + r, speed + r, mobility + r, friction + i*groups, minimum[i], group,
-      groups, violation);
+      groups, width, violation);
     for (a=0; a<width; ++a) {
       sum += violation[a]*violation[a]*mobility[r+a];
       if (!(fabs(violation[a])*weight[r+a]<=residual[0])) {
@@ -95,7 +105,7 @@ static casadi_real casadi_merit(const casadi_real* impulse, const casadi_real* s
 static void casadi_pieces(const casadi_real* z, const casadi_real* mobility,
     const casadi_real* friction, casadi_real minimum, const int* group, casadi_int groups,
     casadi_int width, casadi_real* own, casadi_real* coupled) {
-  casadi_int g, a, b;
+  casadi_int g, a, b, begin, end;
   casadi_real pressure, pressed, length, limit, slip, direction;
   for (a=0; a<width*width; ++a) {
     own[a] = 0;
@@ -106,15 +116,17 @@ static void casadi_pieces(const casadi_real* z, const casadi_real* mobility,
   own[0] = 1 - pressed;
   coupled[0] = pressed/mobility[0];
   for (g=0; g<groups; ++g) {
+    begin = casadi_begin(group, groups, g);
+    end = casadi_end(group, groups, width, g);
     length = 0;
-    for (a=group[g]; a<group[g+1]; ++a) length += z[a]*z[a];
+    for (a=begin; a<end; ++a) length += z[a]*z[a];
     length = sqrt(length);
     limit = friction[g]*pressure;
     if (length>limit || friction[g]==0) {
       if (!(length>0)) length = 1;
-      for (a=group[g]; a<group[g+1]; ++a) {
+      for (a=begin; a<end; ++a) {
         direction = z[a]/length;
-        for (b=group[g]; b<group[g+1]; ++b) {
+        for (b=begin; b<end; ++b) {
           slip = (a==b ? 1.0 : 0.0) - direction*z[b]/length;
           slip = (a==b ? 1.0 : 0.0) - limit/length*slip;
           own[a*width+b] = slip;
@@ -124,7 +136,7 @@ static void casadi_pieces(const casadi_real* z, const casadi_real* mobility,
         coupled[a*width] = pressed*friction[g]*direction/mobility[0];
       }
     } else {
-      for (a=group[g]; a<group[g+1]; ++a) coupled[a*width+a] = 1/mobility[a];
+      for (a=begin; a<end; ++a) coupled[a*width+a] = 1/mobility[a];
     }
   }
 }

@@ -28,18 +28,20 @@ static void casadi_forget(casadi_real* pieces, casadi_int count) {
 /* number of the piece of a contact: 0 without pressure, else by sticking or the direction of slip;
    negative if the derivatives vary within it */
 static casadi_real casadi_piece(const casadi_real* z, const casadi_real* friction,
-    casadi_real minimum, const int* group, casadi_int groups) {
-  casadi_int g, a, varies = 0;
+    casadi_real minimum, const int* group, casadi_int groups, casadi_int width) {
+  casadi_int g, a, begin, end, varies = 0;
   casadi_real piece = z[0]>minimum ? 1.0 : 2.0, length, limit;
   if (!(z[0]>minimum || minimum>0)) return 0;
   for (g=0; g<groups; ++g) {
+    begin = casadi_begin(group, groups, g);
+    end = casadi_end(group, groups, width, g);
     length = 0;
-    for (a=group[g]; a<group[g+1]; ++a) length += z[a]*z[a];
+    for (a=begin; a<end; ++a) length += z[a]*z[a];
     limit = friction[g]*(z[0]>minimum ? z[0] : minimum);
     piece = 3*piece;
     if (!(length>limit*limit) && friction[g]!=0) continue;
-    piece += z[group[g]]>0 ? 2.0 : 1.0;
-    if (group[g+1]-group[g]>1) varies = 1;
+    piece += z[begin]>0 ? 2.0 : 1.0;
+    if (end-begin>1) varies = 1;
   }
   return varies ? -piece : piece;
 }
@@ -85,10 +87,10 @@ static void casadi_add_push(const casadi_real** arg, casadi_real** res, const ca
 }
 /* residual and, above the tolerance, the equations of a step; 1 if a contact is singular. The
    matrix remains if the pieces are those of the step before, and their derivatives are the same or
-   that step reduced the residual enough: pieces[count] is then 1. pieces[count+1] is its residual
-   */
+   that step reduced the residual enough: pieces[count] is then 1. pieces[count+1] is its residual.
+   The speeds are known after a step, unless this is the last one */
 static int casadi_assemble(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
-    casadi_real* w, casadi_real* pieces) {
+    casadi_real* w, casadi_real* pieces, casadi_int known) {
   const casadi_real* directions = arg[0];
   const casadi_real* responses = arg[1];
   const casadi_real* friction = arg[3];
@@ -122,18 +124,18 @@ static int casadi_assemble(const casadi_real** arg, casadi_real** res, const cas
   casadi_real* across = violation + width;
   casadi_int i, a, b, j, r, varies = 0;
   casadi_real share, u;
-  casadi_state(arg, res, iw, violation);
+  if (!known || !(status[1]>settings[0])) casadi_state(arg, res, iw, violation);
   if (!(status[1]>settings[0])) return 0;
   pieces[count] = 1;
   for (i=0; i<count; ++i) {
     r = i*width;
     for (a=0; a<width; ++a) z[a] = impulse[r+a] - speed[r+a]/mobility[r+a];
-    share = casadi_piece(z, friction + i*groups, minimum[i], group, groups);
+    share = casadi_piece(z, friction + i*groups, minimum[i], group, groups, width);
     if (share!=pieces[i]) pieces[count] = 0;
     if (share<0) varies = 1;
     pieces[i] = share;
     casadi_violation(impulse + r, speed + r, mobility + r, friction + i*groups, minimum[i],
-      group, groups, violation);
+      group, groups, width, violation);
     status[2] = share!=0 ? 1.0 : 0.0;
     for (a=0; a<width; ++a) {
       free[r+a] = -violation[a];
@@ -196,7 +198,7 @@ static int casadi_search(const casadi_real** arg, casadi_real** res, const casad
   const int* group = (const int*) arg[13];
   const casadi_real* free = res[3];
   const casadi_real* gain = res[4];
-  const casadi_real* speed = res[5];
+  casadi_real* speed = res[5];
   const casadi_real* solution = res[13];
   casadi_real* impulse = res[0];
   casadi_real* step = res[6];
@@ -240,7 +242,10 @@ static int casadi_search(const casadi_real** arg, casadi_real** res, const casad
     merit = casadi_merit(trial, trial_speed, mobility, weight, friction, minimum, group, groups,
       count, width, violation, status + 1);
     if (merit<status[0]) {
-      for (r=0; r<rows; ++r) impulse[r] = trial[r];
+      for (r=0; r<rows; ++r) {
+        impulse[r] = trial[r];
+        speed[r] = trial_speed[r];
+      }
       status[0] = merit;
       status[2] = 1;
       return 0;
@@ -259,7 +264,7 @@ static int casadi_iterate(const casadi_real** arg, casadi_real** res, const casa
   const int* row = (const int*) arg[20];
   const int* members = (const int*) arg[21];
   casadi_int blocks = iw[8], size = iw[9], iterations = iw[10], k, j;
-  casadi_int memory = iw[11], rows = iw[0]*iw[1], jumps = 0;
+  casadi_int memory = iw[11], rows = iw[0]*iw[1], jumps = 0, known = 0;
   casadi_real* impulse = res[0];
   casadi_real* best = w + iw[13];
   casadi_real* merits = best + rows;
@@ -269,7 +274,7 @@ static int casadi_iterate(const casadi_real** arg, casadi_real** res, const casa
   pieces[iw[0]+1] = 0;
   for (k=0; k<iterations; ++k) {
     status[3] = k;
-    if (casadi_assemble(arg, res, iw, w, pieces)) return 1;
+    if (casadi_assemble(arg, res, iw, w, pieces, known)) return 1;
     if (k==0 || status[0]<least) {
       least = status[0];
       for (j=0; j<rows; ++j) best[j] = impulse[j];
@@ -290,7 +295,8 @@ static int casadi_iterate(const casadi_real** arg, casadi_real** res, const casa
       if (!(fabs(res[13][j])<1e300)) return 1;
     }
     if (casadi_search(arg, res, iw, w)) return 1;
-    if (!(status[2]>0)) {
+    known = status[2]>0;
+    if (!known) {
       ++jumps;
       if (jumps>iw[12]) {
         for (j=0; j<rows; ++j) impulse[j] = best[j];

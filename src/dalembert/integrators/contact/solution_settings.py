@@ -6,6 +6,7 @@ from __future__ import annotations
 from dalembert.integrators.contact.impulses import (
     DECREASE,
     INCREASE,
+    NEWTON_SHARE,
     RESIDUAL_SHARE,
     TOLERANCE_SHARE,
     WEIGHT,
@@ -38,5 +39,6 @@ SOLUTION_SHARES = (
     *(WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN, RESIDUAL_SHARE, TOLERANCE_SHARE),
     *(REGULARIZATIONS[0], TO_BOUNDARY, INTERIOR_STARTS[0], INTERIOR_SHARE, INTERIOR_FACTOR),
     *(SHORT, INTERIOR_END, REGULARIZATIONS[1], INTERIOR_STARTS[1]),
+    NEWTON_SHARE,
 )
 """Numbers of the machine code, in its order."""

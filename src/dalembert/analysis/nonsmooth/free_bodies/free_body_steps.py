@@ -281,7 +281,7 @@ class FreeBodySteps(PathContacts):
         outputs += [self._pair_of, *(real(rows) for _ in range(4)), self.displacement]
         outputs += [self._last[1]]
         outputs += [self.numbers, pressed, impulses, offsets, real(3 * rows)]
-        outputs += [*(real(rows) for _ in range(8)), real(contacts)]
+        outputs += [*(real(rows) for _ in range(8)), real(contacts), real(rows * k)]
         blocks, size = self.counts[[BLOCKS, SIZE]]
         work = 12 * k**2 + 3 * k * (k + 1) + 2 * k + 4 * k * widest
         work = int(max(work, blocks * size + size**2))
