@@ -150,17 +150,9 @@ static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, ca
   casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
   for (k=0; k<iw[25]; ++k) {
     for (r=0; r<rows; ++r) velocity[r] = res[25][r] + res[26][r];
+    rounds += casadi_solution(arg, res, iw, w, arg[36][1], scale);
+    residual = res[11][1];
     allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
-    residual = casadi_newton(arg, res, iw, w, arg[37][16]*allowed);
-    if (!(residual<=allowed)) {
-      allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
-      residual = casadi_centered(arg, res, iw, w, allowed, scale);
-    }
-    if (!(residual<=allowed)) {
-      allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
-      rounds += casadi_proximal(arg, res, iw, w, allowed);
-      residual = res[11][1];
-    }
     if (!(residual<=allowed) || residual>arg[37][21]*scale) return -1;
     casadi_shorten(arg, res[0], iw);
     casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], res[0], rows, iw[3],

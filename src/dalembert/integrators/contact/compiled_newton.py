@@ -14,11 +14,26 @@ from dalembert.integrators.contact.machine_code import (
     machine_code,
     problem_arrays,
 )
+from dalembert.integrators.contact.solution_settings import (
+    INTERIOR_POINTS,
+    MANY_PROXIMAL,
+    NEWTON_STEPS,
+    POLISHING,
+    SHORT_STEPS,
+    SOLUTION_FILES,
+    SOLUTION_SHARES,
+)
 from dalembert.sparse.factorise import SuperLUFactors
 
-MODE, ASSEMBLE, SEARCH, ITERATE = 6, 0, 1, 2
+MODE, ASSEMBLE, SEARCH, ITERATE, SOLVE = 6, 0, 1, 2, 3
 """Place of the mode of the loop among its counts, and the modes."""
-FILES = "newton_pieces.c", "block_factors.c", "semismooth_newton.c", "newton_modes.c"
+FILES = *SOLUTION_FILES, "newton_modes.c"
+PROXIMAL, INTERIOR = 24, 26
+"""Places of the limits of proximal problems, and of interior points, among the counts."""
+SHARES, ORIGINAL = 37, 34
+"""Places of the settings of the solution among the inputs, and of its memory among the outputs."""
+OVERSHOOT = 1e-9
+"""Relative overshoot of a step beyond a change of piece [-]."""
 BLOCK_REGULARIZATION = 1e-7
 """Regularisation of steps with factors without pivots, so that these are accurate, relative to the
 mobility: it reduces a residual to this share of it, at best [-]."""
@@ -35,8 +50,10 @@ class CompiledNewton:
     problem : with a sparse operator
     operator : Delassus operator of the problem
     impulses : (n, k) initial guess
-    settings : tolerance of the residual, regularisation, overshoot beyond a change of piece
+    settings : tolerance of the residual, regularisation, overshoot beyond a change of piece; of
+        the whole solution also its relative tolerance and the lower limit of the reference speed
     max_iterations : upper limit of the steps
+    proximal : upper limit of the proximal problems of the whole solution, of blocks alone
     """
 
     def __init__(
@@ -44,8 +61,9 @@ class CompiledNewton:
         problem: FrictionProblem,
         operator: Delassus,
         impulses: np.ndarray,
-        settings: tuple[float, float, float],
+        settings: tuple[float, ...],
         max_iterations: int = 0,
+        proximal: int | None = None,
     ):
         code = machine_code(*FILES)
         assert code is not None
@@ -54,8 +72,10 @@ class CompiledNewton:
         self.impulses, self.status = np.array(impulses), np.zeros(4)
         self.ordering = operator.ordering(width)
         if self.ordering is not None:
-            settings = settings[0], max(settings[1], BLOCK_REGULARIZATION), settings[2]
+            settings = settings[0], max(settings[1], BLOCK_REGULARIZATION), *settings[2:]
         inputs = [*problem_arrays(problem, operator), np.array(settings)]
+        if proximal is not None:  # which changes speeds, mobilities and additions to the diagonal
+            inputs = [*inputs[:2], *(array.copy() for array in inputs[2:])]
         inputs += index_arrays(problem, operator)
         if self.ordering is None:
             self.pattern = pattern = operator.pattern(width)
@@ -77,9 +97,16 @@ class CompiledNewton:
         outputs += [np.zeros(rows) for _ in range(5)]
         outputs += [np.zeros(self.speeds), self.status, constant, self.solution, *indices]
         counts = [count, width, len(problem.groups), self.speeds, entries, size]
-        work = 3 * width * (width + 1) + 2 * width + 2 * width * widest
+        if proximal is not None:
+            none = np.zeros(1)
+            inputs += [none] * (SHARES - len(inputs)) + [np.array(SOLUTION_SHARES)]
+            memory = [3 * rows, *[rows] * 8, count, rows * width]
+            outputs += [none] * (ORIGINAL - len(outputs)) + [np.zeros(size) for size in memory]
+        work = 12 * width**2 + 3 * width * (width + 1) + 2 * width + 2 * width * widest
         work = max(work, sizes[0] * sizes[1] + sizes[1] ** 2)
         counts += [ASSEMBLE, widest, *sizes, max_iterations, MEMORY, JUMPS, work]
+        counts += [0] * (PROXIMAL - len(counts)) + [proximal or 0, 0]
+        counts += [INTERIOR_POINTS, POLISHING, SHORT_STEPS]
         work += rows + MEMORY + count + 2 + entries
         self._loop = Loop(code, inputs, outputs, counts, work)
 
@@ -116,6 +143,11 @@ class CompiledNewton:
             except np.linalg.LinAlgError:
                 break
 
+    def solve(self) -> int:
+        """The whole solution; the number of proximal problems."""
+        self._loop.counts[MODE] = SOLVE
+        return int(self.status[3]) if self._loop() else 0
+
 
 def compiled_newton(
     problem: FrictionProblem,
@@ -128,6 +160,29 @@ def compiled_newton(
     newton = CompiledNewton(problem, operator, impulses, settings, max_iterations)
     newton.iterate(settings[0])
     return newton.impulses
+
+
+def compiled_solution(
+    problem: FrictionProblem, impulses: np.ndarray, share: float, max_iterations: int
+) -> tuple[np.ndarray, int] | None:
+    """Impulses of free bodies by Newton's method, interior points and proximal problems, and the
+    number of the latter; None without machine code, and for compliant contacts.
+
+    Parameters
+    ----------
+    impulses : (n, k) initial guess
+    share : tolerance relative to the largest speed of a contact [-]
+    max_iterations : upper limit of the proximal problems
+    """
+    operator = problem.matrix
+    assert isinstance(operator, Delassus)
+    compliant = operator.shift.any() or np.any(problem.minimum) or np.any(problem.compliance)
+    if compliant or machine_code(*FILES) is None:
+        return None
+    settings = 0.0, BLOCK_REGULARIZATION, OVERSHOOT, share, problem.scale
+    proximal = min(MANY_PROXIMAL, max_iterations)
+    newton = CompiledNewton(problem, operator, impulses, settings, NEWTON_STEPS, proximal)
+    return newton.impulses, newton.solve()
 
 
 def _block_arrays(operator: Delassus, order: BlockOrdering) -> list[np.ndarray]:

@@ -1,4 +1,5 @@
-/* Impulses of the contacts of free bodies: Newton's method, then a few proximal problems */
+/* Impulses of the contacts of free bodies: Newton's method, then interior points, then proximal
+   problems */
 /* mobility and weights of the residual, with additions to the diagonal */
 static void casadi_mobilities(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
   const casadi_real* directions = arg[0];
@@ -155,4 +156,15 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
   for (r=0; r<rows; ++r) impulse[r] = best[r];
   res[11][1] = least;
   return rounds;
+}
+/* impulses from those in res[0], with a tolerance relative to the scale or to a larger change of
+   speed; the number of proximal problems, and the residual in status[1] */
+static casadi_int casadi_solution(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    casadi_real* w, casadi_real tolerance, casadi_real scale) {
+  casadi_real allowed = tolerance*casadi_size(arg, iw, res[0], scale);
+  if (casadi_newton(arg, res, iw, w, arg[37][16]*allowed)<=allowed) return 0;
+  allowed = tolerance*casadi_size(arg, iw, res[0], scale);
+  if (casadi_centered(arg, res, iw, w, allowed, scale)<=allowed) return 0;
+  allowed = tolerance*casadi_size(arg, iw, res[0], scale);
+  return casadi_proximal(arg, res, iw, w, allowed);
 }

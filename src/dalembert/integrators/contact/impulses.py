@@ -6,13 +6,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from dalembert.integrators.contact.compiled_newton import compiled_solution
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
 from dalembert.integrators.contact.semismooth_newton import MAX_ITERATIONS, semismooth_newton
+from dalembert.integrators.contact.solution_settings import (
+    DECREASE,
+    INCREASE,
+    NEWTON_SHARE,
+    RESIDUAL_SHARE,
+    TOLERANCE_SHARE,
+    WEIGHT,
+    WEIGHT_MAX,
+    WEIGHT_MIN,
+)
 from dalembert.integrators.contact.sweeps import SWEEPS, swept
 
-WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN = 1e-3, 4.0, 0.3, 1.0, 1e-11
-"""Proximal weight: initial value, factors after failure and success, upper and lower limit [-]."""
 ALTERNATIONS, NEWTON_ITERATIONS = 3, 5
 """Upper limits for many contacts: rounds of sweeps and Newton's method; iterations of the latter,
 which without friction is not limited further."""
@@ -21,12 +30,8 @@ BLOCK_ALTERNATIONS, BLOCK_ITERATIONS, BLOCK_SWEEPS = 6, 30, 60
 the upper limit of these."""
 FEW_PROXIMAL = 12
 """Upper limit of the proximal problems that precede sweeps there."""
-SWEEP_SHARE, NEWTON_SHARE = 0.1, 0.1
-"""Tolerances of sweeps and of Newton's method relative to that of the problem; the last step of the
-latter reduces the residual by far more [-]."""
-RESIDUAL_SHARE, TOLERANCE_SHARE = 0.01, 0.3
-"""Tolerance of a proximal problem relative to the residual and to the tolerance of the original
-problem; the larger one counts [-]."""
+SWEEP_SHARE = 0.1
+"""Tolerance of sweeps relative to that of the problem [-]."""
 PROGRESS, PATIENCE = 0.9, 40
 """Factor by which the residual of the proximal method has to fall, and the number of iterations
 within which it has to, as long as the residual is above the tolerance but acceptable."""
@@ -97,8 +102,15 @@ def solved_impulses(
 
 
 def _by_blocks(problem: FrictionProblem, impulses: np.ndarray, *limits: float | int) -> Impulses:
-    """Impulses of free bodies by Newton's method, if it fails by few proximal problems."""
+    """Impulses of free bodies: Newton's method, interior points and proximal problems in machine
+    code, otherwise Newton's method and few proximal problems."""
     share, acceptable, max_iterations = limits
+    solution = compiled_solution(problem, impulses, share, int(max_iterations))
+    if solution is not None:
+        impulses, rounds = solution
+        residual, size = problem.residual(impulses), problem.size(impulses)
+        accepted = residual <= min(acceptable * size, LARGEST_SHARE * problem.scale)
+        return Impulses(impulses, residual, residual <= share * size, rounds, accepted)
     allowed = share * problem.size(impulses)
     impulses = semismooth_newton(problem, impulses, NEWTON_SHARE * allowed, BLOCK_ITERATIONS)
     if (residual := problem.residual(impulses)) <= allowed:

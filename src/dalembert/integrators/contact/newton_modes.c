@@ -1,4 +1,5 @@
-/* Semismooth Newton method called from outside: equations, line search, or all steps */
+/* Semismooth Newton method called from outside: equations, line search, or all steps; or the whole
+   solution, whose number of proximal problems is in status[3] */
 static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w,
     int mem) {
   casadi_real* pieces = w + iw[13] + iw[0]*iw[1] + iw[11];
@@ -6,5 +7,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (iw[6]==0) return casadi_assemble(arg, res, iw, w, pieces, 0);
   if (iw[6]==1) return casadi_search(arg, res, iw, w);
   if (casadi_contact_places(arg, res, iw) || casadi_inertia_blocks(arg, res, iw)) return 1;
-  return casadi_iterate(arg, res, iw, w);
+  if (iw[6]==2) return casadi_iterate(arg, res, iw, w);
+  res[11][3] = casadi_solution(arg, res, iw, w, arg[8][3], arg[8][4]);
+  return 0;
 }

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from dalembert.integrators.contact.compiled_newton import FILES, compiled_newton
+from dalembert.integrators.contact.compiled_newton import FILES, OVERSHOOT, compiled_newton
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
 from dalembert.integrators.contact.machine_code import machine_code
 
 MAX_ITERATIONS, STEP_FRACTIONS = 100, (1.0, 0.5, 0.25, 0.125)
-OVERSHOOT = 1e-9
-"""Relative overshoot of a step beyond a change of piece [-]."""
 REGULARIZATION = 1e-9
 """Regularisation relative to the mobility, so that nonunique impulses stay close to the old [-]."""
 

@@ -3,17 +3,6 @@ interior points, and proximal problems."""
 
 from __future__ import annotations
 
-from dalembert.integrators.contact.impulses import (
-    DECREASE,
-    INCREASE,
-    NEWTON_SHARE,
-    RESIDUAL_SHARE,
-    TOLERANCE_SHARE,
-    WEIGHT,
-    WEIGHT_MAX,
-    WEIGHT_MIN,
-)
-
 SOLUTION_FILES = (
     "newton_pieces.c",
     "block_factors.c",
@@ -22,8 +11,16 @@ SOLUTION_FILES = (
     "contact_solution.c",
 )
 """Files of the machine code."""
+NEWTON_SHARE = 0.1
+"""Tolerance of Newton's method relative to that of the problem; its last step reduces the residual
+by far more [-]."""
+WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN = 1e-3, 4.0, 0.3, 1.0, 1e-11
+"""Proximal weight: initial value, factors after failure and success, upper and lower limit [-]."""
+RESIDUAL_SHARE, TOLERANCE_SHARE = 0.01, 0.3
+"""Tolerance of a proximal problem relative to the residual and to the tolerance of the original
+problem; the larger one counts [-]."""
 MANY_PROXIMAL = 100
-"""Upper limit of the proximal problems."""
+"""Upper limit of the proximal problems in machine code."""
 NEWTON_STEPS, INTERIOR_POINTS, POLISHING, SHORT_STEPS = 15, 45, 6, 5
 """Upper limits of Newton's steps, of interior points, of Newton's steps from one of these, and of
 consecutive short steps of interior points."""

@@ -21,11 +21,11 @@ from dalembert.integrators.contact.compiled_newton import (
     BLOCK_REGULARIZATION,
     JUMPS,
     MEMORY,
+    OVERSHOOT,
 )
 from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.integrators.contact.machine_code import Loop, machine_code
 from dalembert.integrators.contact.schemes import CLOSING, ROUNDING
-from dalembert.integrators.contact.semismooth_newton import OVERSHOOT
 from dalembert.integrators.contact.solution_settings import (
     INTERIOR_POINTS,
     MANY_PROXIMAL,
