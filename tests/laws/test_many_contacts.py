@@ -12,6 +12,7 @@ from dalembert import planar
 from dalembert.analysis.nonsmooth.gaps.bounding_balls import near_balls
 from dalembert.analysis.nonsmooth.gaps.neighbours import Neighbours
 from dalembert.analysis.nonsmooth.mobility import Coupling, Mobility
+from dalembert.integrators.contact import compiled_newton
 from dalembert.integrators.contact.block_ordering import BlockOrderings
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import DENSE, Delassus
@@ -43,6 +44,17 @@ def random_directions(rng: np.random.Generator, rows: int, speeds: int) -> scipy
     return scipy.sparse.csr_array(
         scipy.sparse.random_array((rows, speeds), density=6 / speeds, rng=rng, format="csr")
     )
+
+
+def pair_directions(
+    rng: np.random.Generator, count: int, width: int, bodies: int
+) -> scipy.sparse.csr_array:
+    """Rows of contacts between random pairs of bodies of three speeds."""
+    row = np.repeat(np.arange(width * count), 6)
+    pairs = np.stack([rng.permutation(bodies)[:2] for _ in range(count)])
+    column = np.repeat((3 * pairs[:, :, None] + np.arange(3)).reshape(count, 6), width, axis=0)
+    data = rng.normal(size=row.size), (row, column.ravel())
+    return scipy.sparse.csr_array(data, shape=(width * count, 3 * bodies))
 
 
 @pytest.mark.parametrize("joints", [False, True])
@@ -91,14 +103,39 @@ def test_sparse_impulses_are_those_of_the_dense_matrix(joints, groups, minimum):
         assert semismooth_newton(blocks, start, 1e-12) == pytest.approx(expected, abs=1e-8)
 
 
+@pytest.mark.parametrize("groups", [(), (1,), (2,)])
+def test_interior_points_alone_solve_problems_of_free_bodies(groups, monkeypatch):
+    """One step of Newton's method per call leaves the problem to interior points."""
+    rng, width = np.random.default_rng(3), 1 + sum(groups)
+    mobility, count = random_mobility(rng, 60, False), 1 + DENSE // width
+    directions = pair_directions(rng, count, width, 60)
+    directions.resize((count * width, mobility.matrix.shape[0]))
+    responses, none = mobility.responses(directions), np.zeros(count * width)
+    sizes = np.array([3] * 60 + [JOINED])
+    orderings = BlockOrderings(sizes, np.stack(mobility.matrix.tocoo().coords))
+    operator = Delassus(directions, responses, mobility.matrix, mobility.joints, none)
+    operator = replace(operator, orderings=orderings)
+    velocity, friction = rng.normal(size=(count, width)), 0.3 * rng.random((count, len(groups)))
+    problem = FrictionProblem(operator, velocity, friction, groups)
+    start = np.zeros(problem.shape)
+    expected = da.ContactSolver(tolerance=1e-11).solve(problem).impulses
+    assert problem.residual(expected) < 1e-10
+    monkeypatch.setattr(compiled_newton, "NEWTON_STEPS", 1)
+    solution = compiled_newton.compiled_solution(problem, start, 1e-8, 0)
+    assert solution is not None and solution[1] == 0
+    speeds = problem.speeds(solution[0])
+    assert problem.residual(solution[0]) < 1e-8 * problem.size(expected)
+    assert speeds == pytest.approx(problem.speeds(expected), abs=1e-6)
+    monkeypatch.setattr(compiled_newton, "INTERIOR_POINTS", 0)
+    without = compiled_newton.compiled_solution(problem, start, 1e-8, 0)
+    assert without is not None and problem.residual(without[0]) > 1e-3
+
+
 def test_blocks_of_bodies_are_those_of_the_factors_and_serve_fewer_contacts():
     """Filled entries lie in the pattern; contacts of fewer pairs of bodies have the same order."""
     rng, count = np.random.default_rng(7), 30
-    row = np.repeat(np.arange(2 * count), 6)
-    bodies = np.stack([rng.permutation(count)[:2] for _ in range(count)])
-    column = np.repeat((3 * bodies[:, :, None] + np.arange(3)).reshape(count, 6), 2, axis=0).ravel()
-    directions = scipy.sparse.csr_array((rng.normal(size=row.size), (row, column)))
-    directions.resize((2 * count, 3 * count))
+    directions = pair_directions(rng, count, 2, count)
+    bodies = directions.indices.reshape(count, 2, 2, 3)[:, 0, :, 0] // 3
     orderings = BlockOrderings(np.full(count, 3), np.tile(np.arange(3 * count), (2, 1)))
     order = orderings(directions, 2)
     rank = order.owner[::3]
