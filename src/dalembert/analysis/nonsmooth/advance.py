@@ -18,6 +18,10 @@ REPETITIONS = 12
 """Upper limit of the solutions of a step that open gaps at its end."""
 PATHS = 4
 """Upper limit of the repetitions with means over the path for compliant contacts."""
+SETTLED = 0.5
+"""Ratio of penetrations of consecutive repetitions above which these reduce it no further [-]."""
+INEXACT = 10.0
+"""Upper limit of errors of relative velocities by the tolerance of the impulses [-]."""
 GAIN = 1e-10
 """Work of contacts that counts as rounding, relative to that of their impulses alone [-]."""
 
@@ -109,7 +113,8 @@ def _opened(
     """
     end, depth = start.t + start.h, np.inf
     compliant = step.force_laws.compliant(contacts)
-    overlaps = compliant | (contacts.distance < -step.rounding)
+    inexact = inexact_depth(step, start.h, start.approach(contacts, step.rounding).fastest)
+    overlaps = compliant | (contacts.distance < -inexact)
     distance = np.where(compliant, contacts.distance, np.maximum(contacts.distance, 0.0))
     contacts = replace(contacts, distance=distance)
     strikes = contacts.key[step.scheme.striking(start.approach(contacts, step.rounding))]
@@ -126,7 +131,7 @@ def _opened(
             continue
         at_end = step.at(end, result.y)
         last, depth = depth, -step.deepest(at_end)
-        if depth <= step.rounding:
+        if depth <= step.rounding or is_settled(depth, last, inexact):
             break
         added = _added(step, start, at_end, contacts)
         if start.begins and depth >= last and not added.count:
@@ -141,6 +146,17 @@ def _opened(
             break
         result = again
     return result
+
+
+def inexact_depth(step: ContactStep, h: float, fastest: float) -> float:
+    """Penetration at the end of a step by impulses within the tolerance, whose relative velocities
+    are up to ``fastest`` [m]."""
+    return max(step.rounding, INEXACT * step.solver.tolerance * h * fastest)
+
+
+def is_settled(depth: float, last: float, inexact: float) -> bool:
+    """Whether another repetition would not reduce a penetration after one of ``last``."""
+    return SETTLED * last < depth <= inexact
 
 
 def _added(step: ContactStep, start: StepStart, end: Configuration, contacts: Contacts) -> Contacts:

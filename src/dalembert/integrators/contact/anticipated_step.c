@@ -219,7 +219,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   casadi_real h = arg[36][0], reach[2], deepest;
   casadi_int j, rounds = 0;
   iw[6] = 0;
-  if (((const casadi_int*) arg[47])[6]) {
+  if (((const casadi_int*) arg[47])[6]==1) {
     casadi_path(arg, res, iw);
     return 0;
   }
@@ -238,6 +238,8 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   deepest = casadi_contacts(arg, res, iw, reach);
   iw[6] = 7;
   if (iw[0]>iw[19]) return 0;
+  iw[6] = 0;
+  if (((const casadi_int*) arg[47])[6]==2) return 0;
   iw[6] = 3;
   if (iw[21]+iw[0]>iw[22]) return 0;
   iw[6] = 4;

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import re
+import tempfile
+import warnings
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from importlib import resources
+from pathlib import Path
 
 import numpy as np
 
@@ -12,10 +17,12 @@ from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
 from dalembert.symbolic.evaluation.switching import best_toolchain
 from dalembert.symbolic.native.code_cache import compiled_loop
-from dalembert.symbolic.native.toolchain import ENTRY, FIRST, LOOP, Call
+from dalembert.symbolic.native.toolchain import ENTRY, FIRST, LOOP, Call, Toolchain
 
 COMMON = "contacts.c"
 """File of the functions that all loops use."""
+HEAD = re.compile(r"^static \w+\*? (\w+)\(([^)]*)\) \{$", re.MULTILINE)
+"""Name and parameters of a function."""
 
 
 class Loop:
@@ -66,14 +73,58 @@ def machine_code(*names: str, constants: tuple[tuple[int, int], ...] = ()) -> Ca
     toolchain = best_toolchain()
     if toolchain is None:
         return None
-    files = (resources.files(__package__) / part for part in (COMMON, *names))
-    text = "".join(file.read_text(encoding="utf-8") for file in files)
+    files = [resources.files(__package__) / name for name in (COMMON, *names)]
+    texts = [file.read_text(encoding="utf-8") for file in files]
     for place, value in constants:
-        text = text.replace(f"iw[{place}]", str(value))
+        texts = [text.replace(f"iw[{place}]", str(value)) for text in texts]
     try:
-        return compiled_loop(text + LOOP.format(entry=ENTRY, function=FIRST), toolchain.for_loops())
-    except UnsupportedError:  # an optional acceleration
+        return compiled_loop(_whole(texts), toolchain.for_loops())
+    except (UnsupportedError, OSError):  # an optional acceleration
+        _warn_of_errors(zip((COMMON, *names), texts, strict=True), toolchain.for_loops())
         return None
+
+
+def _whole(texts: Sequence[str]) -> str:
+    return "".join(texts) + LOOP.format(entry=ENTRY, function=FIRST)
+
+
+def _warn_of_errors(files: Iterable[tuple[str, str]], toolchain: Toolchain) -> None:
+    """Warn of the first file that cannot be compiled after those before it; not of a cache that
+    cannot be used.
+
+    Parameters
+    ----------
+    files : names and texts
+    toolchain : Toolchain
+    """
+    texts: list[str] = []
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in files:
+            texts.append(text)
+            end = [] if f" {FIRST}(" in text else [_calls_of_all(text)]
+            try:
+                toolchain.build(_whole([*texts, *end]), Path(folder) / "loop")
+            except UnsupportedError as error:
+                _warn(f"{resources.files(__package__) / name} cannot be compiled ({error})")
+                return
+
+
+@lru_cache
+def _warn(reason: str) -> None:
+    """Warn once of a reason for which there is no machine code."""
+    cure = "which takes longer. Mend the file, or install dalembert again"
+    warnings.warn(f"{reason}; steps with contacts run without machine code, {cure}", stacklevel=5)
+
+
+def _calls_of_all(text: str) -> str:
+    """A function that calls all functions of a text, so that none is left out."""
+    calls = []
+    for name, parameters in HEAD.findall(text):
+        declared = [part.strip() for part in parameters.split(",")]
+        values = ", ".join(part.split(" ")[-1] for part in declared)
+        calls.append(f"{{ {'; '.join(declared)}; {name}({values}); }}")
+    head = "const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem"
+    return f"static int {FIRST}({head}) {{\n{''.join(calls)}\nreturn 0;\n}}\n"
 
 
 def problem_arrays(problem: FrictionProblem, operator: Delassus) -> list[np.ndarray]:

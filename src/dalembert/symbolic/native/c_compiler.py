@@ -49,9 +49,8 @@ class Compiler(Toolchain):
         command = [*self.command, OPTIMISED, *FLAGS, "-x", "c", "-", "-o", str(target), "-lm"]
         process = subprocess.run(command, input=text, capture_output=True, text=True)
         if process.returncode:
-            message = (process.stderr.strip().splitlines() or [f"exit code {process.returncode}"])[
-                0
-            ]
+            lines = process.stderr.strip().splitlines() or [f"exit code {process.returncode}"]
+            message = next((line for line in lines if " error:" in line), lines[0])
             raise UnsupportedError(
                 f"backend 'c': {shlex.join(self.command)} failed ({message}); set CC to a compiler "
                 "that works, or use backend='vm'"

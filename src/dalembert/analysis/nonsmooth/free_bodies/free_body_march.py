@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.advance import REPETITIONS
+from dalembert.analysis.nonsmooth.advance import REPETITIONS, inexact_depth
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import (
     FreeBodyMotion,
@@ -66,6 +66,7 @@ class FreeBodyMarch:
         self._place_part = places.on(*([flat(a) for a in group] for group in part))
         self._repeats = PathRepeats(steps, step.model.equations.manifold, step.rounding)
         self._curved: dict[int, np.ndarray] = {}
+        self._inexact: dict[int, float] = {}
         place = [t, self._y, self._still, p], [self._next, *geometry]
         self._place = places.on(*([flat(a) for a in part] for part in place))
 
@@ -96,13 +97,13 @@ class FreeBodyMarch:
         try:
             while k < grid.size - 1:
                 self._t[0], self._h[0] = grid[k], grid[k + 1] - grid[k]
-                steps.limits[0] = self._h[0]
+                steps.limits[0], steps.limits[2] = self._h[0], self._limit(k)
                 outcome = self._attempt()
                 if outcome is StepOutcome.FULL and k - begin > 1:
                     begin = self._transfer(grid, begin, k - 1, log)
                     continue
                 if outcome is StepOutcome.CLOSED and k > begin:
-                    if self._opened(grid, k, begin, log):
+                    if self._settled(k) or self._opened(grid, k, begin, log):
                         continue
                     k -= 1
                 if outcome is not StepOutcome.DONE:
@@ -126,6 +127,20 @@ class FreeBodyMarch:
             steps.counts[[STEPS, PRESSING]] = 0
         return k, self._last
 
+    def _settled(self, k: int) -> bool:
+        """Whether repetitions of the step that ended at instant ``k`` do not open its gaps further
+        than its impulses are exact; the next step then starts with these."""
+        steps, gaps = self._steps, self._steps.contacts()[2]
+        inexact = inexact_depth(self._step, float(steps.limits[0]), steps.fastest())
+        if not self._repeats.settles(k, -float(gaps.min(initial=0.0)), inexact):
+            return False
+        self._inexact = {k - 1: self._limit(k - 1), k: inexact}
+        return True
+
+    def _limit(self, k: int) -> float:
+        """Penetration at instant ``k`` that counts as rounding [m]."""
+        return self._inexact.get(k, self._step.rounding)
+
     def _opened(self, grid: np.ndarray, k: int, begin: int, log: StepLog) -> bool:
         """Repeat the step that ended at instant ``k`` with means over its path; true if solved.
 
@@ -146,12 +161,13 @@ class FreeBodyMarch:
 
         self._y[:] = self._ys[row - 1] if row else log.y
         steps.v[:] = self._vs[row - 1] if row else log.v
-        if not repeats.select(place, displacement):
+        self._h[0] = steps.limits[0] = length
+        steps.limits[2] = self._limit(k - 1)
+        if not repeats.select(place, self._forces, displacement):
             steps.leave_path()
             return False
         repeats.average(place, displacement)
         place(0.0, displacement)
-        self._h[0] = steps.limits[0] = length
         outcome = self._attempt()
         steps.leave_path()
         self._t[0] = grid[k]

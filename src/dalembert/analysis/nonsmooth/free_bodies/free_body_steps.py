@@ -9,6 +9,8 @@ from dalembert.analysis.nonsmooth.contact_step import JAMMED, ROUNDS, ContactSte
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
 from dalembert.analysis.nonsmooth.free_bodies.path_contacts import (
     COUNT,
+    FEATURES,
+    OFFSET,
     SIZES,
     PathContacts,
     contact_arrays,
@@ -55,7 +57,7 @@ ITERATIONS, MERITS, JUMPING, WORK, SHAPES, BALLS, BODIES, PAIRS, DIMENSION = ran
 CONTACTS, STEPS, PRESSING, RECORDED, INERTIA, PROXIMAL, REPEATS = range(19, 26)
 CENTRAL, POLISH, STALLED, LAST = range(26, 30)
 """Places among the counts of the loop, and their number."""
-LAST_IMPULSES, FEATURES, NUMBERED, OFFSET, SLOTS, HULLS = range(6)
+LAST_IMPULSES, NUMBERED, SLOTS, HULLS = 0, 2, 4, 5
 """Places among the sizes of the shapes."""
 RENEWALS = 4
 """Upper limit of the repetitions of a call with other lists and orders."""
@@ -168,8 +170,7 @@ class FreeBodySteps(PathContacts):
             elif outcome is StepOutcome.UNORDERED:
                 self._renew_order()
             elif outcome is StepOutcome.MORE:
-                contacts = int(GROWTH * self.counts[COUNT])
-                self._allocate(self._pairs.shape[1], contacts, self._entries)
+                self._reserve(int(self.counts[COUNT]))
             else:
                 return outcome
         return StepOutcome.UNSOLVED
@@ -178,7 +179,7 @@ class FreeBodySteps(PathContacts):
         """Initial impulses of contacts with some keys, zero for others."""
         count = keys.size
         if count > self._last[0].size:
-            self._allocate(self._pairs.shape[1], int(GROWTH * count), self._entries)
+            self._reserve(count)
         self._last[0][:count], self._last[1][:count] = keys, impulses
         self._sizes[LAST_IMPULSES] = count
 
@@ -207,6 +208,7 @@ class FreeBodySteps(PathContacts):
         centers, radii = self._shapes.sizes(self.corners, self._radii)
         near = self._neighbours.listed(centers, self.normals.copy(), radii, reach)
         pairs, laws = self._shapes.touching(near)
+        self.renumber(pairs)
         if pairs.shape[1] > self._pairs.shape[1]:
             self._allocate(int(GROWTH * pairs.shape[1]), self._contacts, self._entries)
         self.counts[PAIRS] = count = pairs.shape[1]
@@ -229,6 +231,9 @@ class FreeBodySteps(PathContacts):
         for array, part in zip(self._order, parts, strict=True):
             array.ravel()[: part.size] = part.ravel()
         self.counts[ENTRIES] = order.entries
+
+    def _reserve(self, contacts: int) -> None:
+        self._allocate(self._pairs.shape[1], int(GROWTH * contacts), self._entries)
 
     def _allocate(self, pairs: int, contacts: int, entries: int) -> None:
         """Arrays for numbers of listed pairs, of contacts and of matrix entries."""
@@ -278,7 +283,8 @@ class FreeBodySteps(PathContacts):
         outputs += [real(n), self._status, real(entries), real(n), whole(contacts + 1)]
         outputs += [whole(contacts * 2 * widest), whole(pattern), whole(contacts)]
         outputs += [whole(contacts * (2 * widest) ** 2), real(n), *self._inverses, real(contacts)]
-        outputs += [self._pair_of, *(real(rows) for _ in range(4)), self.displacement]
+        self._speeds = real(rows), real(rows)
+        outputs += [self._pair_of, *self._speeds, real(rows), real(rows), self.displacement]
         outputs += [self._last[1]]
         outputs += [self.numbers, pressed, impulses, offsets, real(3 * rows)]
         outputs += [*(real(rows) for _ in range(8)), real(contacts), real(rows * k)]

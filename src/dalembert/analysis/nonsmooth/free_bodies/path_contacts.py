@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+
 import numpy as np
 
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
+from dalembert.analysis.nonsmooth.free_bodies.step_outcome import StepOutcome
 from dalembert.integrators.contact.machine_code import Loop
 
-ONLY_PATH, PATH, BEFORE, SIZES = range(6, 10)
-"""Places among the sizes of the shapes: whether only contacts of the path are evaluated, and the
-numbers of these and of the contacts before; number of all sizes."""
+CALL, PATH, BEFORE, SIZES = range(6, 10)
+"""Places among the sizes of the shapes: kind of the call, and the numbers of contacts of the path
+and of the step before; number of all sizes."""
+STEP, ON_PATH, ALL = range(3)
+"""Kinds of calls: a step, and evaluations of the contacts of the path or of all contacts."""
+FEATURES, OFFSET = 1, 3
+"""Places of the number of features of all hulls, and of the offset of the keys of their contacts,
+among the sizes of the shapes."""
 COUNT = 0
 """Place of the number of contacts among the counts of the loop."""
 
 
-class PathContacts:
+class PathContacts(ABC):
     """Contacts with keys and descriptions: kind, shape and feature of both sides, and the pair.
 
     A subclass allocates the arrays.
@@ -33,32 +41,93 @@ class PathContacts:
     _before: tuple[np.ndarray, np.ndarray]
     _means: np.ndarray
     _shares_of_path: np.ndarray
+    _speeds: tuple[np.ndarray, np.ndarray]
+
+    @abstractmethod
+    def __call__(self) -> StepOutcome:
+        """A call of the machine code, in which arrays grow as needed."""
+
+    @abstractmethod
+    def _reserve(self, contacts: int) -> None:
+        """Memory for a number of contacts."""
 
     def contacts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Keys, descriptions and gaps of the contacts at the start of the last call."""
         count = self.counts[COUNT]
         return self._keys[:count].copy(), self._described[:count].copy(), self._gaps[:count].copy()
 
+    def fastest(self) -> float:
+        """The largest component of a relative velocity of the contacts [m/s]; rotations count as
+        velocities."""
+        rows = self.counts[COUNT] * self.width
+        return float(max(np.abs(speeds[:rows]).max(initial=0.0) for speeds in self._speeds))
+
     def contacts_before(self) -> tuple[np.ndarray, np.ndarray]:
         """Keys and descriptions of the contacts of the last completed step."""
         count = self._sizes[BEFORE]
         return self._before[0][:count].copy(), self._before[1][:count].copy()
 
+    def keys_of(self, described: np.ndarray) -> np.ndarray:
+        """Keys of contacts between hulls, by their descriptions."""
+        features, first = int(self._sizes[FEATURES]), self._motion.shapes.places[:, 3]
+        kind, i, own, j, other = described[:, :5].T.astype(np.int64)
+        keys = (kind * features + first[i] + own) * features + first[j] + other
+        return np.asarray(self._sizes[OFFSET] + keys)
+
+    def face_contacts(self, first: int, second: int, pair: int) -> np.ndarray:
+        """Descriptions of the contacts of each face of a hull and each corner of another one; none
+        of walls."""
+        shapes = self._motion.shapes
+        if max(first, second) >= shapes.hulls:
+            return np.zeros((0, 6), np.int32)
+        form, other = (shapes.records[shapes.places[k, 0] :] for k in (first, second))
+        count = form[1] if shapes.dimension == 2 else form[4]
+        face, corner = np.indices((count, other[0])).reshape(2, -1)
+        one = np.ones_like(face)
+        columns = one, first * one, face, second * one, corner, pair * one
+        return np.column_stack(columns).astype(np.int32)
+
+    def renumber(self, pairs: np.ndarray) -> None:
+        """Numbers of the pairs of the contacts before in another list; contacts of shapes that are
+        no longer listed are removed."""
+        count, shapes = self._sizes[BEFORE], np.array([self._motion.shapes.count, 1])
+        keys, described = (part[:count].copy() for part in self._before)
+        codes = shapes @ np.sort(pairs, axis=0)
+        order, own = np.argsort(codes), np.sort(described[:, [1, 3]], axis=1) @ shapes
+        place = np.searchsorted(codes, own, sorter=order)
+        listed = np.isin(own, codes)
+        described[listed, 5] = order[place[listed]]
+        self._sizes[BEFORE] = left = int(listed.sum())
+        self._before[0][:left], self._before[1][:left] = keys[listed], described[listed]
+
     def set_path(self, keys: np.ndarray, described: np.ndarray) -> None:
         """Contacts of the path, with means that are zero."""
         self._sizes[PATH] = count = keys.size
+        if count > self._path[0].size:
+            self._reserve(count)
         self._path[0][:count], self._path[1][:count] = keys, described
         self._means[:] = 0.0
 
     def path_gaps(self, weight: float = 0.0, shares: np.ndarray | None = None) -> np.ndarray:
         """Gaps of the contacts of the path where the shapes are; with a weight in the means."""
         assert self._loop is not None
-        self.limits[4], self._sizes[ONLY_PATH] = weight, 1
+        self.limits[4], self._sizes[CALL] = weight, ON_PATH
         if shares is not None:
             self._shares_of_path[:] = shares
         self._loop()
-        self._sizes[ONLY_PATH] = 0
+        self._sizes[CALL] = STEP
         return self._path[2][: self._sizes[PATH]].copy()
+
+    def forced(self) -> float:
+        """The largest change of a normal speed by the forces in the arrays, of the contacts of the
+        path where the shapes are and of those within reach [m/s]; infinite if the call failed."""
+        self._means[:] = 0.0
+        self.path_gaps(1.0, np.ones(self._shares_of_path.size))
+        self._sizes[CALL] = ALL
+        done = self() is StepOutcome.DONE
+        self._sizes[CALL] = STEP
+        before, free = (a[: self.counts[COUNT] * self.width : self.width] for a in self._speeds)
+        return float(np.abs(free - before).max(initial=0.0)) if done else np.inf
 
     def shift_path_gaps(self, gaps: np.ndarray, displacement: np.ndarray) -> None:
         """Distances at the start by which gaps at the end are linear in the displacement."""

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
 
+from dalembert.analysis.nonsmooth.advance import is_settled
 from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import FreeBodySteps
 from dalembert.analysis.nonsmooth.mean_gaps import LOBATTO
 from dalembert.model.graph.manifold import Manifold
@@ -36,6 +38,12 @@ class PathRepeats:
     def __init__(self, steps: FreeBodySteps, manifold: Manifold, rounding: float):
         self._steps, self._manifold, self._rounding = steps, manifold, rounding
         self.step, self.keys, self.count = -1, np.zeros(0, dtype=np.int64), 0
+        self._depth = np.inf
+
+    def settles(self, step: int, depth: float, inexact: float) -> bool:
+        """Whether another repetition would not reduce a penetration at the end of a step."""
+        last, self._depth = self._depth if step == self.step else np.inf, depth
+        return is_settled(depth, last, inexact)
 
     def begin(self, step: int) -> None:
         """Begin with a step, unless it is the one of the last repetition."""
@@ -43,9 +51,14 @@ class PathRepeats:
             self.step, self.keys, self.count = step, self.keys[:0], 0
         self.count += 1
 
-    def select(self, place: PlaceShapes, displacement: np.ndarray) -> bool:
-        """Select the contacts that are closed at the end, where the shapes are; false if one that
-        took no part in the step is closed at its start, too."""
+    def select(
+        self, place: PlaceShapes, forces: Callable[[], object], displacement: np.ndarray
+    ) -> bool:
+        """Select the contacts that are closed at the end, where the shapes are; false without any.
+
+        Those that took no part in the step and are closed at its start, too, are replaced by gaps
+        that separate the shapes there or, without any, selected if forces can open them.
+        """
         steps = self._steps
         keys, contacts, gaps = steps.contacts()
         before, described = steps.contacts_before()
@@ -53,11 +66,44 @@ class PathRepeats:
         added = closed & ~np.isin(keys, before)
         steps.set_path(before, described)
         own = np.isin(before, self.keys) | (steps.path_gaps() < -self._rounding)
-        self.keys = np.concatenate([before[own], keys[added]])
-        steps.set_path(self.keys, np.vstack([described[own], contacts[added]]))
+        more, others = keys[added], contacts[added]
+        steps.set_path(more, others)
         place(0.0, displacement)
-        start = steps.path_gaps()[own.sum() :]
-        return bool(self.keys.size and (start >= -self._rounding).all())
+        start = steps.path_gaps()
+        opened = start >= -self._rounding
+        if not opened.all():
+            separating = self._separating(place, displacement, others[~opened])
+            names = steps.keys_of(separating)
+            if not separating.size:
+                steps.set_path(np.concatenate([before, more]), np.vstack([described, others]))
+                place(0.0, displacement)
+                forces()
+                opened |= start >= -steps.limits[0] * steps.forced() / 2
+            fresh = ~np.isin(names, before)
+            more = np.concatenate([more[opened], names[fresh]])
+            others = np.vstack([others[opened], separating[fresh]])
+        self.keys = np.concatenate([before[own], more])
+        steps.set_path(self.keys, np.vstack([described[own], others]))
+        return bool(self.keys.size)
+
+    def _separating(
+        self, place: PlaceShapes, displacement: np.ndarray, described: np.ndarray
+    ) -> np.ndarray:
+        """Descriptions of gaps between faces and corners of the hulls of some contacts that
+        separate these at the start, where the shapes are, and are closed at the end."""
+        steps = self._steps
+        hulls = np.unique(np.column_stack([np.sort(described[:, [1, 3]]), described[:, 5]]), axis=0)
+        sides = [side for i, j, pair in hulls for side in ((i, j, pair), (j, i, pair))]
+        faces = np.vstack([steps.face_contacts(*side) for side in sides])
+        steps.set_path(steps.keys_of(faces), faces)
+        opened = steps.path_gaps()
+        place(1.0, displacement)
+        closed = steps.path_gaps() < -self._rounding
+        face = np.unique(faces[:, 1:4], axis=0, return_inverse=True)[1].ravel()
+        lowest = np.full(face.max(initial=0) + 1, np.inf)
+        np.minimum.at(lowest, face, opened)
+        separating: np.ndarray = faces[(lowest[face] >= -self._rounding) & closed]
+        return separating
 
     def average(self, place: PlaceShapes, displacement: np.ndarray) -> None:
         """Means over the path, and distances by which gaps at its end are linear in the
