@@ -109,7 +109,9 @@ class Coupling:
         group = (self.group + groups * step[:, None]).ravel()
         members = self.members + self.group.size * step[:, None, None]
         position, sizes = np.tile(self.position, count), np.tile(self.sizes, count)
-        return Coupling(group, position, members.reshape(-1, width), sizes, self.coupled)
+        own = members.reshape(-1, width), sizes, self.coupled
+        orderings = None if self.orderings is None else self.orderings.repeated(count)
+        return Coupling(group, position, *own, orderings)
 
 
 class Mobility:

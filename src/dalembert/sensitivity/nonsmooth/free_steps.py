@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import scipy
 
-from dalembert.analysis.nonsmooth.mobility import Mobility
+from dalembert.analysis.nonsmooth.mobility import Mobility, delassus
 from dalembert.integrators.contact.contact_laws import ContactLaws
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
+from dalembert.integrators.contact.impulses import BLOCK_ITERATIONS
+from dalembert.integrators.contact.semismooth_newton import semismooth_newton
 from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
 from dalembert.sensitivity.nonsmooth.proximal_factors import diagonal_block
@@ -79,37 +81,56 @@ class FreeSteps:
         speeds, friction = values.before + change + offsets, laws.friction.copy()
         static = laws.higher_at_rest & lasting.sticks
         friction[static, :1] = laws.static_friction[static, None]
-        impulses = self._impulses(directions, speeds, friction, lasting)
+        first = np.searchsorted(lasting.owner, np.arange(self._h.size + 1))
+        problem = FrictionProblem(self._delassus(directions), speeds, friction, step.groups)
+        impulses = self._impulses(problem, lasting, first)
         total = self._change + self._mobility(directions.T @ impulses.ravel())[0]
         return np.asarray(total.reshape(self._h.size, -1).T / self._h)
 
+    def _delassus(self, directions: Sparse) -> Delassus:
+        """Operator of contacts of all steps."""
+        operator = delassus(directions, self._mobility)
+        assert isinstance(operator, Delassus)
+        return operator
+
     def _impulses(
-        self,
-        directions: Sparse,
-        speeds: np.ndarray,
-        friction: np.ndarray,
-        lasting: LastingContacts,
+        self, problem: FrictionProblem, lasting: LastingContacts, first: np.ndarray
     ) -> np.ndarray:
-        """(n, k) impulses, step by step."""
-        step, (n, count) = self._maps.contact_step, self._v.shape
-        responses, (_, width) = self._mobility.responses(directions), speeds.shape
-        first, impulses = (
-            np.searchsorted(lasting.owner, np.arange(count + 1)),
-            np.zeros_like(speeds),
+        """(n, k) impulses by Newton's method for all steps together, each relative to its own
+        speeds; one by one where it fails."""
+        solver, used = self._maps.contact_step.solver, np.flatnonzero(np.diff(first))
+        scales = np.maximum.reduceat(np.abs(problem.velocity).max(axis=1), first[used])
+        scales = np.where(scales > 0, scales, 1.0)
+        scale = np.repeat(scales, np.diff(first)[used])[:, None]
+        relative = replace(problem, velocity=problem.velocity / scale)
+        together = semismooth_newton(
+            relative, lasting.impulses / scale, solver.tolerance, BLOCK_ITERATIONS
         )
-        none, orderings = scipy.sparse.csr_array((0, n)), step.smooth.coupling.orderings
-        for k in np.flatnonzero(np.diff(first)):
-            own, begin, end = slice(*first[k : k + 2]), *(width * first[k : k + 2])
-            across, moved = (
-                diagonal_block(part, begin, end, n * k, n) for part in (directions, responses)
-            )
-            inertia = diagonal_block(self._mobility.matrix, n * k, n * (k + 1), n * k)
-            shift = np.zeros(end - begin)
-            matrix = Delassus(across, moved, inertia, none, shift, orderings=orderings)
-            scale = float(np.abs(speeds[own]).max()) or 1.0
-            problem = FrictionProblem(matrix, speeds[own], friction[own], step.groups, scale)
-            impulses[own] = step.solver.solve(problem, lasting.impulses[own]).impulses
+        residual = np.abs(together - relative.project(together, relative.speeds(together)))
+        residual = np.maximum.reduceat((residual * relative.weights).max(axis=1), first[used])
+        impulses = relative.project(together, np.zeros(problem.shape)) * scale
+        for i in np.flatnonzero(~(residual <= solver.tolerance)):
+            own = slice(*first[used[i] : used[i] + 2])
+            single = self._single(problem, int(used[i]), own, float(scales[i]))
+            impulses[own] = solver.solve(single, lasting.impulses[own]).impulses
         return impulses
+
+    def _single(
+        self, problem: FrictionProblem, k: int, own: slice, scale: float
+    ) -> FrictionProblem:
+        """Problem of one step."""
+        assert isinstance(problem.matrix, Delassus)
+        (n, _), width, operator = self._v.shape, problem.shape[1], problem.matrix
+        rows = width * own.start, width * own.stop, n * k, n
+        across, moved = (
+            diagonal_block(part, *rows) for part in (operator.directions, operator.responses)
+        )
+        inertia = diagonal_block(operator.inertia, n * k, n * (k + 1), n * k)
+        none, shift = scipy.sparse.csr_array((0, n)), np.zeros(rows[1] - rows[0])
+        orderings = self._maps.contact_step.smooth.coupling.orderings
+        matrix = Delassus(across, moved, inertia, none, shift, orderings=orderings)
+        velocity, friction = problem.velocity[own], problem.friction[own]
+        return FrictionProblem(matrix, velocity, friction, problem.groups, scale)
 
 
 def mobility_of(maps: ContactMaps, matrix: Sparse, count: int) -> Mobility:

@@ -206,12 +206,15 @@ class StackedImpacts:
 
     def changes(self, k: int) -> ContactChanges:
         """Changes of contact states in a step and near it."""
-        moving = np.bincount(self._label)[self._step_of == k]
-        impacting = int((self._owner(self._impacting) == k).sum())
-        return ContactChanges(
-            int(moving.sum()),
-            bool((moving > 1).any()),
-            impacting - int(moving.sum()),
-            bool(self._near[k]),
-            bool(self._maps.changing[k]),
-        )
+        moving, largest, impacting = (int(count[k]) for count in self._counts)
+        near, changing = bool(self._near[k]), bool(self._maps.changing[k])
+        return ContactChanges(moving, largest > 1, impacting - moving, near, changing)
+
+    @cached_property
+    def _counts(self) -> np.ndarray:
+        """(3, K) contacts of moving impacts, the most of one of them, all impacting contacts."""
+        sizes, counts = np.bincount(self._label), np.zeros((3, self._steps.count), dtype=int)
+        np.add.at(counts[0], self._step_of, sizes)
+        np.maximum.at(counts[1], self._step_of, sizes)
+        np.add.at(counts[2], self._owner(self._impacting), 1)
+        return counts

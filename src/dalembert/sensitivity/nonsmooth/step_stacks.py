@@ -77,11 +77,20 @@ class StepStacks:
         place[numbers] = np.arange(numbers.size)
         rows = np.flatnonzero(place[self._contacts.owner] >= 0)
         contacts, owner = self._contacts.all.some(rows), place[self._contacts.owner[rows]]
-        states, h = (self._x[:, numbers], self._x[:, numbers + 1]), np.diff(t)
-        own = contacts, owner, self._contacts.follows[rows] < 0, self._sticks[rows]
-        last = np.maximum(numbers - 1, 0)
-        earlier = self._x[:, last], t[last], h[last]
-        columns = StepColumns(t[numbers], h[numbers], *states, *own, *earlier)
+        h, last = np.diff(t), np.maximum(numbers - 1, 0)
+        columns = StepColumns(
+            t[numbers],
+            h[numbers],
+            self._x[:, numbers],
+            self._x[:, numbers + 1],
+            contacts,
+            owner,
+            begins=self._contacts.follows[rows] < 0,
+            sticks=self._sticks[rows],
+            earlier=self._x[:, last],
+            earlier_t=t[last],
+            earlier_h=h[last],
+        )
         try:
             maps = StackedMaps(self._maps, columns)
         except AnalysisError:  # of one of the steps, which raises it on its own
