@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import dalembert as da
+from dalembert.sensitivity.nonsmooth import free_steps
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
+from dalembert.sensitivity.nonsmooth.moving_impacts import single_tangent, step_tangent
 from tests.registry.contact_models import CONTACT_MODELS
 
 STACKED = {
@@ -36,8 +38,8 @@ def test_steps_together_are_those_one_by_one(name):
             steps.x[:, k], steps.x[steps.size :, k + 1], *steps.span(k), steps.active(k)
         )
         pushed, pulled = single.push(dx, 0.7, dp), np.vstack(single.pull(weights))
-        for calm in {False, steps.calm(k) is not None}:
-            (own,) = steps.at(k, calm)
+        for whole in {False, steps.stacked_impacts(k) is not None}:
+            (own,) = steps.at(k, whole)
             for values, exact in (
                 (own.push(dx, 0.7, dp), pushed),
                 (np.vstack(own.pull(weights)), pulled),
@@ -46,3 +48,38 @@ def test_steps_together_are_those_one_by_one(name):
                 np.testing.assert_allclose(values, exact, rtol=0, atol=1e-9 * scale)
             assert own.consistent == single.consistent
     assert stacked > steps.count // 2
+
+
+@pytest.mark.parametrize(
+    ("name", "solved"),
+    [
+        ("bouncing ball", True),
+        ("discs of many sizes", True),
+        ("discs of many sizes", False),
+        ("ball and box in space", True),
+    ],
+)
+def test_impacts_together_are_those_one_by_one(name, solved, monkeypatch):
+    if not solved:  # impulses together, so that those of each step follow
+        monkeypatch.setattr(free_steps, "semismooth_newton", lambda _, guess, *limits: 0 * guess)
+    case = CONTACT_MODELS[name]
+    motion = da.solve_nonsmooth(case.build(), 2 * STACKED[name], step=case.step)
+    steps, rng, moving = ContactSteps(motion), np.random.default_rng(4), 0
+    columns = steps.x.shape[0], steps.p.size
+    dx, dp = (rng.normal(size=(n, 2)) for n in columns)
+    weights = rng.normal(size=(columns[0], 2))
+    for k in range(steps.count):
+        if steps.stacked_impacts(k) is None:
+            continue
+        own, changes = step_tangent(steps, k), steps.changes[k]
+        single = single_tangent(steps, k)
+        assert changes == steps.changes[k]
+        assert len(own.shifts) == len(single.shifts)
+        moving += changes.impacts
+        for values, exact in (
+            (own.push(dx, dp), single.push(dx, dp)),
+            (np.vstack(own.pull(weights)), np.vstack(single.pull(weights))),
+        ):
+            scale = np.abs(exact).max()
+            np.testing.assert_allclose(values, exact, rtol=0, atol=1e-8 * scale)
+    assert moving

@@ -102,6 +102,17 @@ class Coupling:
         entries = own, (rows, columns)
         return cls(group, position, order[place], sizes[blocked], coupled, orderings, entries)
 
+    def repeated(self, count: int) -> Coupling:
+        """Groups of the speeds of several steps that follow one another, all in blocks."""
+        assert not self.coupled.size
+        step, (groups, width) = np.arange(count), self.members.shape
+        group = (self.group + groups * step[:, None]).ravel()
+        members = self.members + self.group.size * step[:, None, None]
+        position, sizes = np.tile(self.position, count), np.tile(self.sizes, count)
+        own = members.reshape(-1, width), sizes, self.coupled
+        orderings = None if self.orderings is None else self.orderings.repeated(count)
+        return Coupling(group, position, *own, orderings)
+
 
 class Mobility:
     """Solution of ``A x + Cᵀ λ = r``, ``C x = s``, for many right-hand sides.

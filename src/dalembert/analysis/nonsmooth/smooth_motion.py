@@ -104,6 +104,7 @@ class SmoothMotion:
     Attributes
     ----------
     forces, lead : formulas of the forces, and the symbol of ``θ h`` in them
+    coupling : independent groups of speeds
     """
 
     def __init__(self, model: Model):
@@ -139,7 +140,7 @@ class SmoothMotion:
         for slope in (forces.damping, forces.stiffness):
             pattern = pattern + ca.sparsify(slope).sparsity()
         bodies = [group.twist.numel() for group in model.coordinates]
-        self._coupling = Coupling.of(pattern, e.jacobian.sparsity(), bodies)
+        self.coupling = Coupling.of(pattern, e.jacobian.sparsity(), bodies)
         self._states = list(e.states)
         self.has_joints, self._go = e.constraint_count > 0, e.manifold.go
 
@@ -156,7 +157,7 @@ class SmoothMotion:
         if self._reacts:
             matrix = mass - h * theta * damping - (h * theta) ** 2 * stiffness
         joints, still = self._joints(t + fraction * h, between, p)[:2]
-        mobility = Mobility(matrix, joints, self._coupling)
+        mobility = Mobility(matrix, joints, self.coupling)
         change, multiplier = mobility(h * force, -(still + joints @ v) / fraction)
         free, states = (
             FreeMotion(v + change, multiplier, mobility),
@@ -181,7 +182,7 @@ class SmoothMotion:
             momentum = start.h * force
             if self._reacts:
                 momentum = momentum + (matrix - start.mass) @ (after - start.v)
-        mobility = Mobility(matrix, joints, self._coupling)
+        mobility = Mobility(matrix, joints, self.coupling)
         rates = -2 * (still + open_by / start.h + joints @ start.v)
         change, multiplier = mobility(momentum, rates)
         return FreeMotion(start.v + change, multiplier, mobility)
@@ -215,7 +216,7 @@ class SmoothMotion:
     ) -> tuple[Mobility, np.ndarray, np.ndarray, Matrix]:
         """Mobility with ``M`` and ``C`` at a position, ``Φ``, ``Φ_t`` and ``C``."""
         joints, still, open_by = self._joints(t, y, p)[:3]
-        return Mobility(self._mass(y, p)[0], joints, self._coupling), open_by, still, joints
+        return Mobility(self._mass(y, p)[0], joints, self.coupling), open_by, still, joints
 
 
 @once

@@ -60,6 +60,13 @@ class BlockOrderings:
         self._last: BlockOrdering | None = None
         self._covered: scipy.sparse.csr_array | None = None
 
+    def repeated(self, count: int) -> BlockOrderings:
+        """Orders of the speeds of several steps that follow one another."""
+        first, step = np.cumsum(self._sizes) - self._sizes, np.arange(count)[:, None]
+        coupled = first[np.stack(np.divmod(self._coupled, self._sizes.size))]
+        coupled = (coupled[:, None] + self._body.size * step).reshape(2, -1)
+        return BlockOrderings(np.tile(self._sizes, count), coupled)
+
     def __call__(self, directions: scipy.sparse.csr_array, width: int) -> BlockOrdering:
         """Order for contacts with ``width`` rows of directions each."""
         last = self._last

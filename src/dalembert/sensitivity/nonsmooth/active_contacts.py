@@ -170,10 +170,9 @@ class ContactEquations:
         column = np.zeros((distance.size, 1), dtype=int)
         return cls(keys, gaps, 0 * one, one, slopes, still, column, still, residual)
 
-    def impact_law(self, keys: np.ndarray) -> ContactEquations:
-        """The same equations if the contacts with some keys follow their law of impact, and the
-        others remain closed."""
-        impacting = np.isin(self.keys, keys)
+    def impact_law(self, impacting: np.ndarray) -> ContactEquations:
+        """The same equations if some contacts follow their law of impact, and the others remain
+        closed."""
         zero, laws = np.zeros(self.slopes.gap.size), self.gaps.values.laws
         speed, factors = zero.copy(), self.factors.copy()
         speed[impacting], struck = laws[impacting, 0], self.slopes.struck

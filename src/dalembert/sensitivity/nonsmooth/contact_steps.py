@@ -26,6 +26,7 @@ from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
 from dalembert.sensitivity.nonsmooth.linear_map import MapAt
 from dalembert.sensitivity.nonsmooth.recorded_contacts import RecordedContacts
 from dalembert.sensitivity.nonsmooth.recorded_opening import SAME, RecordedOpening
+from dalembert.sensitivity.nonsmooth.stacked_impacts import StackedImpacts
 from dalembert.sensitivity.nonsmooth.step_stacks import StepStacks
 from dalembert.symbolic.equations import newton
 
@@ -75,14 +76,19 @@ class ContactSteps:
         not in this one."""
         if not self.record.key.size or not self.step.groups:
             return {}
-        keys, impulses = self.contacts.all.keys, self.contacts.all.impulses
-        laws, slips = self._laws(keys), self._slips(keys, impulses)
+        keys = self.contacts.all.keys
+        laws, slips = self._laws(keys), self._are_slipping
         begins, owner = self.contacts.follows, self.contacts.owner
         ends = np.flatnonzero(begins >= 0)
         begins = begins[ends]
         breaks = slips[ends] & ~slips[begins] & (laws[:, FIRST - 1] > laws[:, FIRST])[ends]
         rows = begins[breaks]
         return {int(k): keys[rows[owner[rows] == k]] for k in owner[rows]}
+
+    @cached_property
+    def _are_slipping(self) -> np.ndarray:
+        """(n,) mask of the sliding contacts of all steps."""
+        return self._slips(self.contacts.all.keys, self.contacts.all.impulses)
 
     def _laws(self, key: np.ndarray) -> np.ndarray:
         """(n, c) coefficients of gaps at the start."""
@@ -118,19 +124,13 @@ class ContactSteps:
     @cached_property
     def stacks(self) -> StepStacks:
         """Steps whose maps are evaluated together."""
-        return StepStacks(self.maps, self.record, self.contacts, self._are_repeated)
+        sticks = ~self._are_slipping
+        return StepStacks(self.maps, self.record, self.contacts, self._are_repeated, sticks)
 
-    def calm(self, k: int) -> ContactChanges | None:
-        """Changes of contact states near a step whose contacts are all among ``by_q``, and in which
-        none impacts or breaks away; None for other steps, and for those outside of stacks."""
-        stacked = self.stacks.at(k)
-        if stacked is None or k in self.breaks:
-            return None
-        (maps, place), first = stacked, self.contacts.first
-        begins = self.contacts.follows[first[k] : first[k + 1]] < 0
-        if maps.forced[place] or (maps.bounces(place) & begins).any():
-            return None
-        return ContactChanges(changing=bool(maps.changing[place]))
+    def stacked_impacts(self, k: int) -> tuple[StackedImpacts, int] | None:
+        """Impacts that contain those of a step, and its number among them; None for steps that are
+        linearised one by one."""
+        return None if k in self.breaks else self.stacks.impacts_at(k)
 
     def split(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """``y`` and ``v`` at the start of step ``k``."""
@@ -141,15 +141,15 @@ class ContactSteps:
         t = self.record.t
         return float(t[k]), float(t[k + 1] - t[k])
 
-    def at(self, k: int, calm: bool = False) -> list[MapAt]:
-        """Sequence of maps of step ``k``; ``calm`` ones have no contacts on their own.
+    def at(self, k: int, whole: bool = False) -> list[MapAt]:
+        """Sequence of maps of step ``k``; ``whole`` ones have no contacts on their own.
 
         Raises
         ------
         AnalysisError
             The maps do not reproduce the recorded step.
         """
-        maps = self._maps(k, calm)
+        maps = self._maps(k, whole)
         end, recorded = maps[-1].following, self.x[:, k + 1]
         scale = np.abs(self.x[:, k : k + 2]).max(initial=0.0) + self.step.model.scales.length
         if not np.abs(end - recorded).max(initial=0.0) <= SAME * scale:
@@ -159,11 +159,11 @@ class ContactSteps:
             )
         return maps
 
-    def _maps(self, k: int, calm: bool) -> list[MapAt]:
+    def _maps(self, k: int, whole: bool) -> list[MapAt]:
         (t, h), active, x = self.span(k), self.active(k), self.x[:, k]
         after = self.x[self.size :, k + 1]
         if (stacked := self.stacks.at(k)) is not None:
-            return [stacked[0].at(stacked[1], whole=calm)]
+            return [stacked[0].at(stacked[1], whole=whole)]
         if self._are_repeated[k]:
             maps = [self._repeated(k)]
         else:

@@ -78,7 +78,9 @@ class MapAt:
     def impact_law(self, keys: np.ndarray) -> MapAt:
         """The same map if the contacts with some keys follow Newton's law, on the path, too."""
         path = None if self.path is None else self.path.impact_law(keys)
-        contacts = None if self.contacts is None else self.contacts.impact_law(keys)
+        contacts = self.contacts
+        if contacts is not None:
+            contacts = contacts.impact_law(np.isin(contacts.keys, keys))
         return replace(self, contacts=contacts, path=path)
 
     def push(self, dx: np.ndarray, dt: float, dp: np.ndarray) -> np.ndarray:

@@ -23,7 +23,8 @@ from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, Cont
 from dalembert.sensitivity.nonsmooth.break_away import BreakAways, break_aways
 from dalembert.sensitivity.nonsmooth.contact_changes import MARGIN, ContactChanges, near_change
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
-from dalembert.sensitivity.nonsmooth.impact_groups import moving_parts, remain_closed
+from dalembert.sensitivity.nonsmooth.impact_groups import closed_after, moving_parts
+from dalembert.sensitivity.nonsmooth.instant_shifts import InstantShifts
 from dalembert.sensitivity.nonsmooth.linear_map import MapAt
 
 
@@ -94,7 +95,7 @@ class StepTangent:
     """
 
     maps: list[MapAt]
-    shifts: list[MovingImpacts | BreakAways]
+    shifts: list[MovingImpacts | BreakAways | InstantShifts]
 
     def push(self, dx: np.ndarray, dp: np.ndarray) -> np.ndarray:
         """Change of the state at the end."""
@@ -134,10 +135,16 @@ def step_tangent(steps: ContactSteps, k: int) -> StepTangent:
     UnsupportedError
         The load of a contact with static friction does not grow evenly until it breaks away.
     """
-    if (near := steps.calm(k)) is not None:
-        maps = steps.at(k, calm=True)
-        steps.changes[k] = replace(near, redundant=not maps[0].consistent)
-        return StepTangent(maps, [])
+    if (impacts := steps.stacked_impacts(k)) is not None:
+        stacked, place = impacts
+        maps, shifts = steps.at(k, whole=True), stacked.at(place)
+        steps.changes[k] = replace(stacked.changes(place), redundant=not maps[0].consistent)
+        return StepTangent(maps, [] if shifts is None else [shifts])
+    return single_tangent(steps, k)
+
+
+def single_tangent(steps: ContactSteps, k: int) -> StepTangent:
+    """Linearisation of one step, with impacts that are its own."""
     maps = steps.at(k)
     closing, before = _closing(steps, k, maps[0].contacts)
     impacts = _impacts(steps, k, maps, closing, before) if closing.impacting.size else None
@@ -209,12 +216,12 @@ def _impacts(
     parts = moving_parts(steps, k, contacts, closing.impacting)
     if not parts:
         return MovingImpacts(contacts, [], np.zeros((begin.size, 0)))
-    closed = remain_closed(steps, k, contacts)
+    closed = closed_after(steps, k, contacts)
     after = steps.acceleration(end, t + h, h, active.some(closed))
     rates = steps.maps.equations.rates
     here, there = (t, begin[:size], begin[size:]), (t + h, end[:size], end[size:])
     rate_before, rate_after = (
-        np.concatenate([rates(*state, steps.p)[0].ravel(), change])
+        np.concatenate([rates(*state, steps.p)[0], change])
         for state, change in ((here, before), (there, after))
     )
     impact = [maps[0].impact_law(contacts.keys[closing.impacting]), *maps[1:]]

@@ -22,8 +22,9 @@ from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction
 from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.once import once
 
-SMALLEST = 16
-"""Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
+SMALLEST, LARGEST = 16, 512
+"""Numbers of columns of the smallest and the largest mapped function; those between have 2, 4, 8 …
+times as many as the smallest."""
 CACHED = 64
 """Upper limit of the number of functions whose derivatives are cached."""
 
@@ -130,16 +131,23 @@ class SourceSlopes:
     ) -> KindSlopes:
         count, width = impulses.shape
         size = SMALLEST << max(0, int(np.ceil(np.log2(count / SMALLEST))))
+        size = min(size, LARGEST)
         key = kind.function, width, size
         if key not in self._kernels:
             self._kernels[key] = Kernel(_gap_slopes(kind.function, width).map(size))
-        padded = np.arange(size) % count
-        columns = [geometry[entries[padded]].T for entries in kind.arguments]
-        columns += [speeds[kind.velocities[padded]].T for speeds in (before, after)]
-        results = [
-            result.T.reshape(size, -1, result.shape[0])[:count].swapaxes(1, 2)
-            for result in self._kernels[key](*columns, impulses[padded].T)
+        padded = np.arange(-(-count // size) * size) % count
+        columns = [geometry[entries[padded]] for entries in kind.arguments]
+        columns += [speeds[kind.velocities[padded]] for speeds in (before, after)]
+        columns.append(impulses[padded])
+        parts = [
+            self._kernels[key](*(column[begin : begin + size].T for column in columns))
+            for begin in range(0, padded.size, size)
         ]
+        results = [
+            np.concatenate([part.T.reshape(size, -1, part.shape[0]) for part in output])
+            for output in zip(*parts, strict=True)
+        ]
+        results = [result[:count].swapaxes(1, 2) for result in results]
         distance, speeds, wrench, blocks, by_distance, *slopes = results
         laws = geometry[kind.laws]
         values = GapChanges(distance[:, 0, 0], speeds[..., 0], speeds[..., 1], laws)

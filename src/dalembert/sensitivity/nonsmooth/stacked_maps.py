@@ -15,6 +15,7 @@ import scipy
 from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations
 from dalembert.sensitivity.nonsmooth.contact_changes import near_change
 from dalembert.sensitivity.nonsmooth.contact_maps import SOLVED, ContactMaps, terms_of
+from dalembert.sensitivity.nonsmooth.free_steps import LastingContacts
 from dalembert.sensitivity.nonsmooth.gap_matrices import NAMES, MatrixGaps
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
 from dalembert.sensitivity.nonsmooth.linear_map import ForcedChange, MapAt
@@ -38,6 +39,9 @@ class StepColumns:
     x, end : (n_x, K) states at the starts and ends
     active : pressing contacts of all steps
     owner : (n,) step of each contact, in ascending order
+    begins : (n,) mask of the contacts that do not press in the step before
+    sticks : (n,) mask of the contacts that do not slide
+    earlier, earlier_t, earlier_h : states at the starts of the steps before, starts, and lengths
     """
 
     t: np.ndarray
@@ -46,6 +50,11 @@ class StepColumns:
     end: np.ndarray
     active: ActiveContacts
     owner: np.ndarray
+    begins: np.ndarray
+    sticks: np.ndarray
+    earlier: np.ndarray
+    earlier_t: np.ndarray
+    earlier_h: np.ndarray
 
     @property
     def count(self) -> int:
@@ -56,6 +65,12 @@ class StepColumns:
     def first(self) -> np.ndarray:
         """(K + 1,) first contact of each step."""
         return np.searchsorted(self.owner, np.arange(self.count + 1))
+
+    def lasting(self, rows: np.ndarray) -> LastingContacts:
+        """Some contacts, as ones that neither impact nor part."""
+        return LastingContacts(
+            rows, self.owner[rows], self.active.impulses[rows], self.sticks[rows]
+        )
 
 
 class StackedMaps:
@@ -68,6 +83,8 @@ class StackedMaps:
 
     Attributes
     ----------
+    contacts : pressing contacts of all steps
+    state : states at the starts and speeds at the ends
     solved : (K,) mask of the steps whose recorded solutions satisfy their equations
     following : (n_x, K) states at the ends, before corrections
     forced : (K,) mask of the steps with offsets that depend on the largest change by forces
@@ -75,15 +92,15 @@ class StackedMaps:
     """
 
     def __init__(self, maps: ContactMaps, steps: StepColumns):
-        self._maps, self._steps = maps, steps
+        self.maps, self.steps = maps, steps
         (y, v), n = np.split(steps.x, [maps.size]), maps.speeds
         after, t, h = steps.end[maps.size :], steps.t[None], steps.h[None]
         value, (by_z, by_q), following, slopes = maps.equations.step(after, y, v, t, maps.p, h)
         self.following = following.reshape(steps.count, -1).T
         self._by_z, self._by_q, self._next = by_z, by_q, slopes
         active, owner = steps.active, steps.owner
-        state = StepState(t, y, maps.p, v, after)
-        gaps = maps.gaps(state, active.keys, active.impulses, owner=owner)
+        self.state = StepState(t, y, maps.p, v, after)
+        gaps = maps.gaps(self.state, active.keys, active.impulses, owner=owner)
         inertia = np.maximum(np.abs(by_z.diagonal()), np.finfo(float).tiny)
         step, width = maps.contact_step, active.impulses.shape[1]
         self.contacts = ContactEquations.of(gaps, step, active, steps.h[owner], inertia)
@@ -107,6 +124,27 @@ class StackedMaps:
         change = np.abs(after - v).max(axis=0)
         near = near_change(self.contacts, active.impulses, step.groups, change[owner])
         self.changing = np.bincount(owner, near, steps.count) > 0
+        self._factors: dict[int, ProximalFactors] = {}
+
+    def factors(self, k: int) -> ProximalFactors:
+        """Factors of the equations of a step."""
+        if k not in self._factors:
+            self._factors[k] = ProximalFactors(self._scaled.block(*self._bounds[k : k + 2]))
+        return self._factors[k]
+
+    def push(self, dq: np.ndarray, contacts: ContactEquations, numbers: np.ndarray) -> np.ndarray:
+        """Changes (n_x, K) of the states at the ends of the steps ``numbers``, by those of ``q``
+        (n_q, K), with other equations of the contacts."""
+        change = dq.T.reshape(-1, 1)
+        momentum, rows = contacts.push(change)
+        right = np.concatenate([self._by_q @ change - momentum, rows])[self._order]
+        solution = np.zeros_like(right)
+        for k in numbers:
+            own = slice(*self._bounds[k : k + 2])
+            solution[self._order[own]] = -self.factors(k).solve(right[own])
+        by_z, by_q = self._next
+        end = by_z @ solution[: by_z.shape[1]] + by_q @ change
+        return np.asarray(end.reshape(self.steps.count, -1).T)
 
     @cached_property
     def _by_all(self) -> Sparse:
@@ -124,26 +162,22 @@ class StackedMaps:
             equations; not for ``forced`` steps
         """
         begin, end = self._bounds[k : k + 2]
-        first, contacts = self._steps.first, None
+        first, contacts = self.steps.first, None
         if whole:
             by_q = self._block(self._by_all, self._bounds, k)
         else:
-            by_q = self._block(self._by_q, self._maps.speeds, k)
+            by_q = self._block(self._by_q, self.maps.speeds, k)
             contacts = self._contacts(k) if first[k] < first[k + 1] else None
         forced = self._forced(k) if self.forced[k] else None
-        factors = ProximalFactors(self._scaled.block(begin, end))
+        factors = self.factors(k)
         z = self._z[self._order[begin:end]]
         (by_z, by_state), rows = self._next, self.following.shape[0]
         own = self._block(by_z, rows, k), self._block(by_state, rows, k)
         return MapAt(z, self.following[:, k], factors, by_q, *own, contacts, forced)
 
-    def bounces(self, k: int) -> np.ndarray:
-        """Mask of the contacts of a step that may impact."""
-        return self.contacts.slopes.bounces[slice(*self._steps.first[k : k + 2])]
-
     def _block(self, matrix: Sparse, rows: int | np.ndarray, k: int) -> Sparse:
         """Block of a step, with as many rows in each, or with rows between bounds."""
-        width = matrix.shape[1] // self._steps.count
+        width = matrix.shape[1] // self.steps.count
         if isinstance(rows, int):
             begin, end = rows * k, rows * (k + 1)
         else:
@@ -151,21 +185,21 @@ class StackedMaps:
         return diagonal_block(matrix, begin, end, width * k, width)
 
     def _forced(self, k: int) -> ForcedChange:
-        steps, rows = self._steps, slice(*self._steps.first[k : k + 2])
-        y, v = np.split(steps.x[:, k], [self._maps.size])
+        steps, rows = self.steps, slice(*self.steps.first[k : k + 2])
+        y, v = np.split(steps.x[:, k], [self.maps.size])
         offsets = steps.active.offsets[rows][self.contacts.slopes.forced[rows] > 0]
-        return self._maps.forced_change(y, v, float(steps.t[k]), float(steps.h[k]), offsets)
+        return self.maps.forced_change(y, v, float(steps.t[k]), float(steps.h[k]), offsets)
 
     def _contacts(self, k: int) -> ContactEquations:
         """Equations of the contacts of a step."""
-        whole, first = self.contacts, self._steps.first
+        whole, first = self.contacts, self.steps.first
         rows, (total, width) = np.arange(*first[k : k + 2]), whole.factors.shape
         matrices = whole.gap_slopes
         slopes = {
             name: self._block(matrices[name], matrices[name].shape[0] // total * first, k)
             for name in NAMES
         }
-        momentum = self._block(matrices["momentum"], self._maps.speeds, k)
+        momentum = self._block(matrices["momentum"], self.maps.speeds, k)
         across = self._block(whole.gaps.directions, width * first, k)
         values, size = whole.gaps.values.some(rows), momentum.shape[1]
         part = MatrixGaps(np.arange(rows.size), values, across, slopes, momentum, size)

@@ -23,7 +23,6 @@ from dalembert.analysis.nonsmooth.step_forces import (
 from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.model import Model
 from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction, Sparse
-from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.once import once
 
 
@@ -149,14 +148,14 @@ class StepEquations:
         return SmoothMap(e, self.h, self.z, ca.vertcat(momentum, rates), following)
 
     @cached_property
-    def rates(self) -> Kernel:
+    def rates(self) -> SlopeFunction:
         """``(t, y, v, p) → ẏ``, ``A v`` of positions and ``f`` of states of first order."""
         manifold, e = self.e.manifold, self.e
         zero = ca.SX.zeros(manifold.delta.numel())
         lift = ca.substitute(ca.jacobian(manifold.moved, manifold.delta), manifold.delta, zero)
         rates = ca.densify(ca.mtimes(ca.substitute(lift, manifold.y, e.y), e.v))
         rates[list(e.states)] = e.pose_rate[list(e.states)]
-        return Kernel(ca.Function("rates", [e.t, e.y, e.v, e.p], [rates]))
+        return SlopeFunction("rates", [e.t, e.y, e.v, e.p], rates, [])
 
     @cached_property
     def reach(self) -> Sparse:

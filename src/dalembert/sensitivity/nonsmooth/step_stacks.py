@@ -8,6 +8,7 @@ from dalembert.errors import AnalysisError
 from dalembert.results.nonsmooth_motion import ContactRecord
 from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
 from dalembert.sensitivity.nonsmooth.recorded_contacts import RecordedContacts
+from dalembert.sensitivity.nonsmooth.stacked_impacts import StackedImpacts
 from dalembert.sensitivity.nonsmooth.stacked_maps import StackedMaps, StepColumns
 
 STACK = 64
@@ -26,6 +27,7 @@ class StepStacks:
     record : ContactRecord
     contacts : RecordedContacts
     repeated : (K,) mask of the steps with solutions that are not recorded
+    sticks : (n,) mask of the contacts of all steps that do not slide
     """
 
     def __init__(
@@ -34,13 +36,15 @@ class StepStacks:
         record: ContactRecord,
         contacts: RecordedContacts,
         repeated: np.ndarray,
+        sticks: np.ndarray,
     ):
         step = maps.contact_step
-        self._maps, self._record, self._contacts = maps, record, contacts
+        self._maps, self._record, self._contacts, self._sticks = maps, record, contacts, sticks
         self._x = np.vstack([record.ends.y, record.ends.v])
         unfit = step.smooth.has_joints or step.force_laws.elements
         self._fit = np.zeros_like(repeated) if unfit else ~repeated
         self._number = -1
+        self._impacts: StackedImpacts | None = None
         self._last: tuple[dict[int, int], StackedMaps | None] = {}, None
 
     def at(self, k: int) -> tuple[StackedMaps, int] | None:
@@ -50,8 +54,20 @@ class StepStacks:
             return None
         if k // STACK != self._number:
             self._number, self._last = k // STACK, self._evaluated(k // STACK)
+            self._impacts = None
         places, maps = self._last
         return None if maps is None or k not in places else (maps, places[k])
+
+    def impacts_at(self, k: int) -> tuple[StackedImpacts, int] | None:
+        """Impacts that contain those of a step, and its number among them; None for a step outside
+        of stacks, or with impacts that are not located there."""
+        stacked = self.at(k)
+        if stacked is None:
+            return None
+        maps, place = stacked
+        if self._impacts is None:
+            self._impacts = StackedImpacts(maps)
+        return (self._impacts, place) if self._impacts.located[place] else None
 
     def _evaluated(self, number: int) -> tuple[dict[int, int], StackedMaps | None]:
         """Places of steps in their maps, and the maps."""
@@ -61,8 +77,20 @@ class StepStacks:
         place[numbers] = np.arange(numbers.size)
         rows = np.flatnonzero(place[self._contacts.owner] >= 0)
         contacts, owner = self._contacts.all.some(rows), place[self._contacts.owner[rows]]
-        states = self._x[:, numbers], self._x[:, numbers + 1]
-        columns = StepColumns(t[numbers], np.diff(t)[numbers], *states, contacts, owner)
+        h, last = np.diff(t), np.maximum(numbers - 1, 0)
+        columns = StepColumns(
+            t[numbers],
+            h[numbers],
+            self._x[:, numbers],
+            self._x[:, numbers + 1],
+            contacts,
+            owner,
+            begins=self._contacts.follows[rows] < 0,
+            sticks=self._sticks[rows],
+            earlier=self._x[:, last],
+            earlier_t=t[last],
+            earlier_h=h[last],
+        )
         try:
             maps = StackedMaps(self._maps, columns)
         except AnalysisError:  # of one of the steps, which raises it on its own

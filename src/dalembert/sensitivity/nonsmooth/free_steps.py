@@ -1,0 +1,139 @@
+"""Many steps of free bodies without impacts: mean accelerations, with contacts that last."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import scipy
+
+from dalembert.analysis.nonsmooth.mobility import Mobility, delassus
+from dalembert.integrators.contact.contact_laws import ContactLaws
+from dalembert.integrators.contact.contacts import FrictionProblem
+from dalembert.integrators.contact.delassus import Delassus
+from dalembert.integrators.contact.impulses import BLOCK_ITERATIONS
+from dalembert.integrators.contact.semismooth_newton import semismooth_newton
+from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
+from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
+from dalembert.sensitivity.nonsmooth.proximal_factors import diagonal_block
+from dalembert.sensitivity.nonsmooth.slope_function import Sparse
+from dalembert.sensitivity.nonsmooth.source_slopes import StepState
+
+
+@dataclass(frozen=True, eq=False)
+class LastingContacts:
+    """Contacts that neither impact nor part in a step.
+
+    Attributes
+    ----------
+    rows : (n,) numbers of their gaps
+    owner : (n,) step of each contact, in ascending order
+    impulses : (n, k) initial guess
+    sticks : (n,) mask of the contacts with the coefficient of static friction, if there is one
+    """
+
+    rows: np.ndarray
+    owner: np.ndarray
+    impulses: np.ndarray
+    sticks: np.ndarray
+
+
+class FreeSteps:
+    """Steps that begin at given states, each with forces linearised about its start.
+
+    Parameters
+    ----------
+    maps : ContactMaps of a model of free bodies
+    state : states at the starts in columns; ``after`` is not used
+    h : (K,) lengths
+    """
+
+    def __init__(self, maps: ContactMaps, state: StepState, h: np.ndarray):
+        self._maps, self._h, self._v = maps, h, state.before
+        arguments = state.before, state.y, state.before, state.t, state.p, h[None]
+        value, (matrix, _), *_ = maps.equations.linear(*arguments)
+        self._mobility = mobility_of(maps, matrix, h.size)
+        self._change = self._mobility(-value)[0]
+
+    @cached_property
+    def accelerations(self) -> np.ndarray:
+        """(n_v, K) without contacts."""
+        return np.asarray(self._change.reshape(self._h.size, -1).T / self._h)
+
+    def with_contacts(self, gaps: Gaps, lasting: LastingContacts) -> np.ndarray:
+        """(n_v, K) accelerations with contacts.
+
+        Parameters
+        ----------
+        gaps : at the starts, ``before`` with the speeds there
+        """
+        if not lasting.rows.size:
+            return self.accelerations
+        step, width = self._maps.contact_step, gaps.values.before.shape[1]
+        rows = (lasting.rows[:, None] * width + np.arange(width)).ravel()
+        directions, values = gaps.directions[rows], gaps.values.some(lasting.rows)
+        laws, linear = ContactLaws.of(values.laws.T, step.groups), 1 + sum(step.groups[:1])
+        offsets = np.zeros_like(values.before)
+        offsets[:, 0] = -values.before[:, 0]
+        offsets[:, 1:linear] = laws.tangential[:, None] * values.before[:, 1:linear]
+        change = (directions @ self._change).reshape(values.before.shape)
+        speeds, friction = values.before + change + offsets, laws.friction.copy()
+        static = laws.higher_at_rest & lasting.sticks
+        friction[static, :1] = laws.static_friction[static, None]
+        first = np.searchsorted(lasting.owner, np.arange(self._h.size + 1))
+        problem = FrictionProblem(self._delassus(directions), speeds, friction, step.groups)
+        impulses = self._impulses(problem, lasting, first)
+        total = self._change + self._mobility(directions.T @ impulses.ravel())[0]
+        return np.asarray(total.reshape(self._h.size, -1).T / self._h)
+
+    def _delassus(self, directions: Sparse) -> Delassus:
+        """Operator of contacts of all steps."""
+        operator = delassus(directions, self._mobility)
+        assert isinstance(operator, Delassus)
+        return operator
+
+    def _impulses(
+        self, problem: FrictionProblem, lasting: LastingContacts, first: np.ndarray
+    ) -> np.ndarray:
+        """(n, k) impulses by Newton's method for all steps together, each relative to its own
+        speeds; one by one where it fails."""
+        solver, used = self._maps.contact_step.solver, np.flatnonzero(np.diff(first))
+        scales = np.maximum.reduceat(np.abs(problem.velocity).max(axis=1), first[used])
+        scales = np.where(scales > 0, scales, 1.0)
+        scale = np.repeat(scales, np.diff(first)[used])[:, None]
+        relative = replace(problem, velocity=problem.velocity / scale)
+        together = semismooth_newton(
+            relative, lasting.impulses / scale, solver.tolerance, BLOCK_ITERATIONS
+        )
+        residual = np.abs(together - relative.project(together, relative.speeds(together)))
+        residual = np.maximum.reduceat((residual * relative.weights).max(axis=1), first[used])
+        impulses = relative.project(together, np.zeros(problem.shape)) * scale
+        for i in np.flatnonzero(~(residual <= solver.tolerance)):
+            own = slice(*first[used[i] : used[i] + 2])
+            single = self._single(problem, int(used[i]), own, float(scales[i]))
+            impulses[own] = solver.solve(single, lasting.impulses[own]).impulses
+        return impulses
+
+    def _single(
+        self, problem: FrictionProblem, k: int, own: slice, scale: float
+    ) -> FrictionProblem:
+        """Problem of one step."""
+        assert isinstance(problem.matrix, Delassus)
+        (n, _), width, operator = self._v.shape, problem.shape[1], problem.matrix
+        rows = width * own.start, width * own.stop, n * k, n
+        across, moved = (
+            diagonal_block(part, *rows) for part in (operator.directions, operator.responses)
+        )
+        inertia = diagonal_block(operator.inertia, n * k, n * (k + 1), n * k)
+        none, shift = scipy.sparse.csr_array((0, n)), np.zeros(rows[1] - rows[0])
+        orderings = self._maps.contact_step.smooth.coupling.orderings
+        matrix = Delassus(across, moved, inertia, none, shift, orderings=orderings)
+        velocity, friction = problem.velocity[own], problem.friction[own]
+        return FrictionProblem(matrix, velocity, friction, problem.groups, scale)
+
+
+def mobility_of(maps: ContactMaps, matrix: Sparse, count: int) -> Mobility:
+    """Mobility of several steps of free bodies that follow one another."""
+    none = scipy.sparse.csr_array((0, matrix.shape[0]))
+    return Mobility(matrix, none, maps.contact_step.smooth.coupling.repeated(count))
