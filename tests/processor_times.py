@@ -63,7 +63,8 @@ class ProcessorTimes:
     def pytest_runtest_makereport(self) -> Iterator[None]:
         report: Any = yield
         now = processor_time()
-        report.user_properties = [*report.user_properties, (NAME, now - self.start)]
+        spent = max(0.0, now - self.start)  # programs that no process awaits end uncounted
+        report.user_properties = [*report.user_properties, (NAME, spent)]
         self.start = now
         return report
 

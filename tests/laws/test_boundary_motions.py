@@ -282,7 +282,7 @@ def test_many_profiles_fall_into_a_drum(scheme):
         shapes.append(kinds[k % 3](*data[0], data[1][k % 3]))
     shapes.append(contact.Bore(system.ground.center, 0.3))
     system.add(planar.Collisions("drum", shapes, friction=0.3))
-    motion = da.solve_nonsmooth(system.build(), 0.3, step=2e-3, integrator=scheme)
+    motion = da.solve_nonsmooth(system.build(), 0.2, step=2e-3, integrator=scheme)
     assert motion.status.success
     assert motion.data["penetration"].max() < 1e-9
     assert motion.statistics["maximum energy gained in contacts [J]"] < 1e-10

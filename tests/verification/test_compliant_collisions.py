@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
+from thorough import sampled
 
 import dalembert as da
 from dalembert import planar, spatial
@@ -95,7 +96,7 @@ def test_rebound_and_duration_of_an_elastic_impact():
     assert 1 / record.fraction.max() == pytest.approx(200, rel=0.35)
 
 
-@pytest.mark.parametrize("restitution", [0.9, 0.6, 0.3])
+@pytest.mark.parametrize("restitution", sampled([0.6, 0.9, 0.3], 3))
 def test_restitution_of_hunt_and_crossley(restitution):
     law = contact.HuntCrossley(stiffness=K, damping=contact.damping_factor(restitution) / V0)
     motion = dropped(law, 4e-5, 0.03, gravity=0.0)

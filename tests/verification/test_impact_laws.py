@@ -193,7 +193,7 @@ def bouncing(law: str, gravity: float, scheme) -> da.Motion:
         shapes.append(planar.contact.Circle(system.add(ball), 0.1))
     law = {"restitution": 0.7, "friction": 0.3, "impact_law": law}
     system.add(planar.Collisions("hits", shapes, **law))
-    return da.solve_nonsmooth(system.build(), 1.0, step=2e-3, integrator=scheme)
+    return da.solve_nonsmooth(system.build(), 0.6, step=2e-3, integrator=scheme)
 
 
 @pytest.mark.parametrize("law", ["poisson", "energetic"])

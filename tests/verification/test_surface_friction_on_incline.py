@@ -39,7 +39,9 @@ def rest(kappa: float, speed: float = SPEED) -> tuple[float, np.ndarray]:
     return time, np.array([downhill, 2 * kappa * speed**2 / (PULL * (4 * kappa**2 - 1))])
 
 
-@pytest.mark.parametrize("kappa", [1.2, 1.5, 2.5])
+@pytest.mark.parametrize(
+    "kappa", [1.5, *(pytest.param(k, marks=pytest.mark.thorough) for k in (1.2, 2.5))]
+)
 def test_where_it_stops(kappa):
     model, (time, place) = pushed(kappa), rest(kappa)
     motion = da.solve_dynamics(model, 1.3 * time, integrator=da.DormandPrince(1e-9, 1e-11))

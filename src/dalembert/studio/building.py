@@ -39,6 +39,9 @@ KINDS: dict[str, Callable[[str, Path], Picture]] = {
 
 FIRST = "still"
 """Kind of the picture that is shown first."""
+PAUSES = {"live": 0.4}
+"""Kind of pictures → time without another request before one is made [s]: during quick edits no
+module is compiled that the next edit outdates."""
 REHEARSAL = """format = 1
 gravity = [0.0, -9.81]
 [bodies]
@@ -141,8 +144,7 @@ class BuildingProcess:
         self._start()
         while True:
             with self._changed:
-                while self._waiting is None and not self._closed:
-                    self._changed.wait()
+                self._await_request()
                 if self._closed:
                     self._kill()
                     return
@@ -161,6 +163,18 @@ class BuildingProcess:
                 self.receive(request.number, picture)
             elif not outdated:
                 self.receive(request.number, Picture(problems=(Problem("error", self._reason),)))
+
+    def _await_request(self) -> None:
+        """Wait for a request that no other one follows during the pause of this kind."""
+        while not self._closed:
+            latest = self._waiting
+            pause = None if latest is None else PAUSES.get(self.kind, 0.0)
+            if not self._changed.wait_for(partial(self._is_outdated, latest), pause):
+                return
+
+    def _is_outdated(self, latest: Request | None) -> bool:
+        """Whether another request has come, or none is to be worked on any more."""
+        return self._closed or self._waiting is not latest
 
     def _picture(self, request: Request) -> Picture | None:
         """Picture of a request; None if the process has ended meanwhile."""
