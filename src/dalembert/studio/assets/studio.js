@@ -88,12 +88,12 @@ class Studio {
       rename: (name) => void this.properties.rename(name),
     });
     this.palette = new Palette(byId("palette"), (name) => this.drawing.choose(name));
-    this.properties = new Properties(byId("canvas"), this.drawing, () => this.completion);
+    this.properties = new Properties(byId("writing"), this.drawing, () => this.completion);
     /** The guided first build. @type {Guide | undefined} */
     this.guide = new Guide(byId("canvas"), () => ({ ...this.file, document: this.known, tool: this.drawing.tool.name }));
     this.space = new Space(this.pictures, this.drawing.actions, byId("canvas"));
-    this.structure = new Structure(this.pictures, this.drawing.actions, byId("canvas"), () => this.completion);
-    this.spaceStructure = new SpaceStructure(this.pictures, this.drawing.actions, byId("canvas"), () => this.completion);
+    this.structure = new Structure(this.pictures, this.drawing.actions, byId("canvas"), byId("writing"), () => this.completion);
+    this.spaceStructure = new SpaceStructure(this.pictures, this.drawing.actions, byId("canvas"), byId("writing"), () => this.completion);
     this.crosshair = new Crosshair(byId("canvas"), [this.drawing, this.structure]);
     this.sheets = new Sheets(byId("sheets"), byId("writing"), [{ name: "text", title: "Text", node: byId("text") }, { name: "model", title: "Model", node: this.space.tree.node }]);
     /** Requests of other parts by the kind of their answer. @type {Record<string, (message: any) => void>} */
@@ -106,7 +106,8 @@ class Studio {
   }
 
   bind() {
-    for (const drawn of [this.space, this.spaceStructure, this.structure, this.drawing]) document.addEventListener("keydown", (event) => drawn.key(event));
+    // Overlays come last: their keys are digits, which are typed numbers while one draws.
+    for (const listening of [this.space, this.spaceStructure, this.structure, this.drawing, this.insight.overlays]) document.addEventListener("keydown", (event) => listening.key(event));
     document.addEventListener("keydown", (event) => this.key(event));
     window.addEventListener("pagehide", () => this.editor.flush());
     document.addEventListener("visibilitychange", () => this.editor.flush());
