@@ -76,11 +76,15 @@ class Studio {
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.slow = undefined;
     this.drawing = new Drawing(this.pictures, {
-      change: ({ label, operations }) => this.edit(label, operations),
+      change: ({ label, operations }) => {
+        this.say("");  // a refusal before it
+        void this.edit(label, operations);
+      },
       hint: (text) => { byId("hint").textContent = text; },
       select: (section, name) => this.editor.reveal(section, name),
-      refuse: (text) => this.say(text, true),
+      refuse: (text) => this.say(text, true, true),
       onTool: (name) => {
+        this.say("");
         this.palette.show(name);
         this.guide?.check();
       },
@@ -337,13 +341,13 @@ class Studio {
     this.drawing.refresh();
   }
 
-  /** @param {string} text @param {boolean} [failed] */
-  say(text, failed = false) {
+  /** @param {string} text @param {boolean} [failed] @param {boolean} [passes] whether it disappears after a while */
+  say(text, failed = false, passes = !failed) {
     const notice = byId("notice");
     notice.textContent = text;
     notice.classList.toggle("error", failed);
     clearTimeout(this.timer);
-    if (!failed) this.timer = setTimeout(() => { notice.textContent = ""; }, SHOWN);
+    if (passes) this.timer = setTimeout(() => { notice.textContent = ""; }, SHOWN);
   }
 
   /** @param {string} name */
