@@ -226,17 +226,18 @@ def test_shapes_have_no_size(show) -> None:
     assert "m]" not in page.page.inner_text("#displacements thead").replace("rad/m]", "")
 
 
-def test_what_is_clamped_in_space_is_no_pin() -> None:
+def test_clamps_and_moments_in_space_are_shown() -> None:
     structure = da.Structure("mast")
     foot, top = structure.node("foot", 0, 0, 0), structure.node("top", 0, 0, 3)
     arguments = {"area": 1e-3, "second_moment_y": 1e-6, "second_moment_z": 1e-6}
     arguments |= {"torsion_constant": 1e-6, "modulus": 210e9, "shear_modulus": 80e9}
     structure.add(structures.SpaceFrame("mast", foot, top, **arguments))
     structure.support(foot)
-    structure.load(top, fx=100.0)
-    support, *loads = da.solve_statics(structure.build()).page()["scene"]["symbols"]
+    structure.load(top, fx=100.0, my=-7.0)
+    support, force, moment = da.solve_statics(structure.build()).page()["scene"]["symbols"]
     assert support["clamp"] and not support["roller"]
-    assert [load["force_x"][0] for load in loads] == [100.0]
+    assert force["force_x"][0] == 100.0
+    assert [moment[f"moment_{axis}"][0] for axis in "xyz"] == [0.0, -7.0, 0.0]
 
 
 def gif_frames(path: Path) -> int:

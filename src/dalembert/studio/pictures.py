@@ -28,13 +28,13 @@ body { padding: 8px } main, .single main { padding: 0 }
 .view, .single .view { flex: none; height: max(280px, 100vh - 200px) }
 @media (min-width: 941px) {
   .board { min-height: 0 }
-  .view { height: max(280px, 100vh - 132px) }
+  .view { height: max(280px, 100vh - 168px) }
 }
 .toolbar { order: 1; border-bottom: 0; border-top: 1px solid var(--line) }
 .toolbar .menu-box { top: auto; bottom: calc(100% + 6px) }
 #ghosts { order: 99 }
 @media (max-width: 560px), (max-height: 430px) {
-  .view, .single .view { height: max(170px, calc(100dvh - 112px)) }
+  .view, .single .view { height: max(170px, calc(100dvh - 150px)) }
   .toolbar { flex-wrap: nowrap; overflow-x: auto; padding: 5px 8px }
   .toolbar > *, .toolbar .chips { flex: none; flex-wrap: nowrap; max-height: none }
   .player { padding: 4px 8px } .player select { max-width: 72px }

@@ -143,7 +143,7 @@ def _support(
 
 # loads ------------------------------------------------------------------------------------------
 def load_symbols(drawing: StructuralDrawing, loads: np.ndarray) -> list[dict[str, Any]]:
-    """Arrows of forces and arcs of planar moments at nodes.
+    """Arrows of forces and moments, which are arcs in the plane, at nodes.
 
     An arrow is ``inward``, with its head at the node, where the forces of its direction push. Loads
     on nearly all nodes, such as weight, are left out.
@@ -167,12 +167,13 @@ def load_symbols(drawing: StructuralDrawing, loads: np.ndarray) -> list[dict[str
         columns = {f"force_{AXES[k]}": force[node, k] for k in range(max(2, d))}
         symbol = {"symbol": "arrow", "description": "load", "node": int(node), **columns}
         symbols.append(symbol | {"inward": inward[row]})
-    moment = nodal[:, 2] if d == 2 and numbers.shape[1] > 2 else np.zeros((0, loads.shape[1]))
-    turned = np.flatnonzero((np.abs(moment) > 1e-9 * np.abs(moment).max(initial=0.0)).any(axis=1))
+    moment = nodal[:, d : {1: 1, 2: 3, 3: 6}[d]]  # about z in the plane, about x, y, z in space
+    largest = np.abs(moment).max(initial=0.0)
+    turned = np.flatnonzero((np.abs(moment) > 1e-9 * largest).any(axis=(1, 2)))
+    names = ["moment"] if d == 2 else [f"moment_{axis}" for axis in AXES]
     for node in turned if turned.size <= MAX_ARROWS else ():
-        symbols.append(
-            {"symbol": "twist", "description": "load", "node": int(node), "moment": moment[node]}
-        )
+        columns = dict(zip(names, moment[node], strict=False))
+        symbols.append({"symbol": "twist", "description": "load", "node": int(node), **columns})
     return symbols
 
 

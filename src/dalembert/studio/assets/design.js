@@ -46,8 +46,11 @@ export class DesignSheet {
 
   /** @param {TaskMessage} task */
   receive(task) {
+    const before = this.tasks[task.section];
     this.tasks[task.section] = task;
     this.renderState();
+    const changed = before?.number !== task.number || before.status !== task.status;
+    if (changed && task.section === this.chosen.section) this.state.scrollIntoView({ block: "nearest" });
   }
 
   get responses() { return Object.keys(this.document?.responses ?? {}); }
@@ -109,7 +112,7 @@ export class DesignSheet {
         this.set(several ? { minimize: list("minimize"), maximize: list("maximize") } : { minimize: chosenKey === "minimize" ? name : null, maximize: chosenKey === "maximize" ? name : null });
       } }, ["", "minimize", "maximize"].map((value) => el("option", { value }, value || "–")));
       select.value = has("minimize") ? "minimize" : has("maximize") ? "maximize" : "";
-      return el("label", { class: "field" }, el("span", {}, name), select);
+      return el("label", { class: "field inline" }, el("span", {}, name), select);
     };
     return el("fieldset", {}, el("legend", {}, several ? "Aims" : "Objective"), responses.length ? responses.map(row) : el("p", { class: "muted" }, "Add a response first."));
   }
@@ -117,7 +120,7 @@ export class DesignSheet {
   responseChoice() {
     const { table, responses } = this, select = el("select", { name: "response", onchange: () => this.set({ response: select.value }) }, ["", ...responses].map((value) => el("option", { value }, value || "–")));
     select.value = table.response ?? "";
-    return el("label", { class: "field" }, el("span", {}, "Response"), select);
+    return el("label", { class: "field inline" }, el("span", {}, "Response"), select);
   }
 
   dataField() { return numberField({ key: "data", label: "Data file (CSV)", text: true }, this.table.data, (value) => this.set({ data: value })); }

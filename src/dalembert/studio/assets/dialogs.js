@@ -32,8 +32,9 @@ export function chooseFile({ folder, files, recent, examples }, open) {
     list(`In ${folder}`, files.map((path) => entry(path, ""))),
     el("section", {}, el("h3", {}, "Examples"), el("ul", { class: "examples" }, cards)),
   ].filter((section) => section !== false);
-  const form = el("form", { class: "open-path" }, input, el("button", { type: "submit", class: "button primary" }, "Open"), button("New model", act({})), button("New spatial model", act({ dimension: 3 })), button("New structure", act({ structure: true })), button("New spatial structure", act({ structure: true, dimension: 3 })));
-  const dialog = showSheet("Open", [form, el("div", { class: "sheet-body" }, sections)]);
+  const form = el("form", { class: "open-path" }, input, el("button", { type: "submit", class: "button primary" }, "Open"));
+  const fresh = el("div", { class: "chips", role: "group", "aria-label": "New files" }, button("New model", act({})), button("New spatial model", act({ dimension: 3 })), button("New structure", act({ structure: true })), button("New spatial structure", act({ structure: true, dimension: 3 })));
+  const dialog = showSheet("Open", [form, fresh, el("div", { class: "sheet-body" }, sections)]);
   input.addEventListener("input", () => {
     const word = input.value.trim().toLowerCase();
     for (const item of /** @type {NodeListOf<HTMLElement>} */ (dialog.querySelectorAll("[data-words]"))) item.hidden = Boolean(word) && !item.dataset.words?.includes(word);

@@ -19,6 +19,7 @@ export const measured = (from, to) => `${short(Math.hypot(to.x - from.x, to.y - 
 export function drawOverlay(ctx, drawing) {
   const { page, drag, places, now, tool } = drawing;
   if (!page) return;
+  if (tool.name !== "select" || drag?.moved) page.scene.pointer = null;  // no tip over what is drawn
   const style = getComputedStyle(document.documentElement), colour = (/** @type {string} */ name) => style.getPropertyValue(name).trim(), { view } = page.scene;
   const screen = (/** @type {Spot} */ { x, y }) => /** @type {[number, number]} */ (view.screen([x, y]));
   const mark = (/** @type {Spot} */ place, /** @type {number} */ radius) => {
@@ -74,7 +75,7 @@ export function drawOverlay(ctx, drawing) {
 /** Lines of text in a box beside the pointer. @param {CanvasRenderingContext2D} ctx @param {[number, number]} at @param {string[]} lines @param {(name: string) => string} colour */
 export function readout(ctx, [x, y], lines, colour) {
   const rows = lines.filter(Boolean), width = Math.max(...rows.map((row) => ctx.measureText(row).width)) + 16, height = 17 * rows.length + 8;
-  const left = Math.min(x + 14, ctx.canvas.clientWidth - width - 4), top = Math.max(4, y - 14 - height);
+  const left = x + 18 + width > ctx.canvas.clientWidth ? Math.max(4, x - 14 - width) : x + 14, top = Math.max(4, y - 14 - height);
   ctx.beginPath();
   ctx.roundRect(left, top, width, height, 6);
   ctx.globalAlpha = 0.92;

@@ -25,7 +25,6 @@ export class OverlayBar {
     this.values = el("p", { class: "muted", role: "status" });
     this.node = el("fieldset", { class: "overlays" }, el("legend", {}, "On the picture"), el("div", { class: "picks" }, [...this.buttons.values()], this.reactions, ghosts.button),
       el("div", { class: "picks" }, Object.keys(PLOTS).map((name) => button(`Plot: ${name.toLowerCase()}`, () => this.plot(name), { class: "pick" }))), this.values, ghosts.node);
-    document.addEventListener("keydown", (event) => this.key(event));
     pictures.onShow.push((page) => this.bind(page));
   }
 

@@ -78,6 +78,13 @@ export class Pictures {
   setTheme(name) { if (this.frame) setTheme(this.frame, name); }
 }
 
+/** Whether one of the places is outside the drawing as it is shown. @param {Page | null} page @param {number[][]} places */
+export function isOutside(page, places) {
+  if (!page) return false;
+  const { view, canvas } = page.scene, spots = places.map((place) => view.screen(place));
+  return spots.some((at) => !at || at[0] < 0 || at[1] < 0 || at[0] > canvas.clientWidth || at[1] > canvas.clientHeight);
+}
+
 /** @param {HTMLIFrameElement | null} frame @returns {Page | null} */
 function partsOf(frame) {
   return /** @type {any} */ (frame?.contentWindow)?.dalembert ?? null;
@@ -97,7 +104,11 @@ function keepView(before, after, same) {
   if ("s" in old && "s" in view && !old.fitted) {
     [view.x, view.y, view.s, view.fitted] = [old.x, old.y, old.s, false];
     view.onChange();
-  } else if (old.adopt && view.adopt && !old.fitted) view.adopt(old);
+  } else if (old.adopt && view.adopt) {
+    const { fitted } = old;
+    view.adopt(old);
+    if (fitted) after.scene.fit();
+  }
   if (same) after.player.seek(before.player.time);
   if (!before.player.playing && before.motion.moves) {
     after.player.pause();

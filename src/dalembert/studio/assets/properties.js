@@ -14,12 +14,12 @@ const OTHER = ["type", "joint", "reaction_on", "description"];
 /** @typedef {(string | number)[]} Keys */
 
 export class Properties {
-  /** @param {HTMLElement} parent @param {Drawing} drawing @param {() => Completion | null} completion */
+  /** @param {HTMLElement} parent whose last child, the problems, it precedes @param {Drawing} drawing @param {() => Completion | null} completion */
   constructor(parent, drawing, completion) {
     this.drawing = drawing;
     this.completion = completion;
     this.node = el("aside", { class: "properties", "aria-label": "Properties of the selection", hidden: true });
-    parent.append(this.node);
+    parent.insertBefore(this.node, parent.lastElementChild);
     this.shown = "";
   }
 

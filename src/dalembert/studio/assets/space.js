@@ -12,6 +12,7 @@
 import { ModelTree } from "./model_tree.js";
 import { valuesAfter } from "./preview.js";
 import { sectionOf } from "./selection.js";
+import { isOutside } from "./pictures.js";
 import { AXES } from "./space_math.js";
 import { grip, handleAt, handles, pulled } from "./space_gizmo.js";
 import { answer } from "./space_keys.js";
@@ -243,15 +244,15 @@ export class Space {
 
   finish() {
     const change = this.tool.make(this.places, this.setting);
-    this.places = [];
-    if (change) this.send(change);
+    if (change) this.send(change, isOutside(this.boundPage, this.places.map(({ p }) => p)));
     else this.actions.refuse(`${this.tool.title}: ${this.tool.hint.join("; then ")}`);
+    this.places = [];
   }
 
-  /** @param {Change} change */
-  send(change) {
+  /** @param {Change} change @param {boolean} [fits] whether the view is fitted to what was drawn outside it */
+  send(change, fits = false) {
     const view = this.boundPage?.scene.view;
-    if (view) view.fitted = false;  // the view stays while one draws
+    if (view) view.fitted = fits;  // the view stays while one draws
     this.actions.change(change);
   }
 

@@ -11,6 +11,8 @@ import { AXES, plus, times, turned } from "./space_math.js";
 
 /** Lines of the grid on each side of the pointer. */
 const LINES = 10;
+/** Width of the buttons of the view at the right edge, which cover texts [px]. */
+const TOOLS = 52;
 
 export class Sketch {
   /** @param {CanvasRenderingContext2D} ctx @param {Page} page */
@@ -50,8 +52,10 @@ export class Sketch {
     if (!pixel) return;
     ctx.save();
     [ctx.strokeStyle, ctx.lineWidth, ctx.lineJoin] = [this.surface, 4, "round"];
-    ctx.strokeText(text, pixel[0] + 14, pixel[1] - 12);
-    ctx.fillText(text, pixel[0] + 14, pixel[1] - 12);
+    const { width } = ctx.measureText(text), free = view.canvas.clientWidth - TOOLS - width;
+    const at = /** @type {const} */ ([pixel[0] + 14 < free ? pixel[0] + 14 : Math.max(4, Math.min(free, pixel[0] - 14 - width)), pixel[1] - 12]);
+    ctx.strokeText(text, ...at);
+    ctx.fillText(text, ...at);
     ctx.restore();
   }
 

@@ -10,6 +10,7 @@
 /** @import { Part } from "./structure.js" */
 /** @import { Document } from "./types.d.ts" */
 
+import { isOutside } from "./pictures.js";
 import { valuesAfter } from "./preview.js";
 import { grip, handleAt, handles, pulled } from "./space_gizmo.js";
 import { AXES, minus, size, times } from "./space_math.js";
@@ -26,8 +27,8 @@ import { neat } from "./transforms.js";
 const STILL = 4, REACH = 11;
 
 export class SpaceStructure {
-  /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void }} actions @param {HTMLElement} stage @param {() => Completion | null} completion */
-  constructor(pictures, actions, stage, completion) {
+  /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void }} actions @param {HTMLElement} stage @param {HTMLElement} writing @param {() => Completion | null} completion */
+  constructor(pictures, actions, stage, writing, completion) {
     this.pictures = pictures;
     this.actions = actions;
     this.tool = SPACE_STRUCTURE_TOOLS[0];
@@ -60,7 +61,7 @@ export class SpaceStructure {
     /** Numbers that are being typed. */
     this.typed = "";
     this.palette = new SpaceStructurePalette(stage, { choose: (name) => this.choose(name), change: () => this.refresh(), through: () => this.pose?.p ?? null });
-    this.properties = new StructureProperties(stage, /** @type {any} */ (this), completion);
+    this.properties = new StructureProperties(writing, /** @type {any} */ (this), completion);
     pictures.onShow.push((page) => this.bind(page));
   }
 
@@ -226,15 +227,15 @@ export class SpaceStructure {
     const way = to && !tool.scalar && size(minus(to.p, from.p)) > 0 ? minus(to.p, from.p) : tool.scalar ? [0, 0, 1] : times(this.palette.plane.normal, -1), along = times(way, 1 / size(way));
     const vector = tool.units && typed ? typedForce(typed, units, along) : times(along, usual);
     const change = vector && tool.make(places, this.setting, target, vector.map((v) => (Math.abs(v) < 1e-12 * size(vector) ? 0 : v)));
-    if (change) this.send(change);
+    if (change) this.send(change, isOutside(this.boundPage, places.map(({ p }) => p)));
     else this.actions.refuse(`${tool.title}: ${tool.hint.join("; ")}`);
     this.target = null;
   }
 
-  /** @param {Change} change */
-  send(change) {
+  /** @param {Change} change @param {boolean} [fits] whether the view is fitted to what was drawn outside it */
+  send(change, fits = false) {
     const view = this.boundPage?.scene.view;
-    if (view) view.fitted = false;  // the view stays while one draws
+    if (view) view.fitted = fits;  // the view stays while one draws
     this.actions.change(change);
   }
 

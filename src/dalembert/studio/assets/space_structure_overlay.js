@@ -6,6 +6,9 @@ import { drawGizmo, gripText } from "./space_gizmo.js";
 import { stepAt } from "./space_places.js";
 import { Sketch } from "./space_sketch.js";
 
+/** Units in which the usual values of tools are shown. @type {Record<string, string>} */
+const UNITS = { heat: "K", torque: "N m", displacement: "mm" };
+
 /** Draw what is being drawn, selected or moved. @param {CanvasRenderingContext2D} ctx @param {SpaceStructure} structure */
 export function drawSpaceStructure(ctx, structure) {
   const { boundPage: page, plan, tool, now, places, hover, held, selection, pose } = structure;
@@ -31,8 +34,8 @@ export function drawSpaceStructure(ctx, structure) {
     ctx.setLineDash([]);
     if (now && first) {
       sketch.mark(now.p, now.names.length ? 8 : 4);
-      const usual = tool.units?.(structure.target), unit = tool.name === "heat" ? "K" : tool.name === "torque" ? "N m" : tool.name === "displacement" ? "m" : structure.target?.kind === "element" ? "N/m" : "N";
-      sketch.text(now.p, structure.typed ? `${structure.typed}▏` : usual ? `${usual.size} ${unit}; or type a value` : `${now.how} (${now.p.map((v) => Number(v.toPrecision(4))).join(", ")})`);
+      const usual = tool.units?.(structure.target), unit = UNITS[tool.name] ?? (structure.target?.kind === "element" ? "N/m" : "N"), size = (usual?.size ?? 1) * (unit === "mm" ? 1e3 : 1);
+      sketch.text(now.p, structure.typed ? `${structure.typed}▏` : usual ? `${size} ${unit}; or type a value` : `${now.how} (${now.p.map((v) => Number(v.toPrecision(4))).join(", ")})`);
     } else if (hover) sketch.text(hover.spots[0], hover.name);
   } else if (pose) {
     const shown = held?.after ?? pose;

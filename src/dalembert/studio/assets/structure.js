@@ -10,6 +10,7 @@
 /** @import { Document } from "./types.d.ts" */
 
 import { measured, short } from "./overlay.js";
+import { isOutside } from "./pictures.js";
 import { placed, snap } from "./snapping.js";
 import { changeOf, grasp, preview, release } from "./structure_drag.js";
 import { answer, command } from "./structure_keys.js";
@@ -27,8 +28,8 @@ const REACH = 10, STILL = 3;
 /** @typedef {{ section: string, name: string }} Part */
 
 export class Structure {
-  /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void }} actions @param {HTMLElement} stage @param {() => Completion | null} completion */
-  constructor(pictures, actions, stage, completion) {
+  /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void }} actions @param {HTMLElement} stage @param {HTMLElement} writing @param {() => Completion | null} completion */
+  constructor(pictures, actions, stage, writing, completion) {
     this.pictures = pictures;
     this.actions = actions;
     this.tool = STRUCTURE_TOOLS[0];
@@ -59,7 +60,7 @@ export class Structure {
     /** Regions of the shown picture. @type {Record<string, unknown>} */
     this.picturedMeshes = {};
     this.palette = new StructurePalette(stage, (name) => this.choose(name));
-    this.properties = new StructureProperties(stage, this, completion);
+    this.properties = new StructureProperties(writing, this, completion);
     pictures.onShow.push((page) => this.bind(page));
   }
 
@@ -208,15 +209,15 @@ export class Structure {
       vector = this.typed ? typedVector(this.typed, units, toward) : tool.scalar ? [sense * size, 0] : drawnVector(from, to, size);
     }
     const change = tool.make(places, this.setting, target, vector);
-    if (change) this.send(change);
+    if (change) this.send(change, isOutside(this.page, places.map(({ x, y }) => [x, y])));
     else this.actions.refuse(`${tool.title}: ${tool.hint.join("; ")}`);
     this.target = null;
   }
 
-  /** @param {Change} change */
-  send(change) {
+  /** @param {Change} change @param {boolean} [fits] whether the view is fitted to what was drawn outside it */
+  send(change, fits = false) {
     const view = this.page?.scene.view;
-    if (view) view.fitted = false;  // the view stays while one draws
+    if (view) view.fitted = fits;  // the view stays while one draws
     this.actions.change(change);
   }
 

@@ -76,11 +76,15 @@ class Studio {
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.slow = undefined;
     this.drawing = new Drawing(this.pictures, {
-      change: ({ label, operations }) => this.edit(label, operations),
+      change: ({ label, operations }) => {
+        this.say("");  // a refusal before it
+        void this.edit(label, operations);
+      },
       hint: (text) => { byId("hint").textContent = text; },
       select: (section, name) => this.editor.reveal(section, name),
-      refuse: (text) => this.say(text, true),
+      refuse: (text) => this.say(text, true, true),
       onTool: (name) => {
+        this.say("");
         this.palette.show(name);
         this.guide?.check();
       },
@@ -88,12 +92,12 @@ class Studio {
       rename: (name) => void this.properties.rename(name),
     });
     this.palette = new Palette(byId("palette"), (name) => this.drawing.choose(name));
-    this.properties = new Properties(byId("canvas"), this.drawing, () => this.completion);
+    this.properties = new Properties(byId("writing"), this.drawing, () => this.completion);
     /** The guided first build. @type {Guide | undefined} */
     this.guide = new Guide(byId("canvas"), () => ({ ...this.file, document: this.known, tool: this.drawing.tool.name }));
     this.space = new Space(this.pictures, this.drawing.actions, byId("canvas"));
-    this.structure = new Structure(this.pictures, this.drawing.actions, byId("canvas"), () => this.completion);
-    this.spaceStructure = new SpaceStructure(this.pictures, this.drawing.actions, byId("canvas"), () => this.completion);
+    this.structure = new Structure(this.pictures, this.drawing.actions, byId("canvas"), byId("writing"), () => this.completion);
+    this.spaceStructure = new SpaceStructure(this.pictures, this.drawing.actions, byId("canvas"), byId("writing"), () => this.completion);
     this.crosshair = new Crosshair(byId("canvas"), [this.drawing, this.structure]);
     this.sheets = new Sheets(byId("sheets"), byId("writing"), [{ name: "text", title: "Text", node: byId("text") }, { name: "model", title: "Model", node: this.space.tree.node }]);
     /** Requests of other parts by the kind of their answer. @type {Record<string, (message: any) => void>} */
@@ -106,7 +110,8 @@ class Studio {
   }
 
   bind() {
-    for (const drawn of [this.space, this.spaceStructure, this.structure, this.drawing]) document.addEventListener("keydown", (event) => drawn.key(event));
+    // Overlays come last: their keys are digits, which are typed numbers while one draws.
+    for (const listening of [this.space, this.spaceStructure, this.structure, this.drawing, this.insight.overlays]) document.addEventListener("keydown", (event) => listening.key(event));
     document.addEventListener("keydown", (event) => this.key(event));
     window.addEventListener("pagehide", () => this.editor.flush());
     document.addEventListener("visibilitychange", () => this.editor.flush());
@@ -336,13 +341,13 @@ class Studio {
     this.drawing.refresh();
   }
 
-  /** @param {string} text @param {boolean} [failed] */
-  say(text, failed = false) {
+  /** @param {string} text @param {boolean} [failed] @param {boolean} [passes] whether it disappears after a while */
+  say(text, failed = false, passes = !failed) {
     const notice = byId("notice");
     notice.textContent = text;
     notice.classList.toggle("error", failed);
     clearTimeout(this.timer);
-    if (!failed) this.timer = setTimeout(() => { notice.textContent = ""; }, SHOWN);
+    if (passes) this.timer = setTimeout(() => { notice.textContent = ""; }, SHOWN);
   }
 
   /** @param {string} name */

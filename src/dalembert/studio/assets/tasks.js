@@ -41,7 +41,7 @@ export class ResultPanel {
     this.title = el("strong", {});
     this.adopt = button("Write its parameters into the text", () => this.write(), { class: "button primary" });
     this.frame = el("iframe", { title: "Result of the task" });
-    this.bar = el("div", { class: "bar" }, this.title, this.adopt, button("Close", () => this.close()));
+    this.bar = el("div", { class: "title-row" }, this.title, this.adopt, button("Close", () => this.close()));
     this.node = /** @type {HTMLDialogElement} */ (el("dialog", { class: "result-panel", "aria-label": "Result" }, this.bar, this.frame));
     document.body.append(this.node);
     /** @type {TaskMessage | null} */

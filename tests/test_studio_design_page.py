@@ -1,0 +1,86 @@
+"""A design task that is started in the studio: its card, its page, and the result of the same call."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from studio_desk import Desk
+from studio_runs import Studio
+
+import dalembert as da
+from dalembert.io import load_model_file
+
+FOUR_BAR = """format = 1
+name = "four-bar"
+
+[parameters]
+a = { value = 0.2, unit = "m", bounds = [0.12, 0.25] }
+c = { value = 0.45, unit = "m", bounds = [0.35, 0.6] }
+
+[bodies]
+bar1 = { type = "Bar", length = "a", mass = 0.2, angle = 0.7 }
+bar2 = { type = "Bar", length = 0.55, mass = 0.55, angle = 0.63 }
+bar3 = { type = "Bar", length = "c", mass = 0.45, angle = -1.57 }
+
+[joints]
+A = { type = "Revolute", connect = ["bar1.end", "bar2.start"] }
+B = { type = "Revolute", connect = ["bar2.end", "bar3.start"] }
+C = { type = "Revolute", connect = ["ground", "bar1.start"] }
+D = { type = "Revolute", connect = [{ body = "ground", at = [0.6, 0] }, "bar3.end"] }
+
+[drivers]
+motor1 = { type = "RotationalDriver", connect = ["ground", "bar1"], law = "0.7 + 2*pi*t" }
+
+[analysis]
+type = "Kinematics"
+duration = 1.0
+step = 0.02
+
+[responses]
+top = { type = "Maximum", measure = "bar3.angle", smooth = "1 deg" }
+low = { type = "Minimum", measure = "bar3.angle", smooth = "1 deg" }
+
+[optimize]
+maximize = "low"
+subject_to = [{ response = "top", upper = -0.85 }]
+"""
+SHOWN = """(() => {
+    const { bottom } = document.querySelector('.task').getBoundingClientRect();
+    return bottom <= document.querySelector('.sheet.design').getBoundingClientRect().bottom + 1;
+})()"""
+SEPARATE = """(() => {
+    const panel = document.querySelector('.result-panel'), [head, frame] = panel.children;
+    const below = frame.getBoundingClientRect().top, top = panel.getBoundingClientRect().top;
+    return [...head.children].every((part) => {
+        const box = part.getBoundingClientRect();
+        return box.top >= top && box.bottom <= below && box.height < 40;
+    });
+})()"""
+
+
+def test_an_optimum_is_that_of_python(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
+    visit, _ = desk
+    visit.show(FOUR_BAR)
+    visit.page.click("#tab-design")
+    visit.page.click("#start-task")
+    visit.until("studio.insight.design.tasks.optimize?.status === 'done'", 60)
+    assert visit.js(SHOWN)
+    [design] = visit.js("studio.insight.design.tasks.optimize.designs")
+    visit.page.click("text=Show the result")
+    assert visit.js(SEPARATE)
+    visit.page.click(".result-panel >> text=Close")
+    path = tmp_path / "four.toml"
+    path.write_text(FOUR_BAR, encoding="utf-8")
+    top, low = (
+        reduction("bar3.angle", smooth="1 deg", name=name)
+        for reduction, name in ((da.maximum, "top"), (da.minimum, "low"))
+    )
+    best = da.optimize(
+        load_model_file(path).model(),
+        maximize=low,
+        subject_to=[da.Limit(top, upper=-0.85)],
+        analysis=da.Kinematics(duration=1.0, step=0.02),
+    )
+    assert best.success and best.active == ["top"]
+    assert design == pytest.approx(best.x, rel=1e-6)

@@ -1,0 +1,99 @@
+"""A spatial structure is drawn in the studio from nothing, by typed numbers and clicks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from browser import browser  # noqa: F401
+from studio_desk import opened, reset
+from studio_runs import Studio
+from test_studio_space import SpaceDesk
+
+import dalembert as da
+from dalembert.io import load_model_file
+
+COVERED = """(() => {
+    const box = (node) => node.getBoundingClientRect();
+    const panel = box([...document.querySelectorAll('.properties')].find((node) => !node.hidden));
+    const drawing = box(studio.pictures.frame);
+    return panel.left < drawing.right && panel.width > 0;
+})()"""
+INSIDE = """(() => {
+    const { view, canvas } = studio.pictures.page.scene, [u, v] = view.screen([0, 0, 7]);
+    return u > 0 && v > 0 && u < canvas.clientWidth && v < canvas.clientHeight;
+})()"""
+
+
+class FrameDesk(SpaceDesk):
+    """Page of a studio with a spatial structure."""
+
+    def typed(self, text: str) -> None:
+        """Type a value and await its picture; the picture does not have the focus."""
+        self.page.keyboard.type(text)
+        self.changed(lambda: self.page.keyboard.press("Enter"))
+
+    def use(self, key: str, *place: float, typed: str) -> None:
+        """Use a tool on a node, with a typed value."""
+        self.page.keyboard.press(key)
+        self.click(*place)
+        self.typed(typed)
+
+
+@pytest.fixture(scope="module")
+def desk(browser: Any, studio_server: Studio) -> Any:  # noqa: F811
+    """A page with a new spatial structure."""
+    reset(studio_server, structure=True, dimension=3)
+    with opened(browser, studio_server, "0", (1300, 800), FrameDesk) as visit:
+        visit.until("document.documentElement.dataset.structure === 'true'", 20)
+        yield visit
+
+
+def test_a_cantilever_with_two_loads_and_a_torque(desk: FrameDesk, tmp_path: Path) -> None:
+    """Displacements are F L³/(3 E I) along both axes; the rotation is T L/(G J)."""
+    keyboard = desk.page.keyboard
+    desk.js("document.activeElement?.blur()")
+    keyboard.press("e")
+    keyboard.type("0, 0, 0")
+    keyboard.press("Enter")
+    desk.typed("0, 0, 7")  # digits are keys of the picture of a mechanism
+    keyboard.press("Escape")
+    assert desk.document["nodes"] == {"n1": [0, 0, 0], "n2": [0, 0, 7]}
+    assert desk.js(INSIDE)  # the view follows what is typed outside it
+    desk.draw("c", (0, 0, 0))
+    desk.use("f", 0, 0, 7, typed="12, 0, 0")
+    desk.use("f", 0, 0, 7, typed="0, -3.5, 0")
+    desk.use("q", 0, 0, 7, typed="24 Nm")
+    path = tmp_path / "drawn.toml"
+    path.write_text(desk.text, encoding="utf-8")
+    result = da.solve_statics(load_model_file(path).model())
+    beam = desk.document["elements"]["beam1"]
+    bending = 7.0**3 / (3 * beam["modulus"])
+    about_x, about_y = beam["second_moment_y"], beam["second_moment_z"]
+    assert about_x == about_y  # a square tube
+    assert float(result["n2.ux"]) == pytest.approx(12 * bending / about_y, rel=1e-9)
+    assert float(result["n2.uy"]) == pytest.approx(-3.5 * bending / about_x, rel=1e-9)
+    twist = 24 * 7.0 / (beam["shear_modulus"] * beam["torsion_constant"])
+    assert float(result["n2.rz"]) == pytest.approx(twist, rel=1e-9)
+    shown = desk.js("studio.pictures.page.motion.symbols.filter((s) => s.moment).length")
+    assert shown == 1  # the moment is in the picture
+
+
+def test_a_node_is_moved_deleted_and_restored(desk: FrameDesk) -> None:
+    before = desk.text
+    desk.page.keyboard.press("Escape")
+    desk.page.keyboard.press("Escape")
+    desk.click(0, 0, 7)
+    assert not desk.js(COVERED)  # properties are beside the drawing
+    field = desk.page.locator(".properties input[aria-label=z]")
+    field.fill("6 m")
+    desk.changed(lambda: field.press("Enter"))
+    assert desk.document["nodes"]["n2"][2] == "6 m"
+    desk.press("Control+z")
+    desk.js("studio.spaceStructure.select([{ section: 'points', name: 'n2' }])")
+    desk.js("document.activeElement?.blur()")
+    desk.press("Delete")
+    assert "elements" not in desk.document or not desk.document["elements"]
+    desk.press("Control+z")
+    assert desk.text == before
