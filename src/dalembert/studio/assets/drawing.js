@@ -2,6 +2,7 @@
 
 /** @import { Page, Pictures } from "./pictures.js" */
 /** @import { Place } from "./snapping.js" */
+/** @import { InTurn } from "./in_turn.js" */
 /** @import { Change } from "./operations.js" */
 /** @import { Document } from "./types.d.ts" */
 
@@ -19,7 +20,7 @@ import { BEGINS, TYPED, typedPlace } from "./typed_numbers.js";
 
 /** What is being dragged: a point, bodies, a control point, or a rectangle of selection; the page before, and the values of its parameters.
  * @typedef {{ kind: "point" | "body" | "box" | "control", control: ReturnType<typeof controlAt>, from: Place, to: Place, moved: boolean, still: Page, values: number[] }} Drag */
-/** @typedef {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void, onTool: (name: string) => void, onSelect: (names: string[]) => void, rename: (name: string) => void }} Actions */
+/** @typedef {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void, onTool: (name: string) => void, onSelect: (names: string[]) => void, rename: (name: string) => void, inTurn: InTurn }} Actions */
 
 export class Drawing {
   /** @param {Pictures} pictures @param {Actions} actions */
