@@ -44,6 +44,22 @@ def test_steps_that_overtake_the_picture_all_count(desk: tuple[Desk, Studio]) ->
     assert len(visit.document["bodies"]) == 4 and not visit.errors_shown()
 
 
+def test_a_drag_on_an_outdated_picture_keeps_the_drag_before(desk: tuple[Desk, Studio]) -> None:
+    """Both ends of a bar are dragged before the picture of the first drag comes."""
+    visit, _ = desk
+    visit.show("\n".join(PENDULUMS.splitlines()[:4]) + "\n")
+    visit.until("studio.pictures.live", WAIT)
+    visit.js("studio.pictures.page.design = null")  # no page computes the first drag
+    revision = visit.revision
+    for start, end in (((0.1, 0.1), (0.1, 0.3)), ((0.5, 0.1), (0.5, 0.4))):
+        visit.drag(start, end)
+    visit.until(f"studio.file.revision >= {revision + 2} && studio.isAnswered", WAIT)
+    bar = visit.document["bodies"]["a"]
+    assert bar["position"] == pytest.approx([0.3, 0.35], abs=1e-6)
+    assert bar["length"] == pytest.approx(np.hypot(0.4, 0.1))
+    assert bar["angle"] == pytest.approx(np.arctan2(0.1, 0.4))
+
+
 def test_a_press_in_the_picture_keeps_it_until_it_is_released(desk: tuple[Desk, Studio]) -> None:
     """A picture that comes during a drag replaces the shown one after it."""
     visit, studio = desk
