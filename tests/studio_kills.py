@@ -63,7 +63,6 @@ class Kills:
             self._end(server)
         assert self.path.read_text() in self.written, "the file is neither an old nor a new one"
         self.count += 1
-        print(self.count, flush=True)
 
     def no_process_remains(self) -> None:
         """All processes that the servers started end soon after them."""

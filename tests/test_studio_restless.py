@@ -14,8 +14,10 @@ from studio_walk import BARRIER
 from test_studio_editing import MECHANISM
 
 LINE = re.compile("^.*$", re.MULTILINE)
-REPLACE = """([from, to, insert]) =>
-    studio.editor.view.dispatch({ changes: { from, to, insert } })"""
+INSERT = """([at, insert]) => {
+    const from = Math.min(at, studio.editor.text.length);  // another page may have shortened it
+    studio.editor.view.dispatch({ changes: { from, insert } });
+}"""
 """Type without a pause after which the text is sent."""
 CONFLICT = "document.querySelector('#ask')?.open ?? false"
 SIZES = [(1400, 850), (900, 600), (420, 800), (1800, 500)]
@@ -25,7 +27,7 @@ def typed(visit: Desk, rng: random.Random, mark: str) -> None:
     """Type a comment at the end of a line."""
     ends = [match.end() for match in LINE.finditer(visit.text)]
     at = rng.choice(ends)
-    visit.page.evaluate(REPLACE, [at, at, f"\n# {mark}"])
+    visit.page.evaluate(INSERT, [at, f"\n# {mark}"])
 
 
 def drawn(visit: Desk, rng: random.Random, mark: str) -> None:
