@@ -135,6 +135,8 @@ class Connection:
         label = request.get("label")
         if self.session.draft.replace(text, str(label)[:60] if label else "draw"):
             self.session.changed()
+        else:
+            self.session.reply(self.send, self.session.state())
 
     def preview(self, request: dict[str, Any]) -> None:
         """Show an analysis without writing it; that of the text without a type."""

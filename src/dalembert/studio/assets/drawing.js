@@ -2,6 +2,7 @@
 
 /** @import { Page, Pictures } from "./pictures.js" */
 /** @import { Place } from "./snapping.js" */
+/** @import { InTurn } from "./in_turn.js" */
 /** @import { Change } from "./operations.js" */
 /** @import { Document } from "./types.d.ts" */
 
@@ -12,14 +13,14 @@ import { drawOverlay } from "./overlay.js";
 import { stillPage, valuesAfter } from "./preview.js";
 import { bodiesAmong, sectionOf, within } from "./selection.js";
 import { SelectionKeys } from "./selection_keys.js";
-import { elementAt, inBody, placed, snap, typedAt } from "./snapping.js";
+import { elementAt, inBody, namedPlaces, placed, snap, typedAt } from "./snapping.js";
 import { TOOLS } from "./tools.js";
 import { shift } from "./transforms.js";
 import { BEGINS, TYPED, typedPlace } from "./typed_numbers.js";
 
-/** What is being dragged: a point, bodies, a control point, or a rectangle of selection; the page before, and the values of its parameters.
- * @typedef {{ kind: "point" | "body" | "box" | "control", control: ReturnType<typeof controlAt>, from: Place, to: Place, moved: boolean, still: Page, values: number[] }} Drag */
-/** @typedef {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void, onTool: (name: string) => void, onSelect: (names: string[]) => void, rename: (name: string) => void }} Actions */
+/** What is being dragged: a point, bodies, a control point, or a rectangle of selection; the page before, and the values of its parameters; `late` if the picture was not yet that of the text.
+ * @typedef {{ kind: "point" | "body" | "box" | "control", control: ReturnType<typeof controlAt>, from: Place, to: Place, moved: boolean, late: boolean, still: Page, values: number[] }} Drag */
+/** @typedef {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void, onTool: (name: string) => void, onSelect: (names: string[]) => void, rename: (name: string) => void, inTurn: InTurn }} Actions */
 
 export class Drawing {
   /** @param {Pictures} pictures @param {Actions} actions */
@@ -138,7 +139,7 @@ export class Drawing {
     if (control) {
       this.rest();
       const from = placed(control.x, control.y);
-      this.drag = { kind: "control", control, from, to: from, moved: false, still: stillPage(page), values: [] };
+      this.drag = { kind: "control", control, from, to: from, moved: false, late: this.isLate, still: stillPage(page), values: [] };
       return true;
     }
     const resting = !page.player.playing && page.player.time === page.motion.start, place = snap(page, at), hit = elementAt(page, at);
@@ -152,7 +153,7 @@ export class Drawing {
     const kind = place.names.length && !several ? "point" : name ? "body" : "box";
     if (kind !== "box") this.rest();
     const exact = kind === "box" ? { ...place, ...worldAt(page, at) } : place;
-    if (kind === "box" || resting) this.drag = { kind, control: null, from: exact, to: exact, moved: false, still: stillPage(page), values: [...(page.design?.values ?? [])] };
+    if (kind === "box" || resting) this.drag = { kind, control: null, from: exact, to: exact, moved: false, late: this.isLate, still: stillPage(page), values: [...(page.design?.values ?? [])] };
     this.refresh();
     return true;
   }
@@ -195,9 +196,19 @@ export class Drawing {
     this.drag = null;
     if (!drag || !page || !document) return this.tool.name !== "select";
     if (drag.kind === "box") this.select([...(event.shiftKey ? this.selection : []), ...(drag.moved ? within(page, document, drag.from, drag.to) : [])]);
+    else if (drag.moved && drag.late) this.actions.inTurn.do(() => this.attempt(() => this.changeOf(this.renewed(drag))), true);
     else if (drag.moved) this.attempt(() => this.changeOf(drag));
     this.refresh();
     return true;
+  }
+
+  /** Whether the picture of the last change is still to come. */
+  get isLate() { return !this.actions.inTurn.isReady(true); }
+
+  /** A drag that began on an outdated picture, from the place in the present one. @param {Drag} drag @returns {Drag} */
+  renewed(drag) {
+    const page = /** @type {Page} */ (this.page), place = drag.kind === "point" ? namedPlaces(page).find(({ names }) => names.includes(drag.from.names[0])) : null;
+    return { ...drag, still: stillPage(page), from: { ...drag.from, ...place && { x: place.x, y: place.y, names: place.names } } };
   }
 
   /** Carry out a change, or say why it is not possible. @param {() => Change | null} make @param {string} [refusal] */

@@ -23,20 +23,31 @@ export class Pictures {
     /** Revision of the text that the shown page has made itself. */
     this.own = -1;
     this.live = false;
-    /** Whether something of the picture is being dragged; until it is released, the picture stays. */
+    /** Whether a button is pressed in the picture, which stays until it is released. */
     this.held = false;
     /** Time of the last press of a key or a button [ms]. */
     this.pressed = -CALM;
     this.listen(window);
   }
 
-  /** Note the presses of keys and buttons. @param {Window} view */
+  /** Note the presses of keys and buttons; keys that repeat themselves while they are held come again. @param {Window} view */
   listen(view) {
-    for (const kind of ["keydown", "pointerdown"]) view.addEventListener(kind, () => { this.pressed = performance.now(); }, true);
+    for (const kind of ["keydown", "pointerdown"]) view.addEventListener(kind, (event) => { if (!(/** @type {KeyboardEvent} */ (event).repeat)) this.pressed = performance.now(); }, true);
+  }
+
+  /** Note how long a button is pressed in a picture. @param {Window} view */
+  watch(view) {
+    this.listen(view);
+    view.addEventListener("pointerdown", ({ target }) => { this.held = !(/** @type {HTMLElement} */ (target).closest?.("select")); }, true);  // lists take the end of a press
+    for (const kind of ["pointerup", "pointercancel"]) view.addEventListener(kind, () => { this.held = false; }, true);
+    view.addEventListener("pointermove", ({ buttons }) => { this.held &&= buttons !== 0; }, true);
   }
 
   /** Whether a press of a key or a button goes on, or may follow at once. */
   get busy() { return this.held || performance.now() - this.pressed < CALM; }
+
+  /** Whether the text that the picture showed last has no picture. */
+  get outdated() { return this.stage.classList.contains("outdated"); }
 
   /** Parts of the shown page. @returns {Page | null} */
   get page() { return partsOf(this.frame); }
@@ -68,7 +79,8 @@ export class Pictures {
     frame.classList.remove("loading");
     if (document.activeElement === this.frame) window.focus();  // keys reach the drawing by the document
     this.frame?.remove();
-    if (frame.contentWindow) this.listen(frame.contentWindow);
+    if (frame.contentWindow) this.watch(frame.contentWindow);
+    this.held = false;
     [this.frame, this.next, this.shown, this.live] = [frame, null, number, live];
     for (const listener of this.onShow) listener(page);
     document.documentElement.dataset.picture = `${number}${live ? " live" : ""}`;

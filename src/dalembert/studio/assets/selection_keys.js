@@ -22,18 +22,25 @@ export class SelectionKeys {
     this.clipboard = null;
   }
 
-  /** Move, rotate or mirror the selection. @param {(middle: { x: number, y: number }) => Transform} map @param {string} label */
-  turn(map, label) {
-    const { drawing } = this, { page, document, selection } = drawing, middle = page && bounds(page, selection);
+  /** Move, rotate or mirror elements. @param {Set<string>} names @param {(middle: { x: number, y: number }) => Transform} map @param {string} label */
+  turn(names, map, label) {
+    const { drawing } = this, { page, document } = drawing, middle = page && bounds(page, names);
     if (!page || !document || !middle) return;
+    if (drawing.pictures.outdated) return drawing.actions.refuse(`${label}: the picture is not that of this text; correct its errors`);
     drawing.rest();
-    drawing.attempt(() => transform(page, document, selection, map(middle), label), `${label}: select bodies`);
+    drawing.attempt(() => transform(page, document, names, map(middle), label), `${label}: select bodies`);
   }
 
-  mirror(upright = true) { this.turn(({ x, y }) => reflection({ x, y }, upright ? { x, y: y + 1 } : { x: x + 1, y }), upright ? "mirror left and right" : "mirror up and down"); }
+  /** Rotate or mirror the selection, after what was done before. @param {(middle: { x: number, y: number }) => Transform} map @param {string} label */
+  turnSelection(map, label) {
+    const { actions, selection } = this.drawing;
+    actions.inTurn.do(() => this.turn(selection, map, label), true);
+  }
+
+  mirror(upright = true) { this.turnSelection(({ x, y }) => reflection({ x, y }, upright ? { x, y: y + 1 } : { x: x + 1, y }), upright ? "mirror left and right" : "mirror up and down"); }
 
   /** @param {number} sense */
-  rotate(sense) { this.turn((middle) => rotation(middle, sense * TURN), "rotate by 15°"); }
+  rotate(sense) { this.turnSelection((middle) => rotation(middle, sense * TURN), "rotate by 15°"); }
 
   /** Keep a copy of the selected bodies. */
   copy() {
@@ -60,9 +67,10 @@ export class SelectionKeys {
   command({ key, altKey, shiftKey }) {
     const { drawing } = this, { document } = drawing;
     if (altKey || shiftKey || !document || !drawing.possible) return false;
-    if (key === "c" && drawing.selection.size) this.copy();
-    else if (key === "v" && this.clipboard) this.paste(true);
-    else if (key === "d") this.duplicate();
+    const { inTurn } = drawing.actions;
+    if (key === "c" && drawing.selection.size) inTurn.do(() => this.copy(), true);
+    else if (key === "v" && (this.clipboard || inTurn.waiting.length)) inTurn.do(() => this.paste(true), false);
+    else if (key === "d") inTurn.do(() => this.duplicate(), true);
     else if (key === "a") drawing.select(SECTIONS.flatMap((section) => Object.keys(document[section] ?? {})));
     else return false;
     return true;
@@ -70,13 +78,13 @@ export class SelectionKeys {
 
   /** Keys without Ctrl. @param {KeyboardEvent} event @returns {boolean} */
   edits({ key, shiftKey }) {
-    const { drawing } = this, { page, document, selected, selection } = drawing;
-    if (!page || !document || !selection.size) return false;
+    const { drawing } = this, { page, selected, selection, actions } = drawing;
+    if (!page || !drawing.document || !selection.size) return false;
     const step = gridStep(page.scene.view.s) * (shiftKey ? 0.1 : 1), way = /** @type {Record<string, [number, number]>} */ ({ ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, step], ArrowDown: [0, -step] })[key];
-    if (way) this.turn(() => shift(...way), "move selection");
+    if (way) actions.inTurn.step((sum) => this.turn(selection, () => shift(...sum), "move selection"), way, true);
     else if (key === "Delete" || key === "Backspace") {
       drawing.select([]);
-      drawing.attempt(() => remove(document, selection));
+      actions.inTurn.do(() => drawing.attempt(() => drawing.document && remove(drawing.document, selection)), false);
     } else if (key === "F2" && selected) drawing.actions.rename(selected);
     else if (key === "h" || key === "H") this.mirror(key === "h");
     else if (key === "r" || key === "R") this.rotate(key === "r" ? 1 : -1);

@@ -167,7 +167,6 @@ export class Space {
   /** @param {PointerEvent} event @param {Pixel} at */
   down(event, at) {
     this.pressed = event.button === 0 ? at : null;
-    this.pictures.held = true;  // another picture would lose the end of the press
     const page = this.boundPage, { pose } = this, handle = page && pose && this.resting && event.button === 0 ? handleAt(page, pose, this.handles, at) : null;
     if (!page || !pose || !handle) return false;
     this.held = grip(page, pose, handle, at);
@@ -182,7 +181,6 @@ export class Space {
   over(event, at) {
     const page = this.boundPage;
     if (!page) return false;
-    if (!event.buttons) this.pictures.held = false;
     if (this.held) {
       this.held = pulled(page, this.held, at, event.altKey);
       this.preview();
@@ -203,7 +201,6 @@ export class Space {
   up(event, at) {
     const { held, pressed } = this, still = pressed && Math.hypot(at[0] - pressed[0], at[1] - pressed[1]) < STILL;
     this.pressed = null;
-    this.pictures.held = false;
     if (held) this.release(held);
     else if (still && this.tool.name === "select") this.select(this.elementAt(at));
     else if (still) {
@@ -280,7 +277,6 @@ export class Space {
   release(held) {
     const { document, selected } = this, computed = selected !== null && this.compute(held, selected), poses = this.poses && (this.still?.poses ?? this.poses);
     [this.held, this.pressed, this.still] = [null, null, null];
-    this.pictures.held = false;
     if (poses && document && selected) {
       poses.moved.clear();
       try {
@@ -302,7 +298,6 @@ export class Space {
     if (this.still) this.boundPage?.design?.replace(this.still.values, "drawing");
     this.still = null;
     this.held = null;
-    this.pictures.held = false;
     this.refresh();
   }
 

@@ -27,7 +27,7 @@ import { neat } from "./transforms.js";
 const STILL = 4, REACH = 11;
 
 export class SpaceStructure {
-  /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void }} actions @param {HTMLElement} stage @param {HTMLElement} writing @param {() => Completion | null} completion */
+  /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void, inTurn: import("./in_turn.js").InTurn }} actions @param {HTMLElement} stage @param {HTMLElement} writing @param {() => Completion | null} completion */
   constructor(pictures, actions, stage, writing, completion) {
     this.pictures = pictures;
     this.actions = actions;
@@ -146,7 +146,6 @@ export class SpaceStructure {
   /** @param {PointerEvent} event @param {Pixel} at */
   down(event, at) {
     this.pressed = event.button === 0 ? at : null;
-    this.pictures.held = true;  // another picture would lose the end of the press
     const page = this.boundPage, { pose } = this, handle = page && pose && event.button === 0 ? handleAt(page, pose, this.handles, at) : null;
     if (!page || !pose || !handle) return false;
     this.held = grip(page, pose, handle, at);
@@ -161,7 +160,6 @@ export class SpaceStructure {
   over(event, at) {
     const page = this.boundPage;
     if (!page) return false;
-    if (!event.buttons) this.pictures.held = false;
     if (this.held) {
       this.held = pulled(page, this.held, at, event.altKey);
       this.preview();
@@ -185,7 +183,6 @@ export class SpaceStructure {
   up(event, at) {
     const { held, pressed } = this, still = pressed && size([at[0] - pressed[0], at[1] - pressed[1]]) < STILL;
     this.pressed = null;
-    this.pictures.held = false;
     if (held) this.release(held);
     else if (still && this.tool.name === "select") this.pick(event, at);
     else if (still) this.put(this.placeAt(event, at), at);
@@ -259,7 +256,6 @@ export class SpaceStructure {
   release(held) {
     const change = this.moved(held);
     [this.held, this.pressed] = [null, null];
-    this.pictures.held = false;
     if (change) this.send(change);
     this.refresh();
   }
@@ -268,7 +264,6 @@ export class SpaceStructure {
   revert() {
     if (this.held) this.boundPage?.design?.replace(this.values, "drawing");
     this.held = null;
-    this.pictures.held = false;
     this.refresh();
   }
 

@@ -28,7 +28,7 @@ const REACH = 10, STILL = 3;
 /** @typedef {{ section: string, name: string }} Part */
 
 export class Structure {
-  /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void }} actions @param {HTMLElement} stage @param {HTMLElement} writing @param {() => Completion | null} completion */
+  /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void, inTurn: import("./in_turn.js").InTurn }} actions @param {HTMLElement} stage @param {HTMLElement} writing @param {() => Completion | null} completion */
   constructor(pictures, actions, stage, writing, completion) {
     this.pictures = pictures;
     this.actions = actions;
@@ -174,7 +174,6 @@ export class Structure {
   /** @param {PointerEvent} event @param {Spot} pixel */
   down(event, pixel) {
     if (event.button !== 0) return false;
-    this.pictures.held = true;  // another picture would lose the end of the press
     if (this.tool.name === "select") return grasp(this, event, pixel);
     this.put(this.placeAt(event, pixel), this.world(pixel));
     return true;
@@ -224,7 +223,6 @@ export class Structure {
   /** @param {PointerEvent} event @param {Spot} pixel */
   over(event, pixel) {
     if (event.buttons > 1) return false;
-    if (!event.buttons) this.pictures.held = false;
     const { drag, tool } = this, page = /** @type {Page} */ (this.page);
     const place = this.placeAt(event, pixel), [x, y] = this.world(pixel);
     this.now = place;

@@ -48,7 +48,6 @@ export function grasp(structure, event, pixel) {
 export function release(structure, event) {
   const { drag, plan } = structure;
   structure.drag = null;
-  structure.pictures.held = false;
   if (!drag || !plan) return structure.tool.name !== "select";
   if (drag.kind === "box") {
     const { from: p, to: q } = drag, inside = (/** @type {Spot} */ [x, y]) => (x - p.x) * (x - q.x) <= 0 && (y - p.y) * (y - q.y) <= 0;

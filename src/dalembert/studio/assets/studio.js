@@ -8,6 +8,7 @@ import { Completion } from "./completion.js";
 import { Crosshair } from "./crosshair.js";
 import { Exports, chooseFile } from "./dialogs.js";
 import { Drawing } from "./drawing.js";
+import { InTurn } from "./in_turn.js";
 import { addInsight } from "./insight.js";
 import { button, byId, el } from "./dom.js";
 import { Editor } from "./editor.js";
@@ -31,6 +32,8 @@ const REST = 250;
 const SLOW = 1200;
 /** Upper limit of the length of a text, as of the server [characters]. */
 const LONGEST = 2_000_000;
+const REPLACED = "another page has changed the model; what was typed last is not in it";
+const MEANWHILE = "your text, typed without a connection, replaces changes of another page; undo returns them";
 const MODIFIER = /Mac|iPhone|iPad/.test(navigator.platform) ? "⌘" : "Ctrl+";
 
 class Studio {
@@ -39,9 +42,13 @@ class Studio {
     this.file = { kind: "text", revision: -1, text: null, name: "", path: "", changed: false, undo: "", redo: "", document: null };
     /** Revisions sent and not yet confirmed. */
     this.pending = 0;
+    /** Revision whose change by the drawing is not yet answered. @type {number | null} */
+    this.editing = null;
+    /** Commands of the keyboard that read text and picture. */
+    this.inTurn = new InTurn((pictured) => this.isAnswered && (!pictured || this.isPictured));
     /** The last message about a still picture. @type {PictureMessage | null} */
     this.described = null;
-    /** Text that was typed while there was no connection. @type {string | null} */
+    /** Text that was typed while there was no connection, and the revision that it changes. @type {{ text: string, revision: number } | null} */
     this.unsent = null;
     this.pictures = new Pictures(byId("canvas"));
     this.pictures.onShow.push((page) => this.follow(page));
@@ -90,6 +97,7 @@ class Studio {
       },
       onSelect: () => this.properties.show(),
       rename: (name) => void this.properties.rename(name),
+      inTurn: this.inTurn,
     });
     this.palette = new Palette(byId("palette"), (name) => this.drawing.choose(name));
     this.properties = new Properties(byId("writing"), this.drawing, () => this.completion);
@@ -116,6 +124,7 @@ class Studio {
     window.addEventListener("pagehide", () => this.editor.flush());
     document.addEventListener("visibilitychange", () => this.editor.flush());
     this.pictures.onShow.push(() => this.pictures.frame?.contentWindow?.addEventListener("keydown", (event) => this.key(event)));
+    this.pictures.onShow.push(() => this.inTurn.proceed());
     byId("cancel").addEventListener("click", () => this.request("cancel"));
     const divider = byId("divider"), desk = byId("desk");
     const setWidth = (/** @type {number} */ share) => {
@@ -170,13 +179,16 @@ class Studio {
         this.insight.describe(message);
         if (message.problems) this.showProblems(message.problems);
         if (message.summary !== undefined) this.showSummary(message);
-        return this.pictures.receive(message);
+        this.pictures.receive(message);
+        return this.inTurn.proceed();
       case "files": return chooseFile(message, (choice) => this.request("open", choice));
       case "notice": return this.say(message.text);
       case "failure":
         if (message.request === "text") this.pending = Math.max(0, this.pending - 1);  // it was not stored
+        this.editing = null;
         this.space.revert();
-        return this.say(message.text, true);
+        this.say(message.text, true);
+        return this.inTurn.proceed();
       case "conflict": return void this.resolve(message.text, message.path);
       default: this.handlers[/** @type {{ kind: string }} */ (message).kind]?.(message);
     }
@@ -185,8 +197,10 @@ class Studio {
   /** @param {TextMessage} file */
   showFile(file) {
     const { text, name, changed } = file;
+    if (this.editing !== null && (file.revision > this.editing || text !== null)) this.editing = null;
     if (text === null) this.pending--;
     else if (!this.editor.waits || file.revision !== this.file.revision) {
+      if (this.editor.waits && text !== this.editor.text) this.say(REPLACED, true);
       this.pending = 0;
       this.editor.show(text);
     }
@@ -198,10 +212,11 @@ class Studio {
     this.properties.show();
     this.known = file.document ?? this.known;
     if (this.unsent !== null) {
-      const { unsent } = this;
+      const { text: typed, revision } = this.unsent;
       this.unsent = null;
-      this.editor.show(unsent);
-      this.sendText(unsent);
+      if (revision !== file.revision && typed !== text) this.say(MEANWHILE, true);
+      this.editor.show(typed);
+      this.sendText(typed);
     }
     byId("name").textContent = name;
     void this.photo.show(file.path || name);
@@ -218,6 +233,16 @@ class Studio {
     for (const listener of this.onDocument) listener(file.document);
     this.guide?.check();
     this.working();
+    this.inTurn.proceed();
+  }
+
+  /** Whether the server has answered all changes of this page. */
+  get isAnswered() { return this.editing === null && this.pending === 0 && !this.editor.waits; }
+
+  /** Whether the picture of the text is shown, or there is none. */
+  get isPictured() {
+    const { described, file, pictures } = this;
+    return described !== null && described.revision >= file.revision && (!described.page || pictures.shown >= described.number);
   }
 
   /** Show that a picture is being made, if it takes a while. */
@@ -231,7 +256,7 @@ class Studio {
   sendText(text) {
     if (text.length > LONGEST) return this.say(`The text has more than ${LONGEST} characters; it was not stored.`, true);
     if (this.link.send({ kind: "text", text, revision: this.file.revision + this.pending })) this.pending++;
-    else this.unsent = text;
+    else this.unsent = { text, revision: this.unsent?.revision ?? this.file.revision + this.pending };
   }
 
   /** @param {string} kind @param {Record<string, unknown>} [more] */
@@ -280,7 +305,10 @@ class Studio {
 
   /** @param {string} label @param {Record<string, unknown>[]} operations */
   edit(label, operations) {
-    return this.request("edit", { label, operations, revision: this.file.revision + this.pending });
+    this.editor.flush();
+    const revision = this.file.revision + this.pending;
+    this.editing = this.link.connected ? revision : null;
+    return this.request("edit", { label, operations, revision });
   }
 
   /** Write the values of the sliders of a live picture into the text. @param {Page} page */
@@ -314,7 +342,10 @@ class Studio {
     const link = byId("link");
     link.textContent = connected ? "" : this.link?.stopped ? "stopped" : "not connected: is the program running? Changes are sent when it answers";
     link.classList.toggle("error", !connected);
-    if (connected) this.pending = 0;
+    if (!connected && this.pending) this.unsent ??= { text: this.editor.text, revision: this.file.revision };  // it may not have arrived
+    this.pending = 0;
+    this.editing = null;
+    this.inTurn.clear();
   }
 
   /** @param {Problem[]} problems */

@@ -52,7 +52,6 @@ export class TargetDrag {
     }, true);
     on("pointerdown", (event, at) => {
       this.grip = event.target === canvas && event.button === 0 && !event.shiftKey && this.actions.selects() ? this.at(page, at) : null;
-      this.pictures.held ||= this.grip !== null;
       return this.grip !== null;
     });
     on("pointermove", (event, at) => {
@@ -64,7 +63,7 @@ export class TargetDrag {
     const end = (/** @type {boolean} */ written) => {
       if (!this.grip) return false;
       const { grip, moved } = this;
-      [this.grip, this.moved, this.pictures.held] = [null, null, false];
+      [this.grip, this.moved] = [null, null];
       if (written && moved) this.actions.edit(grip.turns ? "turn target" : "move target", [{ op: "section", section: "synthesis", fields: moved }]);
       page.scene.invalidate();
       return true;

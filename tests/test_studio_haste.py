@@ -1,0 +1,107 @@
+"""Work in the studio that is faster than its pictures: keys, drags, and texts of other pages."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from structure_desk import LOOK as STRUCTURE_LOOK
+from studio_desk import WAIT, Desk
+from studio_runs import Studio
+from test_studio_server import page, receive, send
+from test_studio_structures import SQUARE
+
+PENDULUMS = """format = 1
+gravity = [0.0, -9.81]
+[bodies]
+a = { type = "Bar", length = 0.4, mass = 1.0, position = [0.3, 0.1], angle = 0.0 }
+b = { type = "Bar", length = 0.4, mass = 1.0, position = [0.7, 0.1], angle = 0.0 }
+[joints]
+O = { type = "Revolute", connect = [{ body = "ground", at = [0.1, 0.1] }, "a.start"] }
+A = { type = "Revolute", connect = ["a.end", "b.start"] }
+"""
+
+
+def hurry(visit: Desk, keys: list[str]) -> None:
+    """Press keys without a pause, and wait until all of them are carried out."""
+    for key in keys:
+        visit.page.keyboard.press(key)
+    visit.until("!studio.inTurn.waiting.length && studio.isAnswered", WAIT)
+    visit.settle()
+
+
+def test_steps_that_overtake_the_picture_all_count(desk: tuple[Desk, Studio]) -> None:
+    """Positions of bodies and places of joints move by the same sum."""
+    visit, _ = desk
+    visit.show(PENDULUMS)
+    visit.js("studio.drawing.select(['a', 'b'])")
+    hurry(visit, 5 * ["ArrowUp"] + 3 * ["ArrowRight"])
+    document = visit.document
+    joint = np.subtract(document["joints"]["O"]["connect"][0]["at"], [0.1, 0.1])
+    for name, before in (("a", [0.3, 0.1]), ("b", [0.7, 0.1])):
+        assert np.subtract(document["bodies"][name]["position"], before) == pytest.approx(joint)
+    assert joint[1] / joint[0] == pytest.approx(5 / 3)
+    hurry(visit, ["Control+d", "Control+d", "Delete"])
+    assert len(visit.document["bodies"]) == 4 and not visit.errors_shown()
+
+
+def test_a_drag_on_an_outdated_picture_keeps_the_drag_before(desk: tuple[Desk, Studio]) -> None:
+    """Both ends of a bar are dragged before the picture of the first drag comes."""
+    visit, _ = desk
+    visit.show("\n".join(PENDULUMS.splitlines()[:4]) + "\n")
+    visit.until("studio.pictures.live", WAIT)
+    visit.js("studio.pictures.page.design = null")  # no page computes the first drag
+    revision = visit.revision
+    for start, end in (((0.1, 0.1), (0.1, 0.3)), ((0.5, 0.1), (0.5, 0.4))):
+        visit.drag(start, end)
+    visit.until(f"studio.file.revision >= {revision + 2} && studio.isAnswered", WAIT)
+    bar = visit.document["bodies"]["a"]
+    assert bar["position"] == pytest.approx([0.3, 0.35], abs=1e-6)
+    assert bar["length"] == pytest.approx(np.hypot(0.4, 0.1))
+    assert bar["angle"] == pytest.approx(np.arctan2(0.1, 0.4))
+
+
+def test_a_press_in_the_picture_keeps_it_until_it_is_released(desk: tuple[Desk, Studio]) -> None:
+    """A picture that comes during a drag replaces the shown one after it."""
+    visit, studio = desk
+    visit.show(PENDULUMS)
+    start, end = visit.place(0.9, 0.1), visit.place(0.8, 0.4)
+    mouse = visit.page.mouse
+    mouse.move(*start)
+    mouse.down()
+    mouse.move(*end, steps=3)
+    shown = visit.shown
+    with page(studio) as other:
+        state = receive(other, "text")
+        text = state["text"] + "# of another page\n"
+        send(other, kind="text", text=text, revision=state["revision"])
+    visit.until(f"studio.described.revision > {state['revision']}", WAIT)
+    visit.until("studio.pictures.next", WAIT)
+    visit.page.wait_for_timeout(400)  # longer than a pause between two keys
+    assert visit.shown == shown
+    mouse.move(*visit.place(0.8, 0.45))
+    mouse.up()
+    visit.until(f"studio.file.revision > {state['revision'] + 1}", WAIT)
+    visit.settle()
+    bar = visit.document["bodies"]["b"]
+    tip = np.add(
+        bar["position"],
+        np.multiply(bar["length"] / 2, [np.cos(bar["angle"]), np.sin(bar["angle"])]),
+    )
+    assert tip == pytest.approx([0.8, 0.45], abs=0.01)
+    assert visit.text.endswith("# of another page\n")
+
+
+def test_a_press_that_ends_outside_the_picture_is_over(desk: tuple[Desk, Studio]) -> None:
+    """Pictures are replaced again, without another movement over the picture."""
+    visit, _ = desk
+    visit.show(SQUARE)
+    visit.js(STRUCTURE_LOOK)
+    mouse = visit.page.mouse
+    mouse.move(*visit.place(*visit.js("[...studio.structure.plan.nodes.values()][0]")))
+    mouse.down()
+    assert visit.js("studio.pictures.held")
+    visit.js("studio.structure.drag = null")  # as where a press selects one part more
+    mouse.move(700, 5, steps=3)
+    mouse.up()
+    assert not visit.js("studio.pictures.held")
+    visit.show(SQUARE + "# more\n")
