@@ -1,4 +1,4 @@
-"""A design task that is started in the studio: its card, its page, and the result of the same call."""
+"""A design task that is started in the studio: its card, its page, the result of the same call."""
 
 from __future__ import annotations
 
