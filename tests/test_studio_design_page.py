@@ -1,11 +1,11 @@
-"""A design task that is started in the studio: its card, its page, the result of the same call."""
+"""A design task started in the studio: its card, its page, and the result of the same call."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import pytest
-from studio_desk import Desk
+from studio_desk import WAIT, Desk
 from studio_runs import Studio
 
 import dalembert as da
@@ -43,7 +43,7 @@ low = { type = "Minimum", measure = "bar3.angle", smooth = "1 deg" }
 
 [optimize]
 maximize = "low"
-subject_to = [{ response = "top", upper = -0.85 }]
+subject_to = [{ response = "top", upper = -0.8 }]
 """
 SHOWN = """(() => {
     const { bottom } = document.querySelector('.task').getBoundingClientRect();
@@ -64,7 +64,7 @@ def test_an_optimum_is_that_of_python(desk: tuple[Desk, Studio], tmp_path: Path)
     visit.show(FOUR_BAR)
     visit.page.click("#tab-design")
     visit.page.click("#start-task")
-    visit.until("studio.insight.design.tasks.optimize?.status === 'done'", 60)
+    visit.until("studio.insight.design.tasks.optimize?.status === 'done'", WAIT)
     assert visit.js(SHOWN)
     [design] = visit.js("studio.insight.design.tasks.optimize.designs")
     visit.page.click("text=Show the result")
@@ -79,7 +79,7 @@ def test_an_optimum_is_that_of_python(desk: tuple[Desk, Studio], tmp_path: Path)
     best = da.optimize(
         load_model_file(path).model(),
         maximize=low,
-        subject_to=[da.Limit(top, upper=-0.85)],
+        subject_to=[da.Limit(top, upper=-0.8)],
         analysis=da.Kinematics(duration=1.0, step=0.02),
     )
     assert best.success and best.active == ["top"]
