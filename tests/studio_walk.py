@@ -59,7 +59,8 @@ POSES = """() => {
 """Poses of the picture at the start."""
 NODES = """() => {
     const { mesh } = studio.pictures.page.motion;
-    return mesh && Object.fromEntries(mesh.nodes.map((name, k) => [name, mesh.components(k).filter(Boolean)]));
+    const parts = (k) => mesh.components(k).filter(Boolean);
+    return mesh && Object.fromEntries(mesh.nodes.map((name, k) => [name, parts(k)]));
 }"""
 """Components of the displacements of all nodes, where there are some."""
 PAUSE = 1.1
