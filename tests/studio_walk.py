@@ -59,9 +59,10 @@ POSES = """() => {
 """Poses of the picture at the start."""
 NODES = """() => {
     const { mesh } = studio.pictures.page.motion;
-    return mesh && Object.fromEntries(mesh.nodes.map((name, k) => [name, mesh.components(k)]));
+    const parts = (k) => mesh.components(k).filter(Boolean);
+    return mesh && Object.fromEntries(mesh.nodes.map((name, k) => [name, parts(k)]));
 }"""
-"""Components of the displacements of all nodes."""
+"""Components of the displacements of all nodes, where there are some."""
 PAUSE = 1.1
 """Time that separates typed changes, which are undone together otherwise [s]."""
 NUMBER = re.compile(r"(?<![\w.\"])-?\d+\.\d+(?![\w.\"])")
