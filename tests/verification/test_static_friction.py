@@ -145,6 +145,14 @@ def test_gradients_of_the_stick_slip_oscillator(scheme, duration):
     assert any("break away" in note for note in direct.attrs["notes"])
 
 
+def test_gradient_of_a_break_away_at_the_end_of_a_step():
+    """The load is at the limit of static friction at ``t = 0.4905 s``, to the last digits."""
+    motion = belt(1e-3, da.MoreauJean(), 0.6)
+    slopes = da.sensitivity(motion, da.final("mass.x"), ["static"], method="direct")
+    ends = [piecewise(np.array([0.0, 0.6]), static=STATIC + s)[-1] for s in (1e-6, -1e-6)]
+    assert slopes.item() == pytest.approx((ends[0] - ends[1]) / 2e-6, rel=0.02)
+
+
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_gradient_of_a_block_that_a_growing_force_breaks_away(scheme):
     """Both corners at one instant ``t = μ_s m g/c``; ``v = c (T² − t²)/2m − μ g (T − t)``."""

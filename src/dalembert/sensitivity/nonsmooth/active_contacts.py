@@ -140,7 +140,7 @@ class ContactEquations:
         speeds, impulses = values.after + active.offsets, active.impulses
         speeds[soft, 0] = 0.0  # friction is that of the impulses
         friction, static = laws.friction.copy(), _static(laws, groups, impulses)
-        friction[static, :1] = laws.static_friction[static, None]
+        friction[static, :1] = (1 + STICK_MARGIN) * laws.static_friction[static, None]
         problem = FrictionProblem(scipy.sparse.diags_array(diagonal), speeds, friction, groups)
         z = impulses - speeds / problem.mobility
         own, coupled = pieces(problem, z, np.arange(count))
@@ -288,7 +288,7 @@ class ContactEquations:
 
 
 def _static(laws: ContactLaws, groups: tuple[int, ...], impulses: np.ndarray) -> np.ndarray:
-    """Mask of the contacts that stick by static friction."""
+    """Mask of the contacts that stick by static friction, also at its limit."""
     slip = np.linalg.norm(impulses[:, 1 : 1 + sum(groups[:1])], axis=1)
     moving = laws.friction[:, 0] if groups else 0.0
     return np.asarray(laws.higher_at_rest & (slip > (1 + STICK_MARGIN) * moving * impulses[:, 0]))
