@@ -59,7 +59,7 @@ class PathContacts(ABC):
     def fastest(self) -> float:
         """The largest component of a relative velocity of the contacts [m/s]; rotations count as
         velocities."""
-        rows = self.counts[COUNT] * self.width
+        rows = int(self.counts[COUNT]) * self.width
         return float(max(np.abs(speeds[:rows]).max(initial=0.0) for speeds in self._speeds))
 
     def contacts_before(self) -> tuple[np.ndarray, np.ndarray]:
@@ -92,7 +92,7 @@ class PathContacts(ABC):
         no longer listed are removed."""
         count, shapes = self._sizes[BEFORE], np.array([self._motion.shapes.count, 1])
         keys, described = (part[:count].copy() for part in self._before)
-        codes = shapes @ np.sort(pairs, axis=0)
+        codes: np.ndarray = shapes @ np.sort(pairs, axis=0)
         order, own = np.argsort(codes), np.sort(described[:, [1, 3]], axis=1) @ shapes
         place = np.searchsorted(codes, own, sorter=order)
         listed = np.isin(own, codes)
@@ -126,7 +126,8 @@ class PathContacts(ABC):
         self._sizes[CALL] = ALL
         done = self() is StepOutcome.DONE
         self._sizes[CALL] = STEP
-        before, free = (a[: self.counts[COUNT] * self.width : self.width] for a in self._speeds)
+        rows = slice(0, int(self.counts[COUNT]) * self.width, self.width)
+        before, free = (speeds[rows] for speeds in self._speeds)
         return float(np.abs(free - before).max(initial=0.0)) if done else np.inf
 
     def shift_path_gaps(self, gaps: np.ndarray, displacement: np.ndarray) -> None:
