@@ -54,6 +54,11 @@ class SuperLUFactors(Factors):
         return int((self._factors.U.diagonal() < 0).sum())
 
 
+THREADED = 500_000
+"""Upper limit of the products of a solution for several columns one by one: LAPACK solves these in
+threads, whose start takes longer, by milliseconds where other programs use the processor."""
+
+
 class DenseFactors(Factors):
     """``P A = L U`` of a dense matrix by LAPACK.
 
@@ -80,9 +85,13 @@ class DenseFactors(Factors):
     def solve(self, rhs: np.ndarray, trans: str = "N") -> np.ndarray:
         if not rhs.size:
             return rhs
-        transposed = int(trans == "T")
-        solution, _ = scipy.linalg.lapack.dgetrs(self._factors, self._pivots, rhs, transposed)
-        return np.asarray(solution)
+        solve, transposed = scipy.linalg.lapack.dgetrs, int(trans == "T")
+        if rhs.ndim == 2 and rhs.shape[0] * rhs.size <= THREADED:
+            columns = np.empty(rhs.shape, order="F")
+            for k in range(rhs.shape[1]):
+                columns[:, k] = solve(self._factors, self._pivots, rhs[:, k], transposed)[0]
+            return columns
+        return np.asarray(solve(self._factors, self._pivots, rhs, transposed)[0])
 
     @property
     def negative(self) -> int:
