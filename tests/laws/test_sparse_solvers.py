@@ -220,3 +220,16 @@ def test_the_solver_is_chosen_by_size_and_memory():
     assert better_iterative(1_000_000, blocks, 5e8)
     with pytest.raises(da.UnsupportedError, match="solver must be one of auto, direct, iterative"):
         da.solve_statics(plate().build(), solver="magic")
+
+
+@pytest.mark.parametrize("limit", [0, 10**9])
+@pytest.mark.parametrize("shape", [(7,), (7, 1), (7, 4), (7, 0)])
+def test_dense_factors_solve_for_columns_together_and_one_by_one(shape, limit, monkeypatch):
+    monkeypatch.setattr(factorise, "THREADED", limit)
+    rng = np.random.default_rng(1)
+    dense, rhs = rng.normal(size=(7, 7)), rng.normal(size=shape)
+    factors = factorise.DenseFactors(dense)
+    for trans, own in {"N": dense, "T": dense.T}.items():
+        solution = factors.solve(rhs, trans)
+        assert solution.shape == shape
+        np.testing.assert_allclose(own @ solution, rhs, atol=1e-12)
