@@ -60,7 +60,7 @@ def _advanced(
         return _opened(step, start, contacts, before)
     approach = start.approach(contacts, step.rounding)
     some = contacts.some(step.scheme.acting(approach) | step.force_laws.compliant(contacts))
-    lifts = approach.forced > step.solver.tolerance * approach.fastest  # against forces
+    lifts = approach.forced > step.solver.newton_tolerance * approach.fastest  # against forces
     if step.scheme.projection and lifts:
         return _closed(step, start, some, contacts.key[approach.resting], before)
     return step.solved(step.struck(start, some), some, before)
@@ -151,7 +151,7 @@ def _opened(
 def inexact_depth(step: ContactStep, h: float, fastest: float) -> float:
     """Penetration at the end of a step by impulses within the tolerance, whose relative velocities
     are up to ``fastest`` [m]."""
-    return max(step.rounding, INEXACT * step.solver.tolerance * h * fastest)
+    return max(step.rounding, INEXACT * step.solver.newton_tolerance * h * fastest)
 
 
 def is_settled(depth: float, last: float, inexact: float) -> bool:

@@ -255,7 +255,7 @@ class ContactStep:
         offsets = self.scheme.first(approach)
         laws, none = contacts.laws, contacts.key[:0]
         scale = approach.fastest or 1.0
-        rounding = STILL * self.solver.tolerance * scale
+        rounding = STILL * self.solver.newton_tolerance * scale
         static = may_stick(contacts, approach.before, before.stuck if before else none, rounding)
         start, rounds = warm_start(contacts, before, shape), 0
         for _ in range(ROUNDS):
@@ -285,7 +285,9 @@ class ContactStep:
                 changed[compliant.rows, 0] = offsets[compliant.rows, 0]
                 changed = changed if (changed != offsets).any() else None
             size = problem.size(start) if compliant.rows.size else scale
-            softened = compliant.update(start[:, 0], after[:, 0], self.solver.tolerance * size)
+            softened = compliant.update(
+                start[:, 0], after[:, 0], self.solver.newton_tolerance * size
+            )
             if not (softened or changed is not None) or not solution.accepted:
                 break
             offsets = offsets if changed is None else changed

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dalembert.errors import UnsupportedError
+from dalembert.integrators.contact.solution_settings import NEWTON_SHARE
 from dalembert.options import options
 
 if TYPE_CHECKING:
@@ -65,6 +66,11 @@ class ContactSolver:
         if self.max_iterations < 0:
             text = f"ContactSolver(max_iterations={self.max_iterations}): give 0 or more"
             raise UnsupportedError(text)
+
+    @property
+    def newton_tolerance(self) -> float:
+        """Residual at which Newton's method ends, and accuracy of what follows from it [-]."""
+        return NEWTON_SHARE * self.tolerance
 
     def solve(self, problem: FrictionProblem, start: np.ndarray | None = None) -> Impulses:
         """Impulses of a problem, from an initial guess ``start``, zero by default.

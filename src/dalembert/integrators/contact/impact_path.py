@@ -93,7 +93,7 @@ class ImpactPath:
         self.work, self.residual, self.rounds = np.zeros(problem.shape[0]), 0.0, 0
         self.converged = self.accepted = True
         self.lowest = np.zeros(problem.shape[0])
-        self.rounding = STILL * solver.tolerance * problem.scale
+        self.rounding = STILL * solver.newton_tolerance * problem.scale
         self.increments: list[Increment] = []
 
     def compress(self) -> None:
@@ -113,7 +113,7 @@ class ImpactPath:
         ``normal`` (n,) are estimates of the impulses, of which they do not exceed a multiple.
         """
         target, pace, whole, corrections = self.work - energy, Pace(), normal, 0
-        accuracy = min(RESTORED, self.solver.tolerance)
+        accuracy = min(RESTORED, self.solver.newton_tolerance)
         limit = np.maximum(accuracy * energy, RESTORED**2 * energy.max(initial=0.0))
         most = self.impulses[:, 0] + LARGEST * normal
         for _ in range(MAX_INCREMENTS):

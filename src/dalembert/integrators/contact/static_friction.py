@@ -81,6 +81,6 @@ def solve_with_static_friction(
 def sticks(solver: ContactSolver, problem: FrictionProblem, solution: Impulses) -> np.ndarray:
     """(n,) mask of the contacts without slip."""
     slip = np.linalg.norm(problem.speeds(solution.impulses)[:, 1 : problem.linear], axis=1)
-    tolerance = max(solver.tolerance * problem.size(solution.impulses), solution.residual)
+    tolerance = max(solver.newton_tolerance * problem.size(solution.impulses), solution.residual)
     still: np.ndarray = slip <= STILL * tolerance
     return still

@@ -14,7 +14,6 @@ from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
 from dalembert.integrators.contact.impulses import BLOCK_ITERATIONS
 from dalembert.integrators.contact.semismooth_newton import semismooth_newton
-from dalembert.integrators.contact.solution_settings import NEWTON_SHARE
 from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
 from dalembert.sensitivity.nonsmooth.proximal_factors import diagonal_block
@@ -105,7 +104,7 @@ class FreeSteps:
         scale = np.repeat(scales, np.diff(first)[used])[:, None]
         relative = replace(problem, velocity=problem.velocity / scale)
         together = semismooth_newton(
-            relative, lasting.impulses / scale, NEWTON_SHARE * solver.tolerance, BLOCK_ITERATIONS
+            relative, lasting.impulses / scale, solver.newton_tolerance, BLOCK_ITERATIONS
         )
         residual = np.abs(together - relative.project(together, relative.speeds(together)))
         residual = np.maximum.reduceat((residual * relative.weights).max(axis=1), first[used])
