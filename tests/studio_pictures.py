@@ -117,6 +117,11 @@ def main(folder: Path) -> None:
         page.goto(studio.address)
         visit.until("window.studio?.pictures.shown >= 0")
         visit.settle()
+        page.click("text=Open…")
+        page.wait_for_selector("dialog img")
+        page.wait_for_timeout(500)
+        page.screenshot(path=folder / "studio_open.png")
+        page.keyboard.press("Escape")
         for name, (text, select) in PICTURES.items():
             visit.show(text)
             visit.js("studio.pictures.page.scene.fit()")
