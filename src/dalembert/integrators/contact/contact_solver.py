@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.integrators.contact.solution_settings import NEWTON_SHARE
 from dalembert.options import options
 
 if TYPE_CHECKING:
@@ -70,6 +69,8 @@ class ContactSolver:
     @property
     def newton_tolerance(self) -> float:
         """Residual at which Newton's method ends, and accuracy of what follows from it [-]."""
+        from dalembert.integrators.contact.solution_settings import NEWTON_SHARE
+
         return NEWTON_SHARE * self.tolerance
 
     def solve(self, problem: FrictionProblem, start: np.ndarray | None = None) -> Impulses:
