@@ -32,7 +32,7 @@ from dalembert.studio.pictures import result_of
 
 BARRIER = """() => new Promise(async (done) => {
     studio.editor.flush();
-    while (studio.inTurn.waiting.length) await new Promise((go) => setTimeout(go, 10));
+    while (studio.commands.waiting.length) await new Promise((go) => setTimeout(go, 10));
     const { socket } = studio.link, mark = "unknown request";
     socket.addEventListener("message", function answered({ data }) {
         const { kind, text } = JSON.parse(data);

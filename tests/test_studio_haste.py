@@ -25,7 +25,7 @@ def hurry(visit: Desk, keys: list[str]) -> None:
     """Press keys without a pause, and wait until all of them are carried out."""
     for key in keys:
         visit.page.keyboard.press(key)
-    visit.until("!studio.inTurn.waiting.length && studio.isAnswered", WAIT)
+    visit.until("!studio.commands.waiting.length && studio.isAnswered", WAIT)
     visit.settle()
 
 

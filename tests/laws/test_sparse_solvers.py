@@ -225,7 +225,7 @@ def test_the_solver_is_chosen_by_size_and_memory():
 @pytest.mark.parametrize("limit", [0, 10**9])
 @pytest.mark.parametrize("shape", [(7,), (7, 1), (7, 4), (7, 0)])
 def test_dense_factors_solve_for_columns_together_and_one_by_one(shape, limit, monkeypatch):
-    monkeypatch.setattr(factorise, "THREADED", limit)
+    monkeypatch.setattr(factorise, "COLUMNWISE", limit)
     rng = np.random.default_rng(1)
     dense, rhs = rng.normal(size=(7, 7)), rng.normal(size=shape)
     factors = factorise.DenseFactors(dense)

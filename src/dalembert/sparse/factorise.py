@@ -54,9 +54,9 @@ class SuperLUFactors(Factors):
         return int((self._factors.U.diagonal() < 0).sum())
 
 
-THREADED = 500_000
-"""Upper limit of the products of a solution for several columns one by one: LAPACK solves these in
-threads, whose start takes longer, by milliseconds where other programs use the processor."""
+COLUMNWISE = 500_000
+"""Number of multiplications up to which columns are solved one by one. LAPACK solves several in
+threads, whose start takes milliseconds where other programs use the processor."""
 
 
 class DenseFactors(Factors):
@@ -86,7 +86,7 @@ class DenseFactors(Factors):
         if not rhs.size:
             return rhs
         solve, transposed = scipy.linalg.lapack.dgetrs, int(trans == "T")
-        if rhs.ndim == 2 and rhs.shape[0] * rhs.size <= THREADED:
+        if rhs.ndim == 2 and rhs.shape[0] * rhs.size <= COLUMNWISE:
             columns = np.empty(rhs.shape, order="F")
             for k in range(rhs.shape[1]):
                 columns[:, k] = solve(self._factors, self._pivots, rhs[:, k], transposed)[0]

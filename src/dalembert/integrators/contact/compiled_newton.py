@@ -28,8 +28,8 @@ from dalembert.sparse.factorise import SuperLUFactors
 MODE, ASSEMBLE, SEARCH, ITERATE, SOLVE = 6, 0, 1, 2, 3
 """Place of the mode of the loop among its counts, and the modes."""
 FILES = *SOLUTION_FILES, "newton_modes.c"
-PROXIMAL, INTERIOR = 24, 26
-"""Places of the limits of proximal problems, and of interior points, among the counts."""
+PROXIMAL = 24
+"""Place of the limit of proximal problems among the counts."""
 SHARES, ORIGINAL = 37, 34
 """Places of the settings of the solution among the inputs, and of its memory among the outputs."""
 OVERSHOOT = 1e-9
@@ -53,7 +53,8 @@ class CompiledNewton:
     settings : tolerance of the residual, regularisation, overshoot beyond a change of piece; of
         the whole solution also its relative tolerance and the lower limit of the reference speed
     max_iterations : upper limit of the steps
-    proximal : upper limit of the proximal problems of the whole solution, of blocks alone
+    proximal : upper limit of the proximal problems of the whole solution, with factors of blocks;
+        None for Newton's method alone
     """
 
     def __init__(

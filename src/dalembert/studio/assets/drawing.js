@@ -2,7 +2,7 @@
 
 /** @import { Page, Pictures } from "./pictures.js" */
 /** @import { Place } from "./snapping.js" */
-/** @import { InTurn } from "./in_turn.js" */
+/** @import { CommandQueue } from "./command_queue.js" */
 /** @import { Change } from "./operations.js" */
 /** @import { Document } from "./types.d.ts" */
 
@@ -20,7 +20,7 @@ import { BEGINS, TYPED, typedPlace } from "./typed_numbers.js";
 
 /** What is being dragged: a point, bodies, a control point, or a rectangle of selection; the page before, and the values of its parameters; `late` if the picture was not yet that of the text.
  * @typedef {{ kind: "point" | "body" | "box" | "control", control: ReturnType<typeof controlAt>, from: Place, to: Place, moved: boolean, late: boolean, still: Page, values: number[] }} Drag */
-/** @typedef {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void, onTool: (name: string) => void, onSelect: (names: string[]) => void, rename: (name: string) => void, inTurn: InTurn }} Actions */
+/** @typedef {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void, onTool: (name: string) => void, onSelect: (names: string[]) => void, rename: (name: string) => void, commands: CommandQueue }} Actions */
 
 export class Drawing {
   /** @param {Pictures} pictures @param {Actions} actions */
@@ -196,14 +196,14 @@ export class Drawing {
     this.drag = null;
     if (!drag || !page || !document) return this.tool.name !== "select";
     if (drag.kind === "box") this.select([...(event.shiftKey ? this.selection : []), ...(drag.moved ? within(page, document, drag.from, drag.to) : [])]);
-    else if (drag.moved && drag.late) this.actions.inTurn.do(() => this.attempt(() => this.changeOf(this.renewed(drag))), true);
+    else if (drag.moved && drag.late) this.actions.commands.do(() => this.attempt(() => this.changeOf(this.renewed(drag))), true);
     else if (drag.moved) this.attempt(() => this.changeOf(drag));
     this.refresh();
     return true;
   }
 
   /** Whether the picture of the last change is still to come. */
-  get isLate() { return !this.actions.inTurn.isReady(true); }
+  get isLate() { return !this.actions.commands.isReady(true); }
 
   /** A drag that began on an outdated picture, from the place in the present one. @param {Drag} drag @returns {Drag} */
   renewed(drag) {

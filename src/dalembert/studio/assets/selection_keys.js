@@ -34,7 +34,7 @@ export class SelectionKeys {
   /** Rotate or mirror the selection, after what was done before. @param {(middle: { x: number, y: number }) => Transform} map @param {string} label */
   turnSelection(map, label) {
     const { actions, selection } = this.drawing;
-    actions.inTurn.do(() => this.turn(selection, map, label), true);
+    actions.commands.do(() => this.turn(selection, map, label), true);
   }
 
   mirror(upright = true) { this.turnSelection(({ x, y }) => reflection({ x, y }, upright ? { x, y: y + 1 } : { x: x + 1, y }), upright ? "mirror left and right" : "mirror up and down"); }
@@ -67,10 +67,10 @@ export class SelectionKeys {
   command({ key, altKey, shiftKey }) {
     const { drawing } = this, { document } = drawing;
     if (altKey || shiftKey || !document || !drawing.possible) return false;
-    const { inTurn } = drawing.actions;
-    if (key === "c" && drawing.selection.size) inTurn.do(() => this.copy(), true);
-    else if (key === "v" && (this.clipboard || inTurn.waiting.length)) inTurn.do(() => this.paste(true), false);
-    else if (key === "d") inTurn.do(() => this.duplicate(), true);
+    const { commands } = drawing.actions;
+    if (key === "c" && drawing.selection.size) commands.do(() => this.copy(), true);
+    else if (key === "v" && (this.clipboard || commands.waiting.length)) commands.do(() => this.paste(true), false);
+    else if (key === "d") commands.do(() => this.duplicate(), true);
     else if (key === "a") drawing.select(SECTIONS.flatMap((section) => Object.keys(document[section] ?? {})));
     else return false;
     return true;
@@ -81,10 +81,10 @@ export class SelectionKeys {
     const { drawing } = this, { page, selected, selection, actions } = drawing;
     if (!page || !drawing.document || !selection.size) return false;
     const step = gridStep(page.scene.view.s) * (shiftKey ? 0.1 : 1), way = /** @type {Record<string, [number, number]>} */ ({ ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, step], ArrowDown: [0, -step] })[key];
-    if (way) actions.inTurn.step((sum) => this.turn(selection, () => shift(...sum), "move selection"), way, true);
+    if (way) actions.commands.step((sum) => this.turn(selection, () => shift(...sum), "move selection"), way, true);
     else if (key === "Delete" || key === "Backspace") {
       drawing.select([]);
-      actions.inTurn.do(() => drawing.attempt(() => drawing.document && remove(drawing.document, selection)), false);
+      actions.commands.do(() => drawing.attempt(() => drawing.document && remove(drawing.document, selection)), false);
     } else if (key === "F2" && selected) drawing.actions.rename(selected);
     else if (key === "h" || key === "H") this.mirror(key === "h");
     else if (key === "r" || key === "R") this.rotate(key === "r" ? 1 : -1);

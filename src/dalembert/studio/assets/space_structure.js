@@ -27,7 +27,7 @@ import { neat } from "./transforms.js";
 const STILL = 4, REACH = 11;
 
 export class SpaceStructure {
-  /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void, inTurn: import("./in_turn.js").InTurn }} actions @param {HTMLElement} stage @param {HTMLElement} writing @param {() => Completion | null} completion */
+  /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void, commands: import("./command_queue.js").CommandQueue }} actions @param {HTMLElement} stage @param {HTMLElement} writing @param {() => Completion | null} completion */
   constructor(pictures, actions, stage, writing, completion) {
     this.pictures = pictures;
     this.actions = actions;

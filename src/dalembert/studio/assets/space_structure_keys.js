@@ -16,7 +16,7 @@ export function answer(structure, key) {
     else if (tool.name === "select") structure.select([]);
     else structure.choose("select");
   } else if (key === "Enter" && tool.chain && structure.places.length) structure.places = [];
-  else if ((key === "Delete" || key === "Backspace") && structure.selection.length) structure.actions.inTurn.do(() => structure.properties.removeSelection(), false);
+  else if ((key === "Delete" || key === "Backspace") && structure.selection.length) structure.actions.commands.do(() => structure.properties.removeSelection(), false);
   else if (key === "h") structure.palette.choice.throughSelected();
   else if (page?.scene.keys[key]) page.scene.keys[key]();
   else {

@@ -28,7 +28,7 @@ const REACH = 10, STILL = 3;
 /** @typedef {{ section: string, name: string }} Part */
 
 export class Structure {
-  /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void, inTurn: import("./in_turn.js").InTurn }} actions @param {HTMLElement} stage @param {HTMLElement} writing @param {() => Completion | null} completion */
+  /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void, commands: import("./command_queue.js").CommandQueue }} actions @param {HTMLElement} stage @param {HTMLElement} writing @param {() => Completion | null} completion */
   constructor(pictures, actions, stage, writing, completion) {
     this.pictures = pictures;
     this.actions = actions;

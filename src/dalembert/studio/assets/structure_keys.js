@@ -28,10 +28,10 @@ export function answer(structure, { key, shiftKey }) {
     else structure.select([]);
   } else if (key === "Enter" && tool.clicks === 0 && structure.places.length > 2) structure.finish();
   else if (key === "Enter" && tool.chain && structure.places.length) structure.places = [];
-  else if ((key === "Delete" || key === "Backspace") && structure.selection.length) structure.actions.inTurn.do(() => structure.properties.removeSelection(), false);
+  else if ((key === "Delete" || key === "Backspace") && structure.selection.length) structure.actions.commands.do(() => structure.properties.removeSelection(), false);
   else if (way && structure.selection.length) {
     const points = new Set(structure.selection.map(({ name }) => name));
-    structure.actions.inTurn.step((sum) => {
+    structure.actions.commands.step((sum) => {
       const change = moved((structure.plan?.handles ?? []).filter(({ name }) => points.has(name)), sum, null);
       if (change) structure.send(change);
     }, way, false);

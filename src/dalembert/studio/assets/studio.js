@@ -8,7 +8,7 @@ import { Completion } from "./completion.js";
 import { Crosshair } from "./crosshair.js";
 import { Exports, chooseFile } from "./dialogs.js";
 import { Drawing } from "./drawing.js";
-import { InTurn } from "./in_turn.js";
+import { CommandQueue } from "./command_queue.js";
 import { addInsight } from "./insight.js";
 import { button, byId, el } from "./dom.js";
 import { Editor } from "./editor.js";
@@ -45,7 +45,7 @@ class Studio {
     /** Revision whose change by the drawing is not yet answered. @type {number | null} */
     this.editing = null;
     /** Commands of the keyboard that read text and picture. */
-    this.inTurn = new InTurn((pictured) => this.isAnswered && (!pictured || this.isPictured));
+    this.commands = new CommandQueue((pictured) => this.isAnswered && (!pictured || this.isPictured));
     /** The last message about a still picture. @type {PictureMessage | null} */
     this.described = null;
     /** Text that was typed while there was no connection, and the revision that it changes. @type {{ text: string, revision: number } | null} */
@@ -97,7 +97,7 @@ class Studio {
       },
       onSelect: () => this.properties.show(),
       rename: (name) => void this.properties.rename(name),
-      inTurn: this.inTurn,
+      commands: this.commands,
     });
     this.palette = new Palette(byId("palette"), (name) => this.drawing.choose(name));
     this.properties = new Properties(byId("writing"), this.drawing, () => this.completion);
@@ -124,7 +124,7 @@ class Studio {
     window.addEventListener("pagehide", () => this.editor.flush());
     document.addEventListener("visibilitychange", () => this.editor.flush());
     this.pictures.onShow.push(() => this.pictures.frame?.contentWindow?.addEventListener("keydown", (event) => this.key(event)));
-    this.pictures.onShow.push(() => this.inTurn.proceed());
+    this.pictures.onShow.push(() => this.commands.proceed());
     byId("cancel").addEventListener("click", () => this.request("cancel"));
     const divider = byId("divider"), desk = byId("desk");
     const setWidth = (/** @type {number} */ share) => {
@@ -180,7 +180,7 @@ class Studio {
         if (message.problems) this.showProblems(message.problems);
         if (message.summary !== undefined) this.showSummary(message);
         this.pictures.receive(message);
-        return this.inTurn.proceed();
+        return this.commands.proceed();
       case "files": return chooseFile(message, (choice) => this.request("open", choice));
       case "notice": return this.say(message.text);
       case "failure":
@@ -188,7 +188,7 @@ class Studio {
         this.editing = null;
         this.space.revert();
         this.say(message.text, true);
-        return this.inTurn.proceed();
+        return this.commands.proceed();
       case "conflict": return void this.resolve(message.text, message.path);
       default: this.handlers[/** @type {{ kind: string }} */ (message).kind]?.(message);
     }
@@ -233,7 +233,7 @@ class Studio {
     for (const listener of this.onDocument) listener(file.document);
     this.guide?.check();
     this.working();
-    this.inTurn.proceed();
+    this.commands.proceed();
   }
 
   /** Whether the server has answered all changes of this page. */
@@ -345,7 +345,7 @@ class Studio {
     if (!connected && this.pending) this.unsent ??= { text: this.editor.text, revision: this.file.revision };  // it may not have arrived
     this.pending = 0;
     this.editing = null;
-    this.inTurn.clear();
+    this.commands.clear();
   }
 
   /** @param {Problem[]} problems */

@@ -1,9 +1,9 @@
-// Commands of the keyboard one after another: each reads the text that the former one has changed, and its picture.
+// Queue of the commands of the keyboard: each waits until the change of the one before is answered and its picture is shown.
 
-/** A command; one of them may take the steps of others that follow while it waits.
+/** A command, and whether it reads the picture; a waiting movement adds the steps of those that follow.
  * @typedef {{ act: () => void, pictured: boolean, add?: (step: [number, number]) => void }} Command */
 
-export class InTurn {
+export class CommandQueue {
   /** @param {(pictured: boolean) => boolean} isReady whether the last change is answered, and its picture is shown */
   constructor(isReady) {
     this.isReady = isReady;
@@ -11,10 +11,10 @@ export class InTurn {
     this.waiting = [];
   }
 
-  /** Carry out a command when the former ones are done. @param {() => void} act @param {boolean} pictured whether it reads the picture */
+  /** Execute a command after those before. @param {() => void} act @param {boolean} pictured whether it reads the picture */
   do(act, pictured) { this.push({ act, pictured }); }
 
-  /** Move by a step; steps that wait are made together. @param {(way: [number, number]) => void} move @param {[number, number]} step @param {boolean} pictured */
+  /** Move by a step; waiting steps are executed as one. @param {(way: [number, number]) => void} move @param {[number, number]} step @param {boolean} pictured */
   step(move, step, pictured) {
     const last = this.waiting.at(-1);
     if (last?.add) return last.add(step);
@@ -28,11 +28,11 @@ export class InTurn {
     this.proceed();
   }
 
-  /** Carry out what can be done now. */
+  /** Execute the commands that need not wait. */
   proceed() {
     while (this.waiting.length && this.isReady(this.waiting[0].pictured)) this.waiting.shift()?.act();
   }
 
-  /** Forget what waits: the connection has ended. */
+  /** Remove all commands: the connection has ended. */
   clear() { this.waiting = []; }
 }
