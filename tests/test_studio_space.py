@@ -177,6 +177,22 @@ def test_the_gizmo_moves_and_rotates_a_body(desk: SpaceDesk) -> None:
     assert desk.js("studio.space.poses.moved.size") == 0
 
 
+def test_enter_ends_a_drag_whose_button_stays_pressed(desk: SpaceDesk) -> None:
+    """The picture does not wait for the release of the button."""
+    desk.show(BOXES.replace("0.3, ", "0.35, "))  # a picture without its module
+    desk.show(BOXES)
+    desk.page.keyboard.press("v")
+    desk.click(0.2, 0.3, 0.3)
+    desk.page.mouse.move(*desk.handle("turn", "y", 44))
+    desk.page.mouse.down()
+    for key in "30":
+        desk.page.keyboard.press(key)
+    desk.changed(lambda: desk.page.keyboard.press("Enter"))
+    desk.page.mouse.up()
+    desk.changed(lambda: desk.page.keyboard.press("Control+z"))
+    assert desk.text == BOXES
+
+
 def test_the_tree_selects_hides_and_edits(desk: SpaceDesk) -> None:
     desk.show(BOXES)
     desk.page.click("#tab-model")

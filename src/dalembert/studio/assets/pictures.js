@@ -33,6 +33,7 @@ export class Pictures {
   /** Note the presses of keys and buttons; keys that repeat themselves while they are held come again. @param {Window} view */
   listen(view) {
     for (const kind of ["keydown", "pointerdown"]) view.addEventListener(kind, (event) => { if (!(/** @type {KeyboardEvent} */ (event).repeat)) this.pressed = performance.now(); }, true);
+    view.addEventListener("keydown", ({ key }) => { if (key === "Enter" || key === "Escape") this.held = false; }, true);  // they end a drag
   }
 
   /** Note how long a button is pressed in a picture. @param {Window} view */
