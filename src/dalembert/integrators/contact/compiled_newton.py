@@ -15,6 +15,7 @@ from dalembert.integrators.contact.machine_code import (
     problem_arrays,
 )
 from dalembert.integrators.contact.solution_settings import (
+    FEW_PROXIMAL,
     INTERIOR_POINTS,
     MANY_PROXIMAL,
     NEWTON_STEPS,
@@ -107,7 +108,7 @@ class CompiledNewton:
         work = max(work, sizes[0] * sizes[1] + sizes[1] ** 2)
         counts += [ASSEMBLE, widest, *sizes, max_iterations, MEMORY, JUMPS, work]
         counts += [0] * (PROXIMAL - len(counts)) + [proximal or 0, 0]
-        counts += [INTERIOR_POINTS, POLISHING, SHORT_STEPS]
+        counts += [INTERIOR_POINTS, POLISHING, SHORT_STEPS, FEW_PROXIMAL]
         work += rows + MEMORY + count + 2 + entries
         self._loop = Loop(code, inputs, outputs, counts, work)
 

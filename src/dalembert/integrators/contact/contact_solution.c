@@ -1,5 +1,5 @@
-/* Impulses of the contacts of free bodies: Newton's method, then interior points, then proximal
-   problems */
+/* Impulses of the contacts of free bodies: Newton's method, then few proximal problems, then interior
+   points, then many proximal problems */
 /* mobility and weights of the residual, with additions to the diagonal */
 static void casadi_mobilities(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
   const casadi_real* directions = arg[0];
@@ -104,24 +104,25 @@ static casadi_real casadi_centered(const casadi_real** arg, casadi_real** res, c
   res[11][1] = least;
   return least;
 }
-/* proximal problems from the impulses in res[0], at most iw[24]; their number, and the residual in
-   status[1]. The best impulses are in res[0] */
+/* proximal problems from the impulses in res[0], at most a number of them, or until the first one
+   that Newton's method does not solve; their number, and the residual in status[1]. The best impulses
+   are in res[0] */
 static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, casadi_int* iw,
-    casadi_real* w, casadi_real allowed) {
+    casadi_real* w, casadi_real allowed, casadi_int most, casadi_int until_unsolved) {
   casadi_real* velocity = (casadi_real*) arg[2];
   casadi_real* shift = (casadi_real*) arg[7];
   casadi_real* impulse = res[0];
   casadi_real* original = res[34];
   casadi_real* center = original + iw[0]*iw[1];
   casadi_real* best = center + iw[0]*iw[1];
-  casadi_int rows = iw[0]*iw[1], rounds = 0, r, solved;
+  casadi_int rows = iw[0]*iw[1], rounds = 0, r, solved = 1;
   casadi_real weight = arg[37][0], residual = res[11][1], least = residual, tolerance, limit;
   for (r=0; r<rows; ++r) {
     original[r] = velocity[r];
     center[r] = impulse[r];
     best[r] = impulse[r];
   }
-  while (least>allowed && rounds<iw[24] && residual<1e300) {
+  while (least>allowed && rounds<most && residual<1e300 && (solved || !until_unsolved)) {
     for (r=0; r<rows; ++r) {
       shift[r] = weight*arg[5][r];
       velocity[r] = original[r] - shift[r]*center[r];
@@ -162,9 +163,13 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
 static casadi_int casadi_solution(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real tolerance, casadi_real scale) {
   casadi_real allowed = tolerance*casadi_size(arg, iw, res[0], scale);
+  casadi_int rounds;
   if (casadi_newton(arg, res, iw, w, arg[37][16]*allowed)<=allowed) return 0;
   allowed = tolerance*casadi_size(arg, iw, res[0], scale);
-  if (casadi_centered(arg, res, iw, w, allowed, scale)<=allowed) return 0;
+  rounds = casadi_proximal(arg, res, iw, w, allowed, iw[29]<iw[24] ? iw[29] : iw[24], 1);
+  if (res[11][1]<=allowed) return rounds;
   allowed = tolerance*casadi_size(arg, iw, res[0], scale);
-  return casadi_proximal(arg, res, iw, w, allowed);
+  if (casadi_centered(arg, res, iw, w, allowed, scale)<=allowed) return rounds;
+  allowed = tolerance*casadi_size(arg, iw, res[0], scale);
+  return rounds + casadi_proximal(arg, res, iw, w, allowed, iw[24], 0);
 }

@@ -20,14 +20,15 @@ class ContactSolver:
     """Semismooth Newton method (Alart & Curnier 1991), started from the previous impulses.
 
     Accelerated Gauss–Seidel sweeps precede it and alternate with it, for many contacts of free
-    bodies only where it and a few proximal problems fail. Steps of free bodies in machine code go
-    on with interior points of the friction cones where it stagnates (Acary, Armand, Nguyen &
-    Shpakovych 2024).
+    bodies only where it and a few proximal problems fail. If these stagnate, too, the proximal
+    point method follows: it solves a sequence of problems with ``H + α D`` and ``b − α D P``, ``D``
+    the diagonal of ``H``, whose solution is the next ``P``. These problems are definite, so that
+    Newton's method converges, and their limit solves the original problem (Acary, Brémond & Huber
+    2018).
 
-    If these stagnate, too, the proximal point method follows: it solves a sequence of problems with
-    ``H + α D`` and ``b − α D P``, ``D`` the diagonal of ``H``, whose solution is the next ``P``.
-    These problems are definite, so that Newton's method converges, and their limit solves the
-    original problem (Acary, Brémond & Huber 2018).
+    In machine code, the first proximal problems follow Newton's method at once, which suits boxes
+    with more contacts than unknown speeds; interior points of the friction cones follow the first
+    one that Newton's method does not solve (Acary, Armand, Nguyen & Shpakovych 2024).
 
     Parameters
     ----------

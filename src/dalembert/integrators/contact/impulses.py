@@ -12,6 +12,7 @@ from dalembert.integrators.contact.delassus import Delassus
 from dalembert.integrators.contact.semismooth_newton import MAX_ITERATIONS, semismooth_newton
 from dalembert.integrators.contact.solution_settings import (
     DECREASE,
+    FEW_PROXIMAL,
     INCREASE,
     NEWTON_SHARE,
     RESIDUAL_SHARE,
@@ -28,8 +29,6 @@ which without friction is not limited further."""
 BLOCK_ALTERNATIONS, BLOCK_ITERATIONS, BLOCK_SWEEPS = 6, 30, 60
 """The same where Newton's method factorises the blocks of free bodies, and precedes the sweeps; and
 the upper limit of these."""
-FEW_PROXIMAL = 12
-"""Upper limit of the proximal problems that precede sweeps there."""
 SWEEP_SHARE = 0.1
 """Tolerance of sweeps relative to that of the problem [-]."""
 PROGRESS, PATIENCE = 0.9, 40
@@ -102,7 +101,7 @@ def solved_impulses(
 
 
 def _by_blocks(problem: FrictionProblem, impulses: np.ndarray, *limits: float | int) -> Impulses:
-    """Impulses of free bodies: Newton's method, interior points and proximal problems in machine
+    """Impulses of free bodies: Newton's method, proximal problems and interior points in machine
     code, otherwise Newton's method and few proximal problems."""
     share, acceptable, max_iterations = limits
     solution = compiled_solution(problem, impulses, share, int(max_iterations))

@@ -1,5 +1,5 @@
 """Settings of the machine code that solves contact problems of free bodies: Newton's method,
-interior points, and proximal problems."""
+proximal problems, and interior points."""
 
 from __future__ import annotations
 
@@ -14,13 +14,14 @@ SOLUTION_FILES = (
 NEWTON_SHARE = 0.1
 """Tolerance of Newton's method relative to that of the problem; its last step reduces the residual
 by far more [-]."""
-WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN = 1e-3, 4.0, 0.3, 1.0, 1e-11
+WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN = 1e-3, 4.0, 0.1, 1.0, 1e-11
 """Proximal weight: initial value, factors after failure and success, upper and lower limit [-]."""
-RESIDUAL_SHARE, TOLERANCE_SHARE = 0.01, 0.3
+RESIDUAL_SHARE, TOLERANCE_SHARE = 0.1, 0.3
 """Tolerance of a proximal problem relative to the residual and to the tolerance of the original
 problem; the larger one counts [-]."""
-MANY_PROXIMAL = 100
-"""Upper limit of the proximal problems in machine code."""
+FEW_PROXIMAL, MANY_PROXIMAL = 8, 100
+"""Upper limits of the proximal problems before interior points or sweeps, and after interior
+points."""
 NEWTON_STEPS, INTERIOR_POINTS, POLISHING, SHORT_STEPS = 15, 45, 6, 5
 """Upper limits of Newton's steps, of interior points, of Newton's steps from one of these, and of
 consecutive short steps of interior points."""

@@ -29,6 +29,7 @@ from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.integrators.contact.machine_code import Loop, machine_code
 from dalembert.integrators.contact.schemes import CLOSING, ROUNDING
 from dalembert.integrators.contact.solution_settings import (
+    FEW_PROXIMAL,
     INTERIOR_POINTS,
     MANY_PROXIMAL,
     NEWTON_STEPS,
@@ -55,7 +56,7 @@ GROWTH = 1.5
 WIDTH, GROUPS, SPEEDS, ENTRIES, UNKNOWNS, OUTCOME, WIDEST, BLOCKS, SIZE = range(1, 10)
 ITERATIONS, MERITS, JUMPING, WORK, SHAPES, BALLS, BODIES, PAIRS, DIMENSION = range(10, 19)
 CONTACTS, STEPS, PRESSING, RECORDED, INERTIA, PROXIMAL, REPEATS = range(19, 26)
-CENTRAL, POLISH, STALLED, LAST = range(26, 30)
+CENTRAL, POLISH, STALLED, FEW, LAST = range(26, 31)
 """Places among the counts of the loop, and their number."""
 LAST_IMPULSES, NUMBERED, SLOTS, HULLS = 0, 2, 4, 5
 """Places among the sizes of the shapes."""
@@ -142,6 +143,7 @@ class FreeBodySteps(PathContacts):
             CENTRAL: INTERIOR_POINTS,
             POLISH: POLISHING,
             STALLED: SHORT_STEPS,
+            FEW: FEW_PROXIMAL,
         }
         fixed = WIDTH, GROUPS, SIZE, DIMENSION
         constants = tuple((place, int(counts[place])) for place in fixed)
