@@ -14,7 +14,7 @@ SOLUTION_FILES = (
 NEWTON_SHARE = 0.1
 """Tolerance of Newton's method relative to that of the problem; its last step reduces the residual
 by far more [-]."""
-WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN = 1e-3, 4.0, 0.1, 1.0, 1e-11
+WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN = 1e-3, 4.0, 0.3, 1.0, 1e-11
 """Proximal weight: initial value, factors after failure and success, upper and lower limit [-]."""
 RESIDUAL_SHARE, TOLERANCE_SHARE = 0.1, 0.3
 """Tolerance of a proximal problem relative to the residual and to the tolerance of the original
