@@ -14,11 +14,11 @@ contact = planar.contact
 SCHEMES = [da.AnticipatedImpacts(), da.MoreauJean()]
 
 
-def ball(height: float, restitution: float = 0.8) -> da.Model:
+def ball(height: float, restitution: float = 0.8, **law) -> da.Model:
     system = da.System("ball", gravity=(0, -10))
     body = system.add(planar.Body("ball", mass=1.0, inertia=0.004, position=(0, height)))
     shapes = [contact.Circle(body, 0.1), contact.HalfPlane(system.ground)]
-    system.add(planar.Collisions("floor", shapes, restitution=restitution))
+    system.add(planar.Collisions("floor", shapes, restitution=restitution, **law))
     return system.build()
 
 
@@ -36,11 +36,15 @@ def test_a_step_as_long_as_the_fall_is_warned_about(scheme):
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
-@pytest.mark.parametrize(("height", "restitution"), [(7.6e-3, 0.6), (17.8e-3, 0.3)])
-def test_rebounds_with_a_wrong_energy_are_warned_about(scheme, height, restitution):
+@pytest.mark.parametrize(
+    ("height", "restitution", "law"),
+    [(7.6e-3, 0.6, "newton"), (17.8e-3, 0.3, "newton"), (7.6e-3, 0.6, "poisson")],
+)
+def test_rebounds_with_a_wrong_energy_are_warned_about(scheme, height, restitution, law):
     """Of falls of 4 and 6 steps remain (1 − e²) m g of the gap at the start of the step."""
     step = 0.01
-    motion = da.solve_nonsmooth(ball(0.1 + height, restitution), 0.1, step=step, integrator=scheme)
+    model = ball(0.1 + height, restitution, impact_law=law)
+    motion = da.solve_nonsmooth(model, 0.1, step=step, integrator=scheme)
     (warning,) = motion.warnings
     k = int(motion.record.step[0])
     y, v = motion.record.ends.y[1, k + 1] - 0.1, motion.record.ends.v[1, k + 1]
@@ -49,10 +53,29 @@ def test_rebounds_with_a_wrong_energy_are_warned_about(scheme, height, restituti
     text = f"the energy after an impact of floor at t = {motion.record.t[k]:.9g} s differs by "
     assert warning.startswith(f"{text}{error:.3g} J from that by its restitution")
     shorter = float(re.search("use step=([^ ]*) or shorter", warning).group(1))
-    fine = da.solve_nonsmooth(
-        ball(0.1 + height, restitution), 0.1, step=shorter / 2, integrator=scheme
-    )
+    fine = da.solve_nonsmooth(model, 0.1, step=shorter / 2, integrator=scheme)
     assert not fine.warnings
+
+
+def test_corrections_that_lift_a_body_are_warned_about():
+    """A box that a force tips over its corner turns too slowly where it is lifted in every step."""
+    system = da.System("tipped", gravity=(0, -9.81))
+    body = planar.Body("box", mass=2.0, inertia=2 * 0.2 / 12, position=(0, 0.2))
+    system.add(body)
+    system.add(planar.Force("push", body.point(-0.1, 0.2), (1.1 * 2 * 9.81 * 0.1 / 0.4, 0)))
+    shapes = [contact.Rectangle(body, (0.2, 0.4)), contact.HalfPlane(system.ground)]
+    system.add(planar.Collisions("floor", shapes, friction=0.9))
+    model = system.build()
+    lifted, exact = (
+        da.solve_nonsmooth(model, 0.6, step=5e-3, integrator=scheme)
+        for scheme in (da.MoreauJean(), da.AnticipatedImpacts())
+    )
+    assert abs(lifted["box.angle"][-1] / exact["box.angle"][-1] - 1).item() > 0.1
+    work = lifted.statistics["work of corrections of positions [J]"]
+    (warning,) = lifted.warnings
+    assert warning.startswith(f"corrections of positions, which lift bodies, did {work:.3g} J")
+    assert warning.endswith("use a shorter step, or integrator=AnticipatedImpacts()")
+    assert not exact.warnings
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)

@@ -4,7 +4,8 @@ A body with the normal speed ``s`` and the gap ``g`` at the start of a step, acc
 hits at ``√(s² + 2 a g)``, and rebounds with the share ``e²`` of this energy. A scheme returns
 ``e s`` while the gap is open, so that ``(1 − e²) a g`` remain. ``AnticipatedImpacts`` counts slow
 contacts as resting, and ``MoreauJean`` returns ``e s``, which is nothing for a body that begins to
-fall: it then stands in front of the gap.
+fall: it then stands in front of the gap. Impulses of Poisson's and the energetic law do not state
+the speed after an impact: its share of the speed before it is that of the run.
 """
 
 from __future__ import annotations
@@ -130,9 +131,11 @@ def _rebounds(step: ContactStep, record: ContactRecord, k: int) -> Rebounds | No
     missing = np.where(rebounds, 0.0, masses * rebound**2 / 2)
     end = step.selected(step.at(t + h, record.ends.y[:, k + 1]), contacts.key)
     height = np.maximum(acceleration, 0.0) * np.maximum(end.distance, 0.0)
-    error = masses * np.abs(after**2 / 2 + height - rebound**2 / 2)
-    exact = rebounds & (after > 0) & contacts.laws.follows(ImpactLaw.NEWTON)
-    error = np.where(exact, error, 0.0)
+    share = np.divide(after, start, out=np.zeros_like(after), where=start > 0)
+    newton = contacts.laws.follows(ImpactLaw.NEWTON)
+    exact = np.where(newton, rebound, share * speed)
+    error = masses * np.abs(after**2 / 2 + height - exact**2 / 2)
+    error = np.where(rebounds & (after > 0), error, 0.0)
     worst, other = int(np.argmax(missing)), int(np.argmax(error))
     of = speed[worst], contacts.laws.restitution[worst], max(acceleration[worst], 1e-300)
     owners = int(contacts.owner[worst]), int(contacts.owner[other])

@@ -25,6 +25,7 @@ from dalembert.analysis.nonsmooth.correction import (
 )
 from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.lifted_bodies import lifting_warnings
 from dalembert.analysis.nonsmooth.missing_rebounds import rebound_warnings
 from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
 from dalembert.analysis.nonsmooth.step_log import StepLog
@@ -279,6 +280,10 @@ class ContactCheck(ResidualCheck):
     def warnings(self) -> list[str]:
         """Warnings about a run that counts as completed."""
         warnings = self.energy.warnings(self.balance)
+        balanced = self.energy.objection(self.balance, "") is None
+        if balanced and self.starts_open and not warnings:
+            energies = self.correction_work, self.energy.moved
+            warnings = lifting_warnings(*energies, self.step.scheme)
         if DRIFT_WARNING < self.deepest.share <= self.limit:
             warnings.append(
                 f"{self.deepest.text}: positions are not corrected{self.cure(self.limit)}, "
