@@ -266,6 +266,25 @@ def test_interior_points_solve_what_newtons_method_does_not(scene, monkeypatch):
         assert ours == pytest.approx(theirs, abs=tolerance * np.abs(theirs).max())
 
 
+@pytest.mark.parametrize("step", [1e-2, 2e-3])
+def test_a_capsule_rolls_without_slip_though_steps_are_repeated(step):
+    """Its two contacts close within rounding, at turns of up to 0.2 rad per step."""
+    angle, radius, duration = np.radians(20), 0.05, 0.6
+    gravity = (9.81 * np.sin(angle), 0.0, -9.81 * np.cos(angle))
+    system = da.System("incline", gravity=gravity)
+    inertia = (0.01, radius**2 / 2, 0.01)
+    body = spatial.Body("b", mass=1.0, inertia=inertia, position=(0, 0, radius))
+    system.add(body)
+    ends = body.point(0, -0.15, 0), body.point(0, 0.15, 0)
+    floor = spatial.contact.HalfSpace(system.ground.frame())
+    shapes = [spatial.contact.Capsule(*ends, radius), floor]
+    system.add(spatial.Collisions("floor", shapes, friction=0.5))
+    motion = da.solve_nonsmooth(system.build(), duration, step=step)
+    speed = motion.values("b.vx")
+    assert speed == pytest.approx(gravity[0] / 1.5 * motion.time, abs=1e-9)
+    assert motion.values("b.angular_velocity")[:, 1] * radius == pytest.approx(speed, abs=1e-9)
+
+
 def turning_wall() -> da.Model:
     """Discs that fall on a spinning body with a flat side, whose gaps are not convex."""
     system = da.System("wheel", gravity=(0, -9.81))

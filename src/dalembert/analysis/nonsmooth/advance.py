@@ -11,6 +11,7 @@ from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.paths import bent_gaps, path_means
 from dalembert.analysis.nonsmooth.step_state import LastImpulses, StepResult, StepStart
 from dalembert.integrators.contact.contacts import Contacts
+from dalembert.integrators.contact.schemes import ROUNDING
 
 AHEAD = 2.0
 """Search distance for gaps in motions of a step; those beyond it are added where they close."""
@@ -20,10 +21,10 @@ PATHS = 4
 """Upper limit of the repetitions with means over the path for compliant contacts."""
 SETTLED = 0.5
 """Ratio of penetrations of consecutive repetitions above which these reduce it no further [-]."""
+SMALL = 100.0
+"""Penetration by inexact impulses that remains, relative to the one that counts as rounding [-]."""
 INEXACT = 10.0
 """Upper limit of errors of relative velocities by the tolerance of the impulses [-]."""
-GAIN = 1e-10
-"""Work of contacts that counts as rounding, relative to that of their impulses alone [-]."""
 
 
 def advance(
@@ -94,9 +95,7 @@ def _closed(
             break
         contacts = Contacts.joined([contacts, added])
         again = step.solved(step.struck(start, contacts), contacts, result.last)
-        push = again.impulses.impulses.ravel()
-        exchanged = float(push @ (again.contacts.directions @ (again.v - start.free)))
-        gains = again.loss < min(result.loss, -GAIN * exchanged)
+        gains = again.loss < min(result.loss, -_inexact_work(start, again))
         if gains or not again.impulses.accepted:
             break
         result = again
@@ -131,7 +130,7 @@ def _opened(
             continue
         at_end = step.at(end, result.y)
         last, depth = depth, -step.deepest(at_end)
-        if depth <= step.rounding or is_settled(depth, last, inexact):
+        if is_settled(depth, last, step.rounding, inexact):
             break
         added = _added(step, start, at_end, contacts)
         if start.begins and depth >= last and not added.count:
@@ -148,15 +147,31 @@ def _opened(
     return result
 
 
+def _inexact_work(start: StepStart, result: StepResult) -> float:
+    """Work of contacts that may result from rounding and from the residual of their impulses."""
+    push = result.impulses.impulses
+    exchanged = float(push.ravel() @ (result.contacts.directions @ (result.v - start.free)))
+    return ROUNDING * exchanged + result.impulses.residual * float(np.abs(push).sum())
+
+
 def inexact_depth(step: ContactStep, h: float, fastest: float) -> float:
     """Penetration at the end of a step by impulses within the tolerance, whose relative velocities
     are up to ``fastest`` [m]."""
     return max(step.rounding, INEXACT * step.solver.newton_tolerance * h * fastest)
 
 
-def is_settled(depth: float, last: float, inexact: float) -> bool:
-    """Whether another repetition would not reduce a penetration after one of ``last``."""
-    return SETTLED * last < depth <= inexact
+def is_settled(depth: float, last: float, rounding: float, inexact: float) -> bool:
+    """Whether a penetration after one of ``last`` is that of inexact impulses and either small or
+    not reduced by another repetition.
+
+    A rolling body would slip if the conditions of its contacts changed between those of the start
+    and their means over the path from step to step.
+    """
+    return (
+        depth <= rounding
+        or (depth <= inexact and depth <= SMALL * rounding)
+        or (SETTLED * last < depth <= inexact)
+    )
 
 
 def _added(step: ContactStep, start: StepStart, end: Configuration, contacts: Contacts) -> Contacts:

@@ -26,8 +26,9 @@ def mean_gaps(
     """The same gaps along ``y ⊕ s δ``, ``0 ≤ s ≤ 1``: means of their velocities, and the distance
     ``g(y ⊕ δ) − W̄ δ − h w̄``, so that the gap at the end of the step is linear in ``δ``.
 
-    ``W̄ δ + h w̄`` is the change of the gap but for ``O(h⁷)``. An impulse therefore
-    does the work that closes the gap, on curved paths too (discrete gradient: Gonzalez 1996).
+    Along the normals, ``W̄ δ + h w̄`` is the change of the gap but for ``O(h⁷)``. An impulse
+    therefore does the work that closes the gap, on curved paths too (discrete gradient: Gonzalez
+    1996).
 
     Parameters
     ----------
@@ -44,16 +45,24 @@ def mean_gaps(
     directions = []
     for (s, weight), gaps in zip(LOBATTO.items(), parts, strict=True):
         shares = manifold.path_shares(displacement, s)
-        directions.append(_scaled(gaps.directions, weight * shares))
+        directions.append(weight * _scaled_normals(gaps, shares))
     drift = np.tensordot(list(LOBATTO.values()), [gaps.drift for gaps in parts], axes=1)
     mean = replace(parts[0], directions=sum(directions[1:], directions[0]), drift=drift)
     change = h * mean.speeds(displacement / h)[:, 0]
     return replace(mean, distance=parts[-1].distance - change)
 
 
-def _scaled(directions: Matrix, factors: np.ndarray) -> Matrix:
-    """Directions whose columns are multiplied by factors."""
-    if isinstance(directions, np.ndarray):
-        return directions * factors
-    scaled: Matrix = scipy.sparse.csr_array(directions @ scipy.sparse.diags_array(factors))
+def _scaled_normals(gaps: Contacts, factors: np.ndarray) -> Matrix:
+    """Directions whose columns are multiplied by factors in the rows along the normals.
+
+    Those along tangents remain, so that a body that rolls without slip satisfies their mean and
+    their values at the start alike.
+    """
+    normal = np.arange(gaps.directions.shape[0]) % gaps.drift.shape[1] == 0
+    if isinstance(gaps.directions, np.ndarray):
+        return np.where(normal[:, None], gaps.directions * factors, gaps.directions)
+    rows = scipy.sparse.csr_array(gaps.directions)
+    scaled = rows.copy()
+    own = np.repeat(normal, np.diff(rows.indptr))
+    scaled.data = np.where(own, rows.data * factors[rows.indices], rows.data)
     return scaled

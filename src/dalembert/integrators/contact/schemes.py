@@ -143,7 +143,8 @@ class AnticipatedImpacts(ContactScheme):
 
     in place of ``W``, ``g`` and ``w``, until ``g(y⁺) ≥ 0``: the converged step satisfies the
     condition for the gap itself, and impulses along ``W̄`` do the work ``P_N (g(y⁺) − g)/h``, which
-    is not positive (discrete gradient: Gonzalez 1996). An impact needs
+    is not positive (discrete gradient: Gonzalez 1996). Along tangents, ``W̄`` is the mean of ``W``
+    alone, by which a body that rolls without slip does so in both kinds of steps. An impact needs
     part of the gap for the half step before it, so it is applied one step early, while the gap is
     large enough: ``u_N⁺ ≥ max(−e u_N⁻, s)``. A contact whose speed after the fall over the gap is
     within 1.9 times the change of speed by forces in a step comes to rest: it closes its gap

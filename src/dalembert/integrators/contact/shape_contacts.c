@@ -335,7 +335,7 @@ static void casadi_path(const casadi_real** arg, casadi_real** res, const casadi
   casadi_real* mean = (casadi_real*) arg[55];
   casadi_real* gaps = (casadi_real*) arg[56];
   casadi_int k, a, c, width = iw[1], widest = 2*iw[9];
-  casadi_real direction[9], point[3];
+  casadi_real direction[9], point[3], share;
   casadi_all_axes(arg, iw);
   ((int*) arg[9])[0] = 0;
   for (k=0; k<sizes[7]; ++k) {
@@ -345,7 +345,8 @@ static void casadi_path(const casadi_real** arg, casadi_real** res, const casadi
     casadi_direction_rows(arg, iw, 0, contact[1], contact[3], direction, point, gaps[k]);
     for (a=0; a<width; ++a) {
       for (c=row[a]; c<row[a+1]; ++c) {
-        mean[(k*width+a)*widest+c-row[a]] += arg[36][4]*arg[52][column[c]]*arg[0][c];
+        share = a==0 ? arg[52][column[c]] : 1.0;
+        mean[(k*width+a)*widest+c-row[a]] += arg[36][4]*share*arg[0][c];
       }
     }
   }

@@ -3,8 +3,8 @@
     u = W̄ v + w̄,      W̄ = Σ β W(y ⊕ s δ) R,      ḡ = g(y ⊕ δ) − W̄ δ − h w̄
 
 as functions of ``q = (y, v, t, p)`` and of the speeds ``v_δ`` at the end of the path ``δ = h (θ
-v_δ + (1−θ) v)``; ``R`` are the shares of the displacement per ``s`` in ``δ``, ``β`` the weights of
-means.
+v_δ + (1−θ) v)``; ``R`` are the shares of the displacement per ``s`` in ``δ``, and ones in the rows
+along tangents, ``β`` the weights of means.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ def path_gaps(
 
 @dataclass(frozen=True, eq=False)
 class _Point:
-    """Gaps at one point of a path, with speeds multiplied by the shares there.
+    """Gaps at one point of a path, with speeds multiplied by the shares there along the normals.
 
     Attributes
     ----------
@@ -116,12 +116,43 @@ class _Point:
 
 
 def _point(source: SourceSlopes, state: StepState, path: Path, s: float, own: Any) -> _Point:
-    """Gaps at ``y ⊕ s δ``; ``own`` are the last arguments of ``SourceSlopes.at``."""
+    """Gaps at ``y ⊕ s δ``; ``own`` are the last arguments of ``SourceSlopes.at``.
+
+    The shares multiply the rows along the normals only.
+    """
+    rows, keys, impulses, laws = own
+    normal = np.zeros(impulses.shape, dtype=bool)
+    normal[:, 0] = True
+    parts = [
+        _part(source, state, path, s, (rows, keys, np.where(own_rows, impulses, 0.0), laws), scaled)
+        for own_rows, scaled in ((normal, True), (~normal, False))
+    ]
+    along, across = parts
+    select = [scipy.sparse.diags_array(part.ravel().astype(float)) for part in (normal, ~normal)]
+    slopes = {
+        name: select[0] @ along.slopes[name] + select[1] @ across.slopes[name]
+        for name in ("before", "after", "ending", "across")
+    }
+    slopes["momentum"] = along.slopes["momentum"] + across.slopes["momentum"]
+    slopes["distance"], slopes["laws"] = along.slopes["distance"], along.slopes["laws"]
+    speeds = (
+        np.where(normal, getattr(along, name), getattr(across, name))
+        for name in ("before", "after", "ending")
+    )
+    return _Point(along.distance, along.laws, *speeds, slopes)
+
+
+def _part(
+    source: SourceSlopes, state: StepState, path: Path, s: float, own: Any, scaled: bool
+) -> _Point:
+    """Gaps at ``y ⊕ s δ`` with the shares ``R``, or with ones in their place."""
     h, v = path.h, state.before
     part, share = path.shares
     delta = part * v + share * path.speeds
     y, (y_by_y, y_by_delta) = path.points.position(state.y, delta, s)
     shares, (by_y, by_delta) = path.points.shares(state.y, delta, s)
+    if not scaled:
+        shares, by_y, by_delta = np.ones_like(shares), 0 * by_y, 0 * by_delta
     (n_y, n), rest = (y.size, v.size), 1 + state.p.size
     turns = _columns(by_y, by_delta, path.shares, rest)
     width = turns.shape[1]

@@ -128,8 +128,8 @@ class FreeBodyMarch:
         return k, self._last
 
     def _settled(self, k: int) -> bool:
-        """Whether repetitions of the step that ended at instant ``k`` do not open its gaps further
-        than its impulses are exact; the next step then starts with these."""
+        """Whether the step that ended at instant ``k`` is not repeated for its gaps, which are as
+        open as its impulses are exact; the next step then starts with these."""
         steps, gaps = self._steps, self._steps.contacts()[2]
         inexact = inexact_depth(self._step, float(steps.limits[0]), steps.fastest())
         if not self._repeats.settles(k, -float(gaps.min(initial=0.0)), inexact):

@@ -41,9 +41,9 @@ class PathRepeats:
         self._depth = np.inf
 
     def settles(self, step: int, depth: float, inexact: float) -> bool:
-        """Whether another repetition would not reduce a penetration at the end of a step."""
+        """Whether the step is not repeated for a penetration at its end."""
         last, self._depth = self._depth if step == self.step else np.inf, depth
-        return is_settled(depth, last, inexact)
+        return is_settled(depth, last, self._rounding, inexact)
 
     def begin(self, step: int) -> None:
         """Begin with a step, unless it is the one of the last repetition."""
