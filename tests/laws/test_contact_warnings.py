@@ -55,6 +55,7 @@ def test_rebounds_with_a_wrong_energy_are_warned_about(scheme, height, restituti
     assert not fine.warnings
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 def test_bounces_that_die_out_and_bodies_without_rebound_are_not(scheme, restitution):
