@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from thorough import sampled
 
 import dalembert as da
 from dalembert import planar, spatial
@@ -40,12 +39,11 @@ def wound(elements: int) -> da.Model:
     return system.build()
 
 
-@pytest.mark.parametrize("meshes", sampled([((10, 20),), ((10, 40),)], 2))
-def test_a_belt_follows_the_capstan_equation(meshes):
+def test_a_belt_follows_the_capstan_equation():
     """``e^(μ φ R/(R + r))``: friction acts at the surface, tension in the middle of the belt."""
     exact = LOAD * math.exp(FRICTION * math.pi * DRUM / (DRUM + HALF))
     errors = []
-    for elements in meshes:
+    for elements in (10, 40):
         motion = da.solve_nonsmooth(wound(elements), 0.12, step=1e-3)
         assert motion.status.success
         assert motion.data["penetration"].max() < 1e-11
