@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 
 import numpy as np
@@ -14,6 +15,7 @@ contact = planar.contact
 SCHEMES = [da.AnticipatedImpacts(), da.MoreauJean()]
 
 
+@functools.cache
 def ball(height: float, restitution: float = 0.8) -> da.Model:
     system = da.System("ball", gravity=(0, -10))
     body = system.add(planar.Body("ball", mass=1.0, inertia=0.004, position=(0, height)))
