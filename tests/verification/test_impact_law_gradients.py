@@ -8,6 +8,8 @@ equations of Darboux (1880) and Keller (1986).
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -91,13 +93,18 @@ def test_no_restitution_of_the_energetic_law_is_noted(scheme):
     assert "missing" not in notes["energetic", 1e-6] + notes["poisson", 0.0]
 
 
-def bounced(law: str, step: float, scheme, end: float) -> da.Motion:
+@functools.cache
+def bouncing(law: str) -> da.Model:
     system = da.System("ball", gravity=(0.0, -10.0))
     height, e = system.parameter("height", 0.8, "m"), system.parameter("e", 0.7)
     ball = system.add(planar.Particle("ball", mass=1.0, position=(0.0, height)))
     shapes = [planar.contact.Vertex(ball.center), planar.contact.HalfPlane(system.ground.center)]
     system.add(planar.Collisions("floor", shapes, restitution=e, impact_law=law))
-    motion = da.solve_nonsmooth(system.build(), end, step=step, integrator=scheme)
+    return system.build()
+
+
+def bounced(law: str, step: float, scheme, end: float) -> da.Motion:
+    motion = da.solve_nonsmooth(bouncing(law), end, step=step, integrator=scheme)
     assert motion.status.success
     return motion
 
