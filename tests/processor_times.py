@@ -48,6 +48,8 @@ class ProcessorTimes:
     """Plugin that measures tests, in workers too, and lists the files at the end."""
 
     def __init__(self, path: Path | None):
+        if path and path.suffix == ".py":
+            raise pytest.UsageError(f"times would replace {path}; write --processor-times=FILE")
         self.path = path
         self.tests: dict[str, float] = defaultdict(float)
         self.start = 0.0

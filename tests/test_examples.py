@@ -73,7 +73,7 @@ def test_file_and_script_are_the_same_structure(name: str) -> None:
 
 @pytest.mark.parametrize(
     ("name", "each"),
-    [(name, 3) for name in (*SMOOTH, *STRUCTURES)]
+    [(name, 5) for name in (*SMOOTH, *STRUCTURES)]
     + [pytest.param(name, 1, marks=pytest.mark.thorough) for name in (*SMOOTH, *STRUCTURES)],
 )
 def test_gradients_agree(name: str, each: int) -> None:

@@ -134,7 +134,7 @@ def direct(chain):
     return system.build()
 
 
-@settings(deadline=None, max_examples=15)
+@settings(deadline=None, max_examples=8)
 @given(chains)
 def test_random_trees_equal_direct_models(tmp_path_factory, chain):
     model = imported(tmp_path_factory.mktemp("tree"), urdf_of(chain)).build()

@@ -33,6 +33,7 @@ def motion():
     return da.Dynamics(duration=0.01, step=1e-4, outputs=21).run(structure.build())
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("name", list(BUILDERS))
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_every_kind_is_drawn(show, name: str, scheme: str) -> None:
@@ -349,6 +350,7 @@ BESIDE_PANELS = """(() => {
 })()"""
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("viewport", [(1440, 900), (390, 844)])
 @pytest.mark.parametrize("name", list(BUILDERS))
 def test_values_of_loads_are_beside_the_legend_and_the_buttons(show, name: str, viewport) -> None:

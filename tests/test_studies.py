@@ -302,6 +302,6 @@ def killed_study(folder: Path, count: int, kills: int, rng: random.Random) -> in
 def test_killed_at_random_times(tmp_path):
     pytest.importorskip("pyarrow")
     design = da.DesignTable.sobol(RANGES, 60, rng=0)
-    assert killed_study(tmp_path / "killed", 60, 3, random.Random(1)) >= 2
+    assert killed_study(tmp_path / "killed", 60, 2, random.Random(1)) >= 1
     study(design, folder=tmp_path / "whole")
     assert table_of(tmp_path / "killed").equals(table_of(tmp_path / "whole"))

@@ -53,11 +53,17 @@ class Repeated:
             self.before = result
         return np.concatenate([position.x, speeds])
 
-    def errors(self, k: int, rng: np.random.Generator) -> tuple[float, float]:
+    def direction(self, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Random changes of positions, speeds and parameters."""
+        p = self.steps.p
+        way, speeds = rng.normal(size=(2, self.steps.x.shape[0] - self.size))
+        return way, speeds, rng.normal(size=p.size) * np.maximum(np.abs(p), 0.1)
+
+    def errors(
+        self, k: int, way: np.ndarray, speeds: np.ndarray, change: np.ndarray
+    ) -> tuple[float, float]:
         """Relative error of the derivative of a step in a direction, and second difference."""
         x, p = self.steps.x[:, k], self.steps.p
-        way, speeds = rng.normal(size=(2, x.size - self.size))
-        change = rng.normal(size=p.size) * np.maximum(np.abs(p), 0.1)
         ends = []
         for s in (EPSILON, 0.0, -EPSILON):
             moved = self.manifold.go(x[: self.size], s * way)
@@ -72,22 +78,36 @@ class Repeated:
         return np.abs(exact - first).max() / scale, np.abs(second).max() / scale
 
 
-@pytest.mark.product
-@pytest.mark.parametrize("scheme", SCHEMES)
-@pytest.mark.parametrize("name", CONTACT_MODELS)
-def test_derivative_of_a_step_is_that_of_its_differences(name, scheme):
+def check_steps(name: str, scheme: str, each: int) -> None:
+    """Differences of one in ``each`` steps, and of all in which contacts close or open."""
     case = CONTACT_MODELS[name]
     solver = da.ContactSolver(tolerance=1e-13)
     options = {"step": case.step, "integrator": SCHEMES[scheme], "solver": solver}
     motion = da.solve_nonsmooth(case.build(), case.duration, **options)
     assert motion.status.success
-    repeated, rng, smooth = Repeated(motion), np.random.default_rng(5), 0
+    repeated, rng, smooth, before = Repeated(motion), np.random.default_rng(5), 0, 0
     for k in range(repeated.steps.count):
         pressing = repeated.steps.active(k).keys.size
-        if pressing:
-            error, kink = repeated.errors(k, rng)
+        direction = repeated.direction(rng) if pressing else ()
+        if pressing and (k % each == 0 or pressing != before):
+            error, kink = repeated.errors(k, *direction)
             smooth += kink < KINK
             one_sided = abs(error - kink / 2) < 1e-3 * kink
             assert error < 1e-6 or kink > KINK or one_sided, f"step {k}"
+        before = pressing
         repeated.end(k, repeated.steps.x[:, k], repeated.steps.p, last=True)
     assert smooth >= 1
+
+
+@pytest.mark.product
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("name", CONTACT_MODELS)
+def test_derivative_of_a_step_is_that_of_its_differences(name, scheme):
+    check_steps(name, scheme, 4)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("name", CONTACT_MODELS)
+def test_derivative_of_every_step_is_that_of_its_differences(name, scheme):
+    check_steps(name, scheme, 1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 
 import numpy as np
@@ -14,6 +15,7 @@ contact = planar.contact
 SCHEMES = [da.AnticipatedImpacts(), da.MoreauJean()]
 
 
+@functools.cache
 def ball(height: float, restitution: float = 0.8, **law) -> da.Model:
     system = da.System("ball", gravity=(0, -10))
     body = system.add(planar.Body("ball", mass=1.0, inertia=0.004, position=(0, height)))
@@ -78,6 +80,7 @@ def test_corrections_that_lift_a_body_are_warned_about():
     assert not exact.warnings
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 def test_bounces_that_die_out_and_bodies_without_rebound_are_not(scheme, restitution):

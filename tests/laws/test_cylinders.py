@@ -293,7 +293,7 @@ def test_cylinders_among_solids_neither_overlap_nor_gain_energy():
         )
         shapes.append(SHAPES[name](system.add(body)))
     system.add(spatial.Collisions("all", shapes, restitution=0.3, friction=0.3))
-    motion = da.solve_nonsmooth(system.build(), 0.4, step=2e-3)
+    motion = da.solve_nonsmooth(system.build(), 0.28, step=2e-3)
     energy = motion.data["energy"].values
     assert motion.status.success
     assert motion.data["penetration"].max() < 1e-9

@@ -137,6 +137,7 @@ def both_ways(model: da.Model, monkeypatch, **options):
     return compiled, general
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("scene", [planar_scene, spatial_scene])
 def test_steps_in_machine_code_are_the_general_steps(scene, seed, monkeypatch):

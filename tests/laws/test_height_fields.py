@@ -85,7 +85,7 @@ def test_gaps_close_where_bodies_touch(name):
     model, rng = on_bumps(name), np.random.default_rng(7)
     source, width = gap_sources(model)[-1], 1e-4
     travels = np.full((model.equations.speed_count, 1), 0.005)
-    for _ in range(8):
+    for _ in range(5):
         turn = Rotation.random(random_state=rng.integers(1 << 30))
         lift = -clearance(name, turn.as_matrix())
         smallest = []
@@ -216,7 +216,7 @@ def test_a_ball_oscillates_in_a_bowl():
         bowl = contact.HeightField(system.ground.frame(), (0.4, 0.4), heights)
         shapes = [contact.Sphere(system.add(ball).center, radius), bowl]
         system.add(spatial.Collisions("touch", shapes))
-        motion = da.solve_nonsmooth(system.build(), 0.53 * period, step=2e-3)
+        motion = da.solve_nonsmooth(system.build(), 0.53 * period, step=4e-3)
         assert motion.status.success
         across, times = motion["b.vx"].values, motion.time
         turn = np.flatnonzero((across[:-1] < 0) & (across[1:] >= 0))[-1]
@@ -238,13 +238,13 @@ def test_bodies_on_bumps_neither_sink_nor_gain_energy():
             f"b{k}",
             mass=1.0,
             inertia=(3e-3,) * 3,
-            position=(-0.2 + 0.4 * (k % 2), -0.2 + 0.2 * (k // 2), 0.4 + 0.25 * (k // 2)),
+            position=(-0.2 + 0.4 * (k % 2), -0.2 + 0.2 * (k // 2), 0.25 + 0.2 * (k // 2)),
             rotation=da.rotation.axis_angle(tuple(rng.normal(size=3)), 1.0 + k),
             angular_velocity=tuple(2 * rng.normal(size=3)),
         )
         shapes.append(SHAPES[name](system.add(body)))
     system.add(spatial.Collisions("all", shapes, restitution=0.2, friction=0.4))
-    motion = da.solve_nonsmooth(system.build(), 0.5, step=2e-3)
+    motion = da.solve_nonsmooth(system.build(), 0.32, step=2e-3)
     energy = motion.data["energy"].values
     assert motion.status.success
     assert motion.data["penetration"].max() < 1e-9

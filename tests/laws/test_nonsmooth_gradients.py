@@ -7,6 +7,8 @@ derivatives are those of the motion, to the order of the step, with exact ones b
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import pytest
 
@@ -35,6 +37,7 @@ def confirmed(motion: da.Motion, *responses) -> None:
     np.testing.assert_allclose(gradient, values.values, rtol=1e-5, atol=1e-7 * abs(gradient).max())
 
 
+@functools.cache
 def bouncing() -> da.Model:
     system = da.System("ball", gravity=(0.0, -10.0))
     height, speed = system.parameter("height", 5.0, "m"), system.parameter("speed", -0.1, "m/s")

@@ -64,17 +64,17 @@ def fall(force, end: float, gravity=-10.0, height=1e-3) -> np.ndarray:
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 @pytest.mark.parametrize("name", LAWS)
 def test_ball_on_a_floor_converges_to_the_exact_motion(name, scheme):
-    """Rebound after 5 ms: second order, to 1e-8 by extrapolation for smooth laws."""
-    (law, force), end = LAWS[name], 0.02
+    """Through the whole contact: second order, to 1e-8 by extrapolation for smooth laws."""
+    (law, force), end = LAWS[name], 0.0165
     exact = fall(force, end)
     states = []
-    for step in (1e-4, 5e-5, 2.5e-5):
+    for step in (4e-5,) if name == "KelvinVoigt" else (2e-4, 1e-4, 5e-5):
         motion = dropped(law, step, end, integrator=scheme)
         assert motion.status.success and not motion.warnings
         assert float(abs(motion.data["balance_error"]).max()) < 1e-12
         states.append([motion["ball.y"][-1].item() - RADIUS, motion["ball.vy"][-1].item()])
     errors = np.abs(np.array(states) - exact).max(axis=1)
-    assert errors[2] < 1e-5
+    assert errors[-1] < 1e-5
     if name != "KelvinVoigt":  # whose force jumps at first contact
         assert np.log2(errors[:-1] / errors[1:]) == pytest.approx(2.0, abs=0.05)
         extrapolated = (4 * np.array(states[2]) - states[1]) / 3
@@ -220,7 +220,7 @@ def test_agreement_with_contact_of_two_shapes(name, friction):
     assert errors[1] < errors[0] / factor and errors[2] < errors[1] / factor
 
 
-def block(angle: float, friction: float, end=0.5, step=1e-3, **options):
+def block(angle: float, friction: float, end=0.25, step=1e-3, **options):
     """A block on an incline, from its depth at rest."""
     system = da.System("incline", gravity=(10 * np.sin(angle), -10 * np.cos(angle)))
     depth = 2.0 * 10 * np.cos(angle) / 2 / 1e5
@@ -237,11 +237,11 @@ def test_block_slides_and_sticks_on_an_incline():
     slides = block(0.4, 0.3)
     assert slides.status.success and not slides.warnings
     acceleration = 10 * (np.sin(0.4) - 0.3 * np.cos(0.4))
-    assert slides["block.vx"][-1].item() == pytest.approx(acceleration * 0.5, rel=1e-3)
+    assert slides["block.vx"][-1].item() == pytest.approx(acceleration * 0.25, rel=1e-3)
     sticks = block(0.2, 0.3)
     assert sticks.status.success and abs(sticks["block.vx"][-1].item()) < 1e-8
     assert abs(sticks["block.x"][-1].item()) < 2e-6  # from the first swing
-    forces = sticks.contact_forces(0.5).forces.sum(axis=0)
+    forces = sticks.contact_forces(0.25).forces.sum(axis=0)
     assert forces == pytest.approx([-20 * np.sin(0.2), 20 * np.cos(0.2)], rel=1e-6)
 
 
@@ -286,10 +286,10 @@ def test_rigid_and_compliant_contacts_in_one_model():
     }
     pair = contact.Pair(("balls", "balls"), law=contact.KelvinVoigt(damping=200.0, stiffness=1e4))
     system.add(planar.Collisions("all", shapes, pairs=[pair]))
-    motion = da.solve_nonsmooth(system.build(), 1.0, step=1e-3)
+    motion = da.solve_nonsmooth(system.build(), 0.5, step=1e-3)
     assert motion.status.success and not motion.warnings
     assert motion["low.y"][-1].item() == pytest.approx(0.1, abs=1e-9)
     assert motion["high.y"][-1].item() == pytest.approx(0.3 - 20 / 1e4, abs=1e-7)
     assert float(motion.data["penetration"].max()) < 1e-12
-    forces = motion.contact_forces(1.0)
+    forces = motion.contact_forces(0.5)
     assert sorted(forces.forces[:, 1]) == pytest.approx([20, 30], rel=1e-5)

@@ -10,13 +10,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from thorough import sampled
 
 import dalembert as da
 from dalembert import planar
 
 contact = planar.contact
 G = 9.81
-SCHEMES = pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
+BOTH = [da.AnticipatedImpacts(), da.MoreauJean()]
+SCHEMES = pytest.mark.parametrize("scheme", BOTH)
+ANTICIPATED = pytest.mark.parametrize("scheme", sampled(BOTH, 2))
+MOREAU = pytest.mark.parametrize("scheme", sampled(BOTH[::-1], 2))
+"""Of textbook scenes, one scheme in turn runs with every push."""
 LAST = {da.AnticipatedImpacts: 5e-3, da.MoreauJean: 0.03}
 """Error of the place of the last contact, whose force vanishes: gaps of ``MoreauJean`` that open by
 ``h²`` miss contacts before."""
@@ -38,7 +43,7 @@ def gradient(motion: da.Motion, *names: str) -> np.ndarray:
     return direct
 
 
-@SCHEMES
+@MOREAU
 def test_box_on_an_accelerating_table(scheme):
     """``v = μ g t`` where the table accelerates by more than ``μ g``."""
     system = da.System("table", gravity=(0, -G))
@@ -55,7 +60,7 @@ def test_box_on_an_accelerating_table(scheme):
     np.testing.assert_allclose(gradient(motion, "box.vx")[0], [G * 0.5], rtol=0.02)
 
 
-@SCHEMES
+@ANTICIPATED
 def test_block_on_a_wedge_that_gives_way(scheme):
     """``A = m g sin α cos α/(M + m sin² α)`` without friction."""
     system, alpha, m, big = da.System("wedge", gravity=(0, -G)), 0.5, 1.0, 3.0
@@ -74,6 +79,7 @@ def test_block_on_a_wedge_that_gives_way(scheme):
     np.testing.assert_allclose(gradient(motion, "wedge.vx")[0], [-slope * 0.4], rtol=0.02)
 
 
+@pytest.mark.product
 @SCHEMES
 @LAWS
 def test_ball_that_hits_a_hinged_bar(law, scheme):
@@ -96,6 +102,7 @@ def test_ball_that_hits_a_hinged_bar(law, scheme):
     np.testing.assert_allclose(gradient(motion, "bar.angular_velocity")[0], slopes, rtol=1e-3)
 
 
+@pytest.mark.product
 @SCHEMES
 @LAWS
 def test_three_balls_in_a_row(law, scheme):
@@ -149,7 +156,7 @@ def test_ladder_that_leaves_its_wall(scheme):
     assert height == pytest.approx(2 / 3 * length / 2 * np.sin(start), rel=LAST[type(scheme)])
 
 
-@SCHEMES
+@ANTICIPATED
 def test_ball_with_backspin_returns(scheme):
     """``v = (v₀ − k r ω₀)/(1 + k)`` once it rolls, ``k`` the squared radius of gyration."""
     system, r, k = da.System("backspin", gravity=(0, -G)), 0.1, 0.4
@@ -170,7 +177,7 @@ def test_ball_with_backspin_returns(scheme):
     np.testing.assert_allclose(gradient(motion, "ball.vx")[0], exact, atol=1e-3)
 
 
-@SCHEMES
+@MOREAU
 def test_cylinder_in_a_groove(scheme):
     """Each face carries ``m g/(2 sin α)``, ``α`` the angle of a face with the vertical."""
     system, alpha, r = da.System("groove", gravity=(0, -G)), 0.6, 0.1
@@ -187,6 +194,7 @@ def test_cylinder_in_a_groove(scheme):
     assert forces == pytest.approx([3 * G / (2 * np.sin(alpha))] * 2, rel=1e-3)
 
 
+@pytest.mark.product
 @SCHEMES
 @pytest.mark.parametrize(("tilt", "friction", "tips"), [(0.3, 0.9, False), (0.42, 0.9, True)])
 def test_box_tips_or_stands(scheme, tilt, friction, tips):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 
 import numpy as np
@@ -19,6 +20,7 @@ DAMPING = np.array([[1.7, -0.9], [-0.9, 0.9]])
 OUTPUTS = ["m0.x", "m1.x", "m1.vx"]
 
 
+@functools.cache
 def chain() -> da.Model:
     """Two masses in a row, each with a force."""
     system = da.System("chain")

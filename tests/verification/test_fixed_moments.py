@@ -105,13 +105,13 @@ def test_body_turned_by_a_constant_moment():
     begin = np.r_[0, 0, 0, 1, inertia * [0.5, 1.0, 0]]
     end = solve_ivp(rate, (0, 3), begin, rtol=1e-11, atol=1e-12).y[:4, -1]
     model, errors = spinning_body(), []
-    for count in (200, 400):
+    for count in (400, 200):
         motion = da.solve_transient(model, 3.0, step=3.0 / count, nonlinear=True)
         vector = [float(np.ravel(motion[f"a.{d}"])[-1]) for d in ("rx", "ry", "rz")]
         apart = Rotation.from_rotvec(vector) * Rotation.from_quat(end).inv()
         errors.append(np.linalg.norm(apart.as_rotvec()))
-    assert errors[1] < 1e-4
-    assert abs(errors[0] / errors[1] - 4.0) < 0.1
+    assert errors[0] < 1e-4
+    assert abs(errors[1] / errors[0] - 4.0) < 0.1
     response = da.at(3.0, "a.vry")
     direct, adjoint = (
         float(np.ravel(da.sensitivity(motion, [response], method=m).values)[0])
@@ -121,7 +121,7 @@ def test_body_turned_by_a_constant_moment():
 
     def at_end(share):
         motion = da.solve_transient(
-            model, 3.0, step=3.0 / 400, nonlinear=True, parameters={"share": share}
+            model, 3.0, step=3.0 / 200, nonlinear=True, parameters={"share": share}
         )
         return float(np.ravel(motion["a.vry"])[-1])
 

@@ -8,6 +8,8 @@ equations of Darboux (1880) and Keller (1986).
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -56,6 +58,7 @@ def speeds_after(law: str, values: np.ndarray) -> np.ndarray:
     return np.array([vx + push[1] / mass, vy + push[0] / mass, spin + arm @ push * inverse])
 
 
+@pytest.mark.product
 @LAWS
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("name", CASES)
@@ -90,13 +93,18 @@ def test_no_restitution_of_the_energetic_law_is_noted(scheme):
     assert "missing" not in notes["energetic", 1e-6] + notes["poisson", 0.0]
 
 
-def bounced(law: str, step: float, scheme, end: float) -> da.Motion:
+@functools.cache
+def bouncing(law: str) -> da.Model:
     system = da.System("ball", gravity=(0.0, -10.0))
     height, e = system.parameter("height", 0.8, "m"), system.parameter("e", 0.7)
     ball = system.add(planar.Particle("ball", mass=1.0, position=(0.0, height)))
     shapes = [planar.contact.Vertex(ball.center), planar.contact.HalfPlane(system.ground.center)]
     system.add(planar.Collisions("floor", shapes, restitution=e, impact_law=law))
-    motion = da.solve_nonsmooth(system.build(), end, step=step, integrator=scheme)
+    return system.build()
+
+
+def bounced(law: str, step: float, scheme, end: float) -> da.Motion:
+    motion = da.solve_nonsmooth(bouncing(law), end, step=step, integrator=scheme)
     assert motion.status.success
     return motion
 
@@ -112,6 +120,7 @@ def flight(t: float, height: float, e: float) -> np.ndarray:
         start += 2 * speed / g
 
 
+@pytest.mark.product
 @LAWS
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_ball_after_three_bounces(scheme, law):
@@ -124,8 +133,9 @@ def test_ball_after_three_bounces(scheme, law):
     for step in (4e-3, 1e-3):
         motion = bounced(law, step, scheme, end)
         direct = da.sensitivity(motion, ends, method="direct").values
-        adjoint = da.sensitivity(motion, ends, method="adjoint").values
-        np.testing.assert_allclose(adjoint, direct, rtol=1e-9)
+        if not errors:
+            adjoint = da.sensitivity(motion, ends, method="adjoint").values
+            np.testing.assert_allclose(adjoint, direct, rtol=1e-9)
         errors.append(np.abs(direct - exact).max() / np.abs(exact).max())
     assert errors[1] < 0.01 and errors[1] < 0.5 * errors[0]
 

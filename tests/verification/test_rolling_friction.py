@@ -8,6 +8,8 @@ A disc or ball of radius ``r`` and inertia ``κ m r²`` that rolls on a plane wi
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import pytest
 
@@ -20,6 +22,7 @@ DURATION, STEP = 0.5, 1e-3
 SCHEMES = [da.AnticipatedImpacts(), da.MoreauJean()]
 
 
+@functools.cache
 def disc(speed: float, spin: float, angle: float = 0.0, rolling: float = ROLLING) -> da.Model:
     """A disc on a plane inclined by an angle."""
     gravity = (G * np.sin(angle), -G * np.cos(angle))

@@ -1,5 +1,7 @@
 """Sampled loops against hand-written equations between samples, python-control and differences."""
 
+import functools
+
 import control
 import numpy as np
 import pytest
@@ -37,6 +39,7 @@ def between(x, start, end, torque):
     return solve_ivp(held_pendulum, (start, end), x, **options).y[:, -1]
 
 
+@functools.cache
 def two_rates() -> da.Model:
     """A filtered, delayed and quantised angle for a PID controller of another rate and phase."""
     system = pendulum()
@@ -137,6 +140,7 @@ def test_spatial_body_under_a_held_force(options):
 T = 0.02
 
 
+@functools.cache
 def cart(closed: bool, gain: float = 30.0) -> da.Model:
     """A pole on a cart near its upright position, with sampled feedback of the angle."""
     system = da.System("cart-pole", gravity=(0, -G))
