@@ -27,7 +27,7 @@ import { SPACE_TOOLS } from "./space_tools.js";
 const STILL = 4;
 
 export class Space {
-  /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void }} actions @param {HTMLElement} stage */
+  /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void, commands: import("./command_queue.js").CommandQueue }} actions @param {HTMLElement} stage */
   constructor(pictures, actions, stage) {
     /** The shown picture, if it is spatial. @type {Page | null} */
     this.boundPage = null;
@@ -240,9 +240,12 @@ export class Space {
   }
 
   finish() {
-    const change = this.tool.make(this.places, this.setting);
-    if (change) this.send(change, isOutside(this.boundPage, this.places.map(({ p }) => p)));
-    else this.actions.refuse(`${this.tool.title}: ${this.tool.hint.join("; then ")}`);
+    const { places, tool } = this, fits = isOutside(this.boundPage, places.map(({ p }) => p));
+    this.actions.commands.do(() => {
+      const change = tool.make(places, this.setting);
+      if (change) this.send(change, fits);
+      else this.actions.refuse(`${tool.title}: ${tool.hint.join("; then ")}`);
+    }, false);
     this.places = [];
   }
 

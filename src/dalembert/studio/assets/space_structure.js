@@ -10,6 +10,7 @@
 /** @import { Part } from "./structure.js" */
 /** @import { Document } from "./types.d.ts" */
 
+import { neat } from "./neat.js";
 import { isOutside } from "./pictures.js";
 import { valuesAfter } from "./preview.js";
 import { grip, handleAt, handles, pulled } from "./space_gizmo.js";
@@ -21,7 +22,6 @@ import { drawSpaceStructure } from "./space_structure_overlay.js";
 import { SpaceStructurePalette } from "./space_structure_palette.js";
 import { SPACE_STRUCTURE_TOOLS, typedForce } from "./space_structure_tools.js";
 import { StructureProperties } from "./structure_properties.js";
-import { neat } from "./transforms.js";
 
 /** Movement of the pointer up to which a press is a click, and distance at which it takes hold [px]. */
 const STILL = 4, REACH = 11;
@@ -223,9 +223,12 @@ export class SpaceStructure {
     this.places = tool.chain ? places.slice(-1) : [];
     const way = to && !tool.scalar && size(minus(to.p, from.p)) > 0 ? minus(to.p, from.p) : tool.scalar ? [0, 0, 1] : times(this.palette.plane.normal, -1), along = times(way, 1 / size(way));
     const vector = tool.units && typed ? typedForce(typed, units, along) : times(along, usual);
-    const change = vector && tool.make(places, this.setting, target, vector.map((v) => (Math.abs(v) < 1e-12 * size(vector) ? 0 : v)));
-    if (change) this.send(change, isOutside(this.boundPage, places.map(({ p }) => p)));
-    else this.actions.refuse(`${tool.title}: ${tool.hint.join("; ")}`);
+    const fits = isOutside(this.boundPage, places.map(({ p }) => p));
+    this.actions.commands.do(() => {
+      const change = vector && tool.make(places, this.setting, target, vector.map((v) => (Math.abs(v) < 1e-12 * size(vector) ? 0 : v)));
+      if (change) this.send(change, fits);
+      else this.actions.refuse(`${tool.title}: ${tool.hint.join("; ")}`);
+    }, false);
     this.target = null;
   }
 

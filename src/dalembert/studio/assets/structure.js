@@ -207,9 +207,12 @@ export class Structure {
       const toward = /** @type {Spot} */ (tool.scalar ? [1, 0] : [to.x - from.x, to.y - from.y]), sense = tool.parts || to.x <= from.x ? 1 : -1;
       vector = this.typed ? typedVector(this.typed, units, toward) : tool.scalar ? [sense * size, 0] : drawnVector(from, to, size);
     }
-    const change = tool.make(places, this.setting, target, vector);
-    if (change) this.send(change, isOutside(this.page, places.map(({ x, y }) => [x, y])));
-    else this.actions.refuse(`${tool.title}: ${tool.hint.join("; ")}`);
+    const fits = isOutside(this.page, places.map(({ x, y }) => [x, y]));
+    this.actions.commands.do(() => {
+      const change = tool.make(places, this.setting, target, vector);
+      if (change) this.send(change, fits);
+      else this.actions.refuse(`${tool.title}: ${tool.hint.join("; ")}`);
+    }, false);
     this.target = null;
   }
 
