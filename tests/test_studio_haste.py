@@ -53,7 +53,9 @@ def test_clicks_before_the_answer_are_carried_out_after_it(desk: tuple[Desk, Stu
     visit.page.keyboard.press("b")
     for place in ((0.1, 0.1), (0.3, 0.1), (0.1, 0.4), (0.3, 0.4), (0.5, 0.4), (0.7, 0.4)):
         visit.click(*place)
-    visit.js("studio.change({ label: 'x', operations: [{ op: 'set', keys: ['name'], value: 'x' }] })")
+    visit.js(
+        "studio.change({ label: 'x', operations: [{ op: 'set', keys: ['name'], value: 'x' }] })"
+    )
     visit.page.keyboard.press("Control+z")
     visit.js("studio.link.receive = (message) => studio.receive(message); null")
     visit.js("held.forEach((message) => studio.receive(message))")

@@ -10,6 +10,7 @@ import { controlAt, moveControl } from "./controls.js";
 import { transform } from "./editing.js";
 import { move } from "./operations.js";
 import { drawOverlay } from "./overlay.js";
+import { isTyped, takePointer } from "./picture_events.js";
 import { stillPage, valuesAfter } from "./preview.js";
 import { bodiesAmong, namesIn, sectionOf, within } from "./selection.js";
 import { SelectionKeys } from "./selection_keys.js";
@@ -92,16 +93,11 @@ export class Drawing {
 
   /** @param {Page} page */
   bind(page) {
-    const { canvas } = page.scene, view = /** @type {Window} */ (this.pictures.frame?.contentWindow);
-    const pixel = (/** @type {PointerEvent} */ event) => { const { left, top } = canvas.getBoundingClientRect(); return /** @type {[number, number]} */ ([event.clientX - left, event.clientY - top]); };
-    const on = (/** @type {string} */ kind, /** @type {(event: PointerEvent, at: [number, number]) => boolean} */ act) => view.addEventListener(kind, (event) => {
-      if ((event.target !== canvas && !this.drag) || !this.possible) return;
-      if (act(/** @type {PointerEvent} */ (event), pixel(/** @type {PointerEvent} */ (event)))) event.stopImmediatePropagation();
-    }, true);
-    on("pointerdown", (event, at) => this.down(event, at));
-    on("pointermove", (event, at) => this.over(event, at));
-    on("pointerup", (event, at) => this.up(event, at));
-    on("dblclick", () => this.tool.name !== "select");
+    const view = /** @type {Window} */ (this.pictures.frame?.contentWindow);
+    takePointer(page, view, () => this.possible, () => this.drag !== null, {
+      pointerdown: (event, at) => this.down(event, at), pointermove: (event, at) => this.over(event, at), pointerup: (event, at) => this.up(event, at),
+      dblclick: () => this.tool.name !== "select",
+    });
     view.addEventListener("keydown", (event) => {
       this.key(event);
       const { key, ctrlKey, metaKey, shiftKey } = event;
@@ -271,8 +267,7 @@ export class Drawing {
 
   /** @param {KeyboardEvent} event */
   key(event) {
-    const typing = /** @type {HTMLElement} */ (event.target)?.closest?.("input, select, textarea, .cm-editor, dialog");
-    if (!this.possible || typing || event.defaultPrevented) return;
+    if (!this.possible || isTyped(event) || event.defaultPrevented) return;
     const { key } = event;
     if (event.ctrlKey || event.metaKey) {
       if (!this.keys.command(event)) return;

@@ -32,7 +32,10 @@ export function addInsight(studio) {
     request: (/** @type {string} */ kind, more = {}) => void studio.request(kind, more),
     edit: (/** @type {string} */ label, /** @type {Record<string, unknown>[]} */ operations) => studio.change({ label, operations }),
     draw: (/** @type {string} */ tool) => studio.drawing.choose(tool),
-    start: (/** @type {string} */ section) => void studio.request("start", { section }),
+    start: (/** @type {string} */ section) => {
+      studio.say("");  // a refusal before it
+      studio.request("start", { section });
+    },
     stop: () => void studio.request("stop task"),
     open: (/** @type {TaskMessage} */ task) => result.open(task),
     revision: () => studio.file.revision,

@@ -12,6 +12,7 @@
 import { ModelTree } from "./model_tree.js";
 import { valuesAfter } from "./preview.js";
 import { sectionOf } from "./selection.js";
+import { isTyped, takePointer } from "./picture_events.js";
 import { isOutside } from "./pictures.js";
 import { AXES } from "./space_math.js";
 import { grip, handleAt, handles, pulled } from "./space_gizmo.js";
@@ -109,17 +110,12 @@ export class Space {
     [this.held, this.hover] = [null, null];
     if (!isSpatial) return this.refresh();
     settleAtStart(page);
-    const { canvas } = page.scene, view = /** @type {Window} */ (this.pictures.frame?.contentWindow);
-    const on = (/** @type {string} */ kind, /** @type {(event: PointerEvent, at: Pixel) => boolean} */ act) => view.addEventListener(kind, (event) => {
-      if ((event.target !== canvas && !this.held) || this.boundPage !== page) return;
-      const { clientX, clientY } = /** @type {PointerEvent} */ (event), { left, top } = canvas.getBoundingClientRect();
-      if (act(/** @type {PointerEvent} */ (event), [clientX - left, clientY - top])) event.stopImmediatePropagation();
-    }, true);
-    on("pointerdown", (event, at) => this.down(event, at));
-    on("pointermove", (event, at) => this.over(event, at));
-    on("pointerup", (event, at) => this.up(event, at));
+    const view = /** @type {Window} */ (this.pictures.frame?.contentWindow);
+    takePointer(page, view, () => this.boundPage === page, () => this.held !== null, {
+      pointerdown: (event, at) => this.down(event, at), pointermove: (event, at) => this.over(event, at), pointerup: (event, at) => this.up(event, at),
+      dblclick: () => this.tool.name !== "select",
+    });
     view.addEventListener("pointercancel", () => this.revert(), true);
-    on("dblclick", () => this.tool.name !== "select");
     view.addEventListener("keydown", (event) => this.key(event), true);
     page.scene.overlays.push((/** @type {{ ctx: CanvasRenderingContext2D }} */ { ctx }) => drawOver(this, ctx));
     if (this.tool.name !== "select" || this.selected) this.rest();
@@ -308,8 +304,7 @@ export class Space {
 
   /** @param {KeyboardEvent} event */
   key(event) {
-    const typing = /** @type {HTMLElement} */ (event.target)?.closest?.("input, select, textarea, .cm-editor, dialog");
-    if (!this.possible || typing || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (!this.possible || isTyped(event) || event.ctrlKey || event.metaKey || event.altKey) return;
     if (!answer(this, event.key)) return;
     event.preventDefault();
     event.stopImmediatePropagation();
