@@ -137,8 +137,11 @@ analysis = { type = "Dynamics", duration = 1.0 }
 mass = { type = "Particle", mass = 2.0, position = [0.1, 0.0] }
 [joints]
 rail = { type = "PinInSlot", connect = [{ body = "ground", at = [0.0, 0.0] }, "mass"] }
-[forces]
-spring = { type = "Spring", connect = [{ body = "ground", at = [-1.0, 0.0] }, "mass"], stiffness = "k", free_length = 1.0 }
+[forces.spring]
+type = "Spring"
+connect = [{ body = "ground", at = [-1.0, 0.0] }, "mass"]
+stiffness = "k"
+free_length = 1.0
 """
     outcome = _run(TaskRequest("identify", text, tmp_path / "spring.toml"), lambda message: None)
     assert outcome.ok and outcome.page

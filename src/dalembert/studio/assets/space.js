@@ -236,9 +236,9 @@ export class Space {
   }
 
   finish() {
-    const { places, tool } = this, fits = isOutside(this.boundPage, places.map(({ p }) => p));
+    const { places, tool, setting: { axis } } = this, fits = isOutside(this.boundPage, places.map(({ p }) => p));
     this.actions.commands.do(() => {
-      const change = tool.make(places, this.setting);
+      const change = tool.make(places, { ...this.setting, axis });
       if (change) this.send(change, fits);
       else this.actions.refuse(`${tool.title}: ${tool.hint.join("; then ")}`);
     }, false);
