@@ -155,7 +155,7 @@ def film(target: Path, width: int = 720) -> None:
             page.goto(studio.address)
             visit.until("window.studio?.pictures.shown >= 1", 60)
             visit.js(LOOK)
-            visit.js("studio.setTheme('light')")
+            visit.js("studio.theme.set('light')")
             visit.js(ARROW)
 
             def record(x: float, y: float, seconds: float) -> None:

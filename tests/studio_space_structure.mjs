@@ -8,7 +8,7 @@ const view = { screen: ([x, y, z]) => [100 * x + 30 * y, 400 - 100 * z - 20 * y]
 const page = { scene: { view, keys: {}, canvas: { style: {} }, invalidate() {}, painter: {} }, motion: { mesh: null, dimension: 3 }, player: {} };
 const changes = [], refused = [], document = { kind: "structure", nodes: {}, elements: {} };
 const structure = Object.assign(Object.create(SpaceStructure.prototype), {
-  pictures: { page }, actions: { change, hint() {}, select() {}, refuse: (text) => refused.push(text) }, tool: SPACE_STRUCTURE_TOOLS[0], boundPage: page, document, plan: new SpacePlan(document, page), claimed: new Map(),
+  pictures: { page }, actions: { change, hint() {}, select() {}, refuse: (text) => refused.push(text), commands: { do: (act) => act() } }, tool: SPACE_STRUCTURE_TOOLS[0], boundPage: page, document, plan: new SpacePlan(document, page), claimed: new Map(),
   places: [], now: null, target: null, hover: null, selection: [], held: null, typed: "", properties: { show() {} },
   palette: { plane: { axis: "z", normal: [0, 0, 1], origin: [0, 0, 0] }, settings: { beam: "SpaceFrame", section: SECTIONS["Timber 100 × 200"], material: MATERIALS.Timber }, node: {}, show() {} },
 });

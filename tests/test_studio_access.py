@@ -81,7 +81,7 @@ def test_the_guide_leads_through_a_four_bar(desk: Desks, tmp_path: Path) -> None
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_contrast_and_names(desk: Desks, theme: str) -> None:
     visit, _ = desk
-    visit.js(f"studio.setTheme('{theme}')")
+    visit.js(f"studio.theme.set('{theme}')")
     visit.page.emulate_media(reduced_motion="reduce")
     visit.draw("b", (0, 0), (0.5, 0))
     for opened in ("", "text=Open…", "text=Export…", "text=Help"):

@@ -69,6 +69,11 @@ def test_an_optimum_is_that_of_python(desk: tuple[Desk, Studio], tmp_path: Path)
     [design] = visit.js("studio.insight.design.tasks.optimize.designs")
     visit.page.click("text=Show the result")
     assert visit.js(SEPARATE)
+    result = "document.querySelector('.result-panel iframe').contentWindow.dalembert"
+    visit.until(f"{result}?.table?.values.length", WAIT)
+    value = f"{result}.table.body.rows[0].cells[1].textContent"
+    assert visit.js(value) not in ("…", "–")
+    assert visit.js(f"{result}.table.show([]), {value}") == "…"  # before the first result
     visit.page.click(".result-panel >> text=Close")
     path = tmp_path / "four.toml"
     path.write_text(FOUR_BAR, encoding="utf-8")

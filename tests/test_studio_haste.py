@@ -44,6 +44,34 @@ def test_steps_that_overtake_the_picture_all_count(desk: tuple[Desk, Studio]) ->
     assert len(visit.document["bodies"]) == 4 and not visit.errors_shown()
 
 
+def test_clicks_before_the_answer_are_carried_out_after_it(desk: tuple[Desk, Studio]) -> None:
+    """Three bars, another change and an undo, while the server has not answered the first."""
+    visit, _ = desk
+    visit.show('format = 1\nname = "a"\n')
+    visit.js("window.held = []; studio.link.receive = message => held.push(message); null")
+    visit.page.locator("#palette button").first.focus()
+    visit.page.keyboard.press("b")
+    for place in ((0.1, 0.1), (0.3, 0.1), (0.1, 0.4), (0.3, 0.4), (0.5, 0.4), (0.7, 0.4)):
+        visit.click(*place)
+    visit.js(
+        "studio.change({ label: 'x', operations: [{ op: 'set', keys: ['name'], value: 'x' }] })"
+    )
+    visit.page.keyboard.press("Control+z")
+    visit.js("studio.link.receive = (message) => studio.receive(message); null")
+    visit.js("held.forEach((message) => studio.receive(message))")
+    visit.until("!studio.commands.waiting.length && studio.isAnswered", WAIT)
+    assert visit.document["name"] == "a"
+    assert visit.js("document.getElementById('notice').textContent") == ""
+    positions = [body["position"] for body in visit.document["bodies"].values()]
+    assert positions == [[0.2, 0.1], [0.2, 0.4], [0.6, 0.4]]
+    visit.page.keyboard.press("Control+y")
+    visit.until("studio.file.document.name === 'x'", WAIT)
+    revision = visit.revision
+    visit.page.keyboard.press("Control+y")  # there is nothing to redo
+    visit.until("studio.isAnswered", WAIT)
+    assert visit.revision == revision
+
+
 def test_a_drag_on_an_outdated_picture_keeps_the_drag_before(desk: tuple[Desk, Studio]) -> None:
     """Both ends of a bar are dragged before the picture of the first drag comes."""
     visit, _ = desk

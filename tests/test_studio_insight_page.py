@@ -188,6 +188,9 @@ def test_targets_are_clicked_and_a_candidate_is_inserted(desk: tuple[Desk, Studi
         "[...document.querySelectorAll('.candidate canvas')].every((c) => c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some((v) => v))",
         10,
     )
+    assert visit.js(
+        "[...document.querySelectorAll('.candidate')].every((c) => [...c.querySelectorAll('.defect, .good')].every((m) => { const [a, b] = [c, m].map((n) => n.getBoundingClientRect()); return b.left >= a.left && b.top >= a.top && b.bottom <= a.bottom; }))"
+    )
     visit.page.click(".candidate >> nth=0 >> text=Insert")
     visit.until("studio.file.document.bodies?.crank1", 10)
     visit.settle()

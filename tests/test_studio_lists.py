@@ -12,6 +12,7 @@ import pytest
 import dalembert as da
 from dalembert.studio.drawing_edits import apply
 from dalembert.studio.loose_nodes import without_loose_nodes
+from dalembert.studio.problems import loose_notes
 
 EXAMPLES = [Path(__file__).parents[1] / "examples" / f"{name}.toml" for name in ("truss", "plate")]
 TABLES = """# a truss
@@ -69,6 +70,36 @@ def test_a_removed_node_takes_what_it_carries() -> None:
     assert tomllib.loads(text)["supports"] == [{"nodes": "a"}]
     assert "# of the wall" in text
     assert "fy = -1.0  # N" in text
+
+
+def test_neighbours_of_a_removed_node_go_with_their_last_element() -> None:
+    """The foot of a link and its support go with the node of the link; a node drawn alone stays."""
+    link = (
+        'kind = "structure"\n\n[nodes]\na = [0, 0]\nb = [1, 0]\nfoot = [1, -1]\nalone = [2, 2]\n'
+        '\n[elements]\nab = { connect = ["a", "b"] }\nlink = { connect = ["b", "foot"] }\n'
+        '\n[[supports]]\nnodes = "foot"\n\n[[supports]]\nnodes = ["a", "foot"]\nux = 0\n'
+    )
+    for section, name, nodes, elements in (
+        ("nodes", "b", ["alone"], None),
+        ("elements", "link", ["a", "b", "alone"], ["ab"]),
+    ):
+        data = tomllib.loads(apply(link, [{"op": "remove", "section": section, "name": name}]))
+        assert list(data["nodes"]) == nodes
+        assert data.get("elements") == (elements and {"ab": {"connect": ["a", "b"]}})
+        assert data.get("supports") == (elements and [{"nodes": "a", "ux": 0}])
+
+
+def test_loose_nodes_are_removed_by_a_remedy() -> None:
+    text = TABLES.replace("# a truss\n", 'kind = "structure"\n').replace(
+        "c = [0, 1]\n", "c = [0, 1]\nd = [3, 3]  # alone\ne = [4, 4]\n"
+    )
+    first, second = loose_notes(["d", "e"], text, Path("truss.toml"))
+    assert [fix.title for fix in first.fixes] == ["Remove d", "Remove all 2"]
+    assert [fix.title for fix in second.fixes] == ["Remove e"]
+    both = first.fixes[1]
+    fixed = text[: both.start] + both.insert + text[both.end :]
+    assert tomllib.loads(fixed)["nodes"] == tomllib.loads(TABLES)["nodes"]
+    assert "# of the wall" in fixed
 
 
 def test_a_renamed_node_is_renamed_everywhere() -> None:

@@ -63,7 +63,7 @@ def test_two_pages_and_a_replaced_file_end_with_one_text(
                 foreign = MECHANISM + f"# another program {step}\n"
                 path.write_text(foreign)
             elif choice == "save":
-                visit.js("studio.save()")
+                visit.js("studio.saving.save()")
                 visit.page.evaluate(BARRIER)
                 if foreign:
                     assert path.read_text() == foreign
@@ -88,7 +88,7 @@ def toggle(visit: Desk, rng: random.Random) -> None:
     """Change the theme, the window, or any switch of the studio and its picture."""
     choice = rng.randrange(4)
     if choice == 0:
-        visit.js("studio.turnTheme()")
+        visit.js("studio.theme.turn()")
     elif choice == 1:
         width, height = rng.choice(SIZES)
         visit.page.set_viewport_size({"width": width, "height": height})

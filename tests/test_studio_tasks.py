@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import time
@@ -18,6 +19,7 @@ from dalembert.studio.pictures import picture_of
 from dalembert.studio.preview import Preview, analysis_fields
 from dalembert.studio.problems import Problem
 from dalembert.studio.task_process import TaskState
+from dalembert.studio.task_work import TaskRequest, _run
 from dalembert.studio.tasks import Tasks
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -81,6 +83,69 @@ def test_the_end_of_the_server_ends_the_task(tmp_path: Path) -> None:
         while any(map(runs, started)):
             assert time.monotonic() < end
             time.sleep(0.02)
+
+
+ROD = """format = 1
+kind = "structure"
+parameters = { load = 1e5, area = { value = 1e-3, bounds = [2e-4, 5e-3] } }
+nodes = { left = [0, 0], right = [2, 0] }
+supports = [{ nodes = "left" }, { nodes = "right", uy = 0 }]
+loads = [{ nodes = "right", fx = "load" }]
+pareto = { minimize = ["stress", "mass"], points = 5 }
+tolerance = { response = "stress", tolerances = { load = 3e3, area = 3e-5 } }
+reliability = { limits = [{ response = "stress", upper = 1.5e8 }] }
+random = [{ parameter = "load", type = "Normal", mean = 1e5, std = 2e4 }]
+
+[elements]
+rod = { type = "Truss", connect = ["left", "right"], area = "area", modulus = 2e11, density = 7850 }
+
+[responses]
+stress = { measure = "rod.stress" }
+mass = { measure = "mass" }
+"""
+
+
+def test_tasks_agree_with_closed_forms(tmp_path: Path) -> None:
+    """Stress F/A and mass ρ A L of a rod: front, first-order deviation, reliability index.
+
+    The front is σ m = ρ F L, from one bound of A to the other; with F and A of relative half
+    widths 3 %, σ deviates by 3 % √2; the limit is (1.5 − 1) 1e8 / 2e7 = 2.5 deviations away.
+    """
+    outcomes = {
+        section: _run(TaskRequest(section, ROD, tmp_path / "rod.toml"), lambda message: None)
+        for section in ("pareto", "tolerance", "reliability")
+    }
+    assert all(outcome.ok and outcome.page for outcome in outcomes.values())
+    areas = [design["area"] for design in outcomes["pareto"].designs]
+    assert [areas[0], areas[2], areas[-1]] == pytest.approx([5e-3, 1e-3, 2e-4], rel=1e-6)
+    stress, _, deviation, _ = outcomes["tolerance"].sentence.removeprefix("stress ").split()
+    assert float(stress) == pytest.approx(1e8)
+    assert float(deviation) == pytest.approx(1e8 * 0.03 * 2**0.5, rel=2e-3)  # three digits
+    assert outcomes["reliability"].sentence.startswith("β = 2.5, failure 0.00621;")
+
+
+def test_an_identified_stiffness_is_that_of_the_data(tmp_path: Path) -> None:
+    """x = 0.1 cos(√(k/m) t) with k = 80 N/m and m = 2 kg; the search starts at 60 N/m."""
+    times = [0.01 * k for k in range(101)]
+    rows = [f"{t},{0.1 * math.cos(math.sqrt(40.0) * t)!r}" for t in times]
+    (tmp_path / "measured.csv").write_text("time,mass.x\n" + "\n".join(rows) + "\n")
+    text = """format = 1
+parameters = { k = { value = 60.0, unit = "N/m", bounds = [40.0, 120.0] } }
+identify = { data = "measured.csv" }
+analysis = { type = "Dynamics", duration = 1.0 }
+[bodies]
+mass = { type = "Particle", mass = 2.0, position = [0.1, 0.0] }
+[joints]
+rail = { type = "PinInSlot", connect = [{ body = "ground", at = [0.0, 0.0] }, "mass"] }
+[forces.spring]
+type = "Spring"
+connect = [{ body = "ground", at = [-1.0, 0.0] }, "mass"]
+stiffness = "k"
+free_length = 1.0
+"""
+    outcome = _run(TaskRequest("identify", text, tmp_path / "spring.toml"), lambda message: None)
+    assert outcome.ok and outcome.page
+    assert outcome.designs[0]["k"] == pytest.approx(80.0, rel=1e-5)
 
 
 def runs(process: int) -> bool:

@@ -6,10 +6,12 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from studio_desk import Desk
 from studio_runs import Studio
 
+import dalembert as da
 from dalembert.io import load_model_file
 
 HEADER = 'format = 1\nname = "test"\ngravity = [0.0, -9.81]\n'
@@ -116,6 +118,81 @@ def test_gears_ropes_and_contacts(desk: tuple[Desk, Studio]) -> None:
     visit.draw("C", (0.5, 0.4), (0.5, 0.2))
     assert visit.js("studio.file.document.forces.contact1.shape_i.type") == "HalfPlane"
     assert not visit.errors_shown(), visit.errors_shown()
+
+
+SLOTTED = HEADER + (
+    "[bodies]\n"
+    'crank = { type = "Bar", length = 0.2, mass = 1, position = [0.3, 0.3], angle = 0 }\n'
+    'lever = { type = "Bar", length = 0.721110255, mass = 1, position = [0.4, 0.3], '
+    "angle = 0.982793723 }\n"
+    "[joints]\n"
+    'A = { type = "Revolute", connect = [{ body = "ground", at = [0.2, 0.3] }, "crank.start"] }\n'
+    'B = { type = "Revolute", connect = [{ body = "ground", at = [0.2, 0] }, "lever.start"] }\n'
+)
+"""A crank whose end is on a longer lever, as they are drawn."""
+
+
+def test_a_slot_turns_a_lever(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
+    """The lever points from its pivot to the end of the crank, which turns once in 2 s."""
+    visit, _ = desk
+    visit.show(SLOTTED)
+    visit.page.locator("#palette button").first.focus()
+    visit.page.keyboard.press("u")
+    visit.click(0.4, 0.3)
+    visit.click(0.3, 0.15)
+    assert visit.js("studio.drawing.from.names") == ["crank.end"]  # the direction is from the pin
+    visit.click(0.6, 0.6)
+    visit.until("studio.file.document.joints.slot1", 20)
+    slot = visit.document["joints"]["slot1"]
+    assert (slot["connect"][0]["at"], slot["axis"]) == ([0, 0], [1, 0])  # without noise
+    visit.settle()
+    visit.draw("m", (0.2, 0.3))
+    (tmp_path / "drawn.toml").write_text(visit.text)
+    motion = da.solve_kinematics(load_model_file(tmp_path / "drawn.toml").model(), 2.0)
+    turn = np.pi * motion.time
+    angle = np.arctan2(0.3 + 0.2 * np.sin(turn), 0.2 * np.cos(turn))
+    assert np.asarray(motion["lever.angle"]) == pytest.approx(angle, abs=1e-8)
+
+
+def test_a_weld_replaces_a_pin(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    visit.show(CRANK)
+    visit.show(CRANK + 'B = { type = "Revolute", connect = ["crank.end", "rod.start"] }\n')
+    visit.draw("w", (0.4, 0.2))
+    assert visit.page.inner_text("#summary") == "1 degree of freedom"
+    joints = visit.document["joints"]
+    assert {name: joint["type"] for name, joint in joints.items()} == {
+        "A": "Revolute",
+        "weld1": "Weld",
+    }
+    visit.draw("w", (0.0, 0.2))
+    assert visit.page.inner_text("#summary") == "0 degrees of freedom"
+
+
+def test_a_cam_is_shaped_where_its_body_is_selected(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    visit.show(GUIDED)
+    visit.draw("c", (0.0, 0.2), (0.8, 0.2))
+    visit.page.keyboard.press("v")
+    visit.js("Object.assign(studio.pictures.page.scene.view, { x: 0, y: 0.2, s: 180 })")
+    visit.frames()
+    visit.click(-0.4, 0.0)  # on the disc
+    assert visit.js("[...studio.drawing.selection]") == ["crank"]
+    revision = visit.revision
+    visit.drag((-0.8, 0.2), (-0.6, 0.2))
+    visit.until(f"studio.file.revision > {revision}", 20)
+    points = visit.document["joints"]["cam1"]["curve"]["points"]
+    assert points[6] == pytest.approx([-0.8, 0.0])
+
+
+def test_copies_are_selected_and_have_neat_numbers(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    visit.show(SLOTTED)
+    visit.js("studio.drawing.select(['crank', 'lever'])")
+    visit.press("Control+d")
+    assert visit.js("[...studio.drawing.selection]") == ["crank1", "lever1", "C", "D"]
+    visit.press("Delete")
+    assert list(visit.document["bodies"]) == ["crank", "lever"]
 
 
 def test_redundant_joints_are_named(desk: tuple[Desk, Studio]) -> None:

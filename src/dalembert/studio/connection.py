@@ -166,11 +166,15 @@ class Connection:
         """Revert the last change."""
         if self.session.draft.undo():
             self.session.changed()
+        else:
+            self.session.reply(self.send, self.session.state())
 
     def redo(self, request: dict[str, Any]) -> None:
         """Repeat the change that was reverted."""
         if self.session.draft.redo():
             self.session.changed()
+        else:
+            self.session.reply(self.send, self.session.state())
 
     def save(self, request: dict[str, Any]) -> None:
         """Write the file."""

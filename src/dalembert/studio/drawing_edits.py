@@ -11,6 +11,7 @@ from dalembert.studio.array_edits import append_item, remove_item
 from dalembert.studio.contact_edits import remove_group, without_shapes_of
 from dalembert.studio.key_edits import drop_key
 from dalembert.studio.list_edits import append_entry, remove_entry, remove_from_lists
+from dalembert.studio.loose_nodes import loose_nodes
 from dalembert.studio.section_edits import set_section
 from dalembert.studio.text_edits import TextEdits
 
@@ -35,7 +36,8 @@ def apply(text: str, operations: Any) -> str:
         ``base``, to which a number is appended; ``as`` is a placeholder such as ``$bar`` for the
         name in later operations. ``set`` has ``keys`` and ``value``, which with ``written``
         replaces formulas too. ``remove`` and ``rename`` have ``section`` and ``name``; the new
-        name is ``to``, and an entry may be ``missing`` if another operation removes it.
+        name is ``to``, and an entry may be ``missing`` if another operation removes it. Nodes of
+        a structure that lose their last element are removed with it.
         ``remove group`` has the ``name`` of collisions and the ``group``.
         ``parameter`` has ``name`` and ``value``, ``extract`` has ``keys``, or the character ``at``
         in the text. ``section`` has ``section`` and ``fields``: the new values of its keys, null
@@ -98,10 +100,14 @@ def _remove(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) 
         return  # removed with an element of the same change
     if section in ELEMENTS:
         without_shapes_of(edits, _refers, name)
+    loose_before = loose_nodes(edits.data)
     removed = [*dependents(edits.data, section, name), (section, name)]
     for entry in removed:
         edits.remove(*entry)
-    remove_from_lists(edits, {name for _, name in removed})
+    unconnected = [node for node in loose_nodes(edits.data) if node not in loose_before]
+    for node in unconnected:
+        edits.remove("nodes", node)
+    remove_from_lists(edits, {*unconnected, *(name for _, name in removed)})
 
 
 def _rename(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 MECHANISM = ("bodies", "beams", "include")
@@ -17,6 +18,20 @@ def parts_of(data: dict[str, Any]) -> tuple[str, ...]:
     return STRUCTURE if data.get("kind") == "structure" else MECHANISM
 
 
+def loose_nodes(data: Mapping[str, Any]) -> list[str]:
+    """Names of the nodes of a structure that no element connects; mechanisms have none."""
+    nodes, elements = data.get("nodes"), data.get("elements", {})
+    if data.get("kind") != "structure" or not isinstance(nodes, dict):
+        return []
+    ends = [
+        entry.get("connect")
+        for entry in (elements.values() if isinstance(elements, dict) else ())
+        if isinstance(entry, dict)
+    ]
+    used = {str(name) for end in ends if isinstance(end, list) for name in end}
+    return [name for name in nodes if name not in used]
+
+
 def without_loose_nodes(data: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
     """The structure without nodes that no element connects, and the names of these nodes.
 
@@ -24,19 +39,11 @@ def without_loose_nodes(data: dict[str, Any]) -> tuple[dict[str, Any], list[str]
     ----------
     data : sections of a file; mechanisms stay as they are
     """
-    nodes, elements = data.get("nodes"), data.get("elements", {})
-    if data.get("kind") != "structure" or not isinstance(nodes, dict):
-        return data, []
-    ends = [
-        entry.get("connect")
-        for entry in (elements.values() if isinstance(elements, dict) else ())
-        if isinstance(entry, dict)
-    ]
-    used = {str(name) for end in ends if isinstance(end, list) for name in end}
-    loose = [name for name in nodes if name not in used]
+    loose = loose_nodes(data)
     if not loose:
         return data, []
-    rest = data | {"nodes": {name: place for name, place in nodes.items() if name in used}}
+    nodes = {name: place for name, place in data["nodes"].items() if name not in loose}
+    rest = data | {"nodes": nodes}
     for section in CONDITIONS:
         entries = data.get(section)
         if isinstance(entries, list):

@@ -20,7 +20,7 @@ from dalembert.results.result import Result
 from dalembert.results.structural.free_motion import undeformed_payload
 from dalembert.studio.drawn_numbers import Keys, with_drawn_parameters
 from dalembert.studio.loose_nodes import parts_of, without_loose_nodes
-from dalembert.studio.problems import Problem, notes_of, problems_of
+from dalembert.studio.problems import Problem, loose_notes, notes_of, problems_of
 
 EMBEDDED = """header.top, #footer, #panels { display: none }
 body { padding: 8px } main, .single main { padding: 0 }
@@ -44,7 +44,6 @@ drawing, whose place and height depend on the window only: no row of them moves 
 a phone the tools are in one line."""
 DRAWN = 1_500_000
 """Upper limit of the size of a module that computes what is dragged [bytes]."""
-LOOSE = "is not connected to any element, and not in the picture; connect or remove it"
 BLANK: dict[str, Any] = {"format": 1, "time": [], "scene": {}}
 SPACE: dict[str, Any] = {"kind": "spatial", "scene": {"dimension": 3}}
 """What a blank picture of a spatial mechanism has in addition."""
@@ -96,9 +95,7 @@ def _picture_of(text: str, path: Path, live: bool) -> Picture:
         return Picture(_render(blank), summary="nothing is drawn yet")
     if not live:
         picture = _page_of(data, {}, text, path, live)
-        errors = (DalembertError(f"nodes.{name}: {LOOSE}") for name in loose)
-        notes = (problem for error in errors for problem in problems_of(error, text, path))
-        return replace(picture, problems=(*picture.problems, *notes))
+        return replace(picture, problems=(*picture.problems, *loose_notes(loose, text, path)))
     drawn, places = with_drawn_parameters(data)
     try:
         return _page_of(drawn, places, text, path, live)

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from dalembert.errors import DalembertError
 from dalembert.io.toml_places import line_and_column, parse_keys, toml_places
 from dalembert.remedies import Remedy, remedies_in
-from dalembert.studio.fixes import Fix, fixes_of
+from dalembert.studio.drawing_edits import MAX_OPERATIONS, apply
+from dalembert.studio.fixes import Fix, fix_between, fixes_of
 from dalembert.studio.redundancy import redundancy_fixes
 
 PATH = re.compile(r'\s*((?:"(?:[^"\\]|\\.)*"|[A-Za-z0-9_-]+)(?:\.(?:"[^"]*"|[\w-]+)|\[\d+\])*): ')
+LOOSE = "is not connected to any element, and not in the picture; connect or remove it"
+MOST_REMOVALS = 3
+"""Loose nodes with a remedy of their own."""
 SYNTAX = re.compile(r"\(at line (\d+), column (\d+)\)|\(at end of document\)|: line (\d+): ")
 
 
@@ -102,3 +107,27 @@ def notes_of(model: Any, text: str, path: Path) -> tuple[Problem, ...]:
         line = line_and_column(text, place.start)[0]
         notes.append(Problem(level, message, place.start, place.end, line, own))
     return tuple(notes)
+
+
+def loose_notes(names: Sequence[str], text: str, path: Path) -> Iterator[Problem]:
+    """Problems of nodes that no element connects; a remedy removes them.
+
+    Parameters
+    ----------
+    names : of the nodes
+    text, path : of the model file
+    """
+    for k, name in enumerate(names):
+        error = DalembertError(f"nodes.{name}: {LOOSE}")
+        fixes = (_removal([name], text),) if k < MOST_REMOVALS else ()
+        if k == 0 and len(names) > 1:
+            fixes = (*fixes, _removal(names, text))
+        for problem in problems_of(error, text, path):
+            yield replace(problem, fixes=fixes)
+
+
+def _removal(names: Sequence[str], text: str) -> Fix:
+    """Remedy that removes nodes with their supports and loads."""
+    parts = [{"op": "remove", "section": "nodes", "name": name} for name in names]
+    title = f"Remove {names[0]}" if len(names) == 1 else f"Remove all {len(names)}"
+    return fix_between(title, text, apply(text, parts[:MAX_OPERATIONS]))

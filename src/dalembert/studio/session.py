@@ -61,6 +61,7 @@ class Session:
         self.exports = Exports()
         self._is_stored = True
         self._folder: Path | None = None
+        self.opened = 0  # files after the first one
         self._parsed: tuple[str, dict[str, Any] | None] = ("", None)
         self._clients: list[Send] = []
         self._tasks: set[asyncio.Task[None]] = set()
@@ -97,6 +98,7 @@ class Session:
         draft = Draft(path, text)
         revision = self.draft.revision + 1
         self._folder = folder
+        self.opened += 1
         self.journal.close()
         self.draft, self.journal = draft, Journal(draft.path, self._journals)
         draft.revision = revision  # pages compare revisions
@@ -190,6 +192,7 @@ class Session:
         return {
             "kind": "text",
             "revision": draft.revision,
+            "opened": self.opened,
             "text": draft.text,
             "name": draft.name,
             "path": str(draft.path or ""),

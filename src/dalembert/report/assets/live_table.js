@@ -8,6 +8,9 @@ import { tidy } from "./numbers.js";
 import { Signal } from "./theme.js";
 import { raised } from "./units.js";
 
+/** Text in place of a value until the first result. */
+const COMPUTED = "…";
+
 /** Change of a value as a percentage, or as a difference where that says more. @param {number} value @param {number} before */
 export function changeText(value, before) {
   const share = (100 * (value - before)) / Math.abs(before);
@@ -84,7 +87,8 @@ export class ResponseTable {
     this.values = values;
     this.responses.forEach((response, k) => {
       const value = values[k] ?? NaN, before = this.initial ? valueIn(this.initial, response) : NaN, cells = /** @type {HTMLTableRowElement} */ (this.body.rows[k]).cells;
-      [tidy(value, 5), tidy(before, 5), changeText(value, before)].forEach((text, i) => { cells[i + 1].textContent = text; });
+      const texts = values[k] === undefined ? [COMPUTED, "", ""] : [tidy(value, 5), tidy(before, 5), changeText(value, before)];
+      texts.forEach((text, i) => { cells[i + 1].textContent = text; });
     });
   }
 }

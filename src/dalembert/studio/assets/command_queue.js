@@ -1,4 +1,4 @@
-// Queue of the commands of the keyboard: each waits until the change of the one before is answered and its picture is shown.
+// Queue of the commands of the mouse and the keyboard: each waits until the change of the one before is answered and its picture is shown.
 
 /** A command, and whether it reads the picture; a waiting movement adds the steps of those that follow.
  * @typedef {{ act: () => void, pictured: boolean, add?: (step: [number, number]) => void }} Command */

@@ -6,10 +6,10 @@
 /** @import { Tool } from "./tools.js" */
 /** @import { Document } from "./types.d.ts" */
 
+import { neat } from "./neat.js";
 import { on } from "./new_joints.js";
 import { reference } from "./operations.js";
 import { inBody } from "./snapping.js";
-import { neat } from "./transforms.js";
 
 /** Friction and restitution of a new element. */
 const LAW = { friction: 0.3, restitution: 0.2 };

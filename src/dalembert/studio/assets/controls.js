@@ -4,15 +4,18 @@
 /** @import { Change } from "./operations.js" */
 /** @import { Document } from "./types.d.ts" */
 
+import { neat } from "./neat.js";
 import { inBody } from "./snapping.js";
-import { neat } from "./transforms.js";
 
 /** Distance within which the pointer catches a control point [px]. */
 const CATCH = 9;
 
-/** Control points of the curve of a joint at their places. @param {Page} page @param {Document} document @param {string | null} name @returns {{ x: number, y: number, joint: string, body: string, index: number }[]} */
-export function controlPoints({ motion }, document, name) {
-  const joint = name === null ? null : document.joints?.[name], points = joint?.curve?.points, body = motion.bodies.find((/** @type {any} */ part) => part.name === joint?.connect?.[0]), pose = body && motion.pose(body);
+/** Joint with a curve that is selected, itself or by the body of the curve. @param {Document} document @param {string | null} selected */
+const camOf = ({ joints = {} }, selected) => Object.entries(joints).find(([name, { curve, connect }]) => curve && (name === selected || connect?.[0] === selected))?.[0] ?? null;
+
+/** Control points of the curve of a selected joint or body at their places. @param {Page} page @param {Document} document @param {string | null} selected @returns {{ x: number, y: number, joint: string, body: string, index: number }[]} */
+export function controlPoints({ motion }, document, selected) {
+  const name = camOf(document, selected), joint = name === null ? null : document.joints?.[name], points = joint?.curve?.points, body = motion.bodies.find((/** @type {any} */ part) => part.name === joint?.connect?.[0]), pose = body && motion.pose(body);
   if (!name || !pose || !Array.isArray(points) || !points.flat().every((value) => typeof value === "number")) return [];
   return points.map((point, index) => {
     const [x, y] = motion.placed(pose, point);

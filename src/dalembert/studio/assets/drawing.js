@@ -10,8 +10,9 @@ import { controlAt, moveControl } from "./controls.js";
 import { transform } from "./editing.js";
 import { move } from "./operations.js";
 import { drawOverlay } from "./overlay.js";
+import { isTyped, takePointer } from "./picture_events.js";
 import { stillPage, valuesAfter } from "./preview.js";
-import { bodiesAmong, sectionOf, within } from "./selection.js";
+import { bodiesAmong, namesIn, sectionOf, within } from "./selection.js";
 import { SelectionKeys } from "./selection_keys.js";
 import { elementAt, inBody, namedPlaces, placed, snap, typedAt } from "./snapping.js";
 import { TOOLS } from "./tools.js";
@@ -42,6 +43,8 @@ export class Drawing {
     this.typed = "";
     /** Degrees of freedom and redundant constraints. */
     this.status = "";
+    /** Names before elements were pasted, until the file has the copies. @type {Set<string> | null} */
+    this.before = null;
     this.keys = new SelectionKeys(this);
     pictures.onShow.push((page) => this.bind(page));
   }
@@ -49,8 +52,18 @@ export class Drawing {
   /** @returns {Page | null} */
   get page() { return this.pictures.page; }
 
+  /** The contents of the last text; what was pasted is selected. @param {Document | null} document */
+  show(document) {
+    this.document = document;
+    const { before } = this, added = before && document ? namesIn(document).filter((name) => !before.has(name)) : [];
+    if (added.length) this.select(added);
+  }
+
   /** Picture for snapping. */
   get snapPage() { return this.page; }
+
+  /** Place from which lengths and directions are measured. @returns {Place | null} */
+  get from() { return (this.tool.fromFirst ? this.places[0] : this.places.at(-1)) ?? null; }
 
   /** The selected element, if it is one. @returns {string | null} */
   get selected() { return this.selection.size === 1 ? [...this.selection][0] : null; }
@@ -80,16 +93,11 @@ export class Drawing {
 
   /** @param {Page} page */
   bind(page) {
-    const { canvas } = page.scene, view = /** @type {Window} */ (this.pictures.frame?.contentWindow);
-    const pixel = (/** @type {PointerEvent} */ event) => { const { left, top } = canvas.getBoundingClientRect(); return /** @type {[number, number]} */ ([event.clientX - left, event.clientY - top]); };
-    const on = (/** @type {string} */ kind, /** @type {(event: PointerEvent, at: [number, number]) => boolean} */ act) => view.addEventListener(kind, (event) => {
-      if ((event.target !== canvas && !this.drag) || !this.possible) return;
-      if (act(/** @type {PointerEvent} */ (event), pixel(/** @type {PointerEvent} */ (event)))) event.stopImmediatePropagation();
-    }, true);
-    on("pointerdown", (event, at) => this.down(event, at));
-    on("pointermove", (event, at) => this.over(event, at));
-    on("pointerup", (event, at) => this.up(event, at));
-    on("dblclick", () => this.tool.name !== "select");
+    const view = /** @type {Window} */ (this.pictures.frame?.contentWindow);
+    takePointer(page, view, () => this.possible, () => this.drag !== null, {
+      pointerdown: (event, at) => this.down(event, at), pointermove: (event, at) => this.over(event, at), pointerup: (event, at) => this.up(event, at),
+      dblclick: () => this.tool.name !== "select",
+    });
     view.addEventListener("keydown", (event) => {
       this.key(event);
       const { key, ctrlKey, metaKey, shiftKey } = event;
@@ -105,7 +113,7 @@ export class Drawing {
   /** @param {{ altKey: boolean }} event @param {[number, number]} at @returns {Place} */
   placeAt(event, at) {
     const page = /** @type {Page} */ (this.page), ignore = this.drag?.kind === "point" ? this.drag.from.names : [];
-    const from = this.places.at(-1) ?? null, place = snap(page, at, { from, free: event.altKey, ignore });
+    const { from } = this, place = snap(page, at, { from, free: event.altKey, ignore });
     const typed = this.typed ? typedPlace(this.typed, from, place) : null;
     if (typed) return typedAt(page, typed);
     if (!place.names.length && this.tool.onBody && (!this.places.length || this.tool.onBody === "all")) {
@@ -161,6 +169,7 @@ export class Drawing {
   /** @param {Iterable<string>} names */
   select(names) {
     this.selection = new Set(names);
+    this.before = null;
     const { document, selected } = this, section = selected && document && sectionOf(document, selected);
     if (section && selected) this.actions.select(section, selected);
     this.actions.onSelect([...this.selection]);
@@ -213,6 +222,7 @@ export class Drawing {
 
   /** Carry out a change, or say why it is not possible. @param {() => Change | null} make @param {string} [refusal] */
   attempt(make, refusal = "") {
+    this.before = null;
     try {
       const change = make();
       if (change) this.actions.change(change);
@@ -235,7 +245,7 @@ export class Drawing {
   finish() {
     const { places, tool } = this;
     this.places = [];
-    this.attempt(() => tool.make(places, this), `${tool.title}: ${tool.hint[0]}`);
+    this.actions.commands.do(() => this.attempt(() => tool.make(places, this), `${tool.title}: ${tool.hint[0]}`), false);
     this.refresh();
   }
 
@@ -243,22 +253,21 @@ export class Drawing {
   typing(key) {
     if (this.tool.name === "select" || !this.page) return false;
     if (key === "Enter" && this.typed) {
-      const place = typedPlace(this.typed, this.places.at(-1) ?? null, this.now);
+      const place = typedPlace(this.typed, this.from, this.now);
       if (place) this.put(typedAt(this.page, place));
       else this.actions.refuse(`${this.typed}: type a length 0.3, a length and an angle 0.3<45, or coordinates 0.1,0.2`);
     } else if (key === "Backspace" && this.typed) this.typed = this.typed.slice(0, -1);
     else if (key === "Escape" && this.typed) this.typed = "";
     else if (this.typed ? TYPED.test(key) : BEGINS.test(key)) this.typed += key;
     else return false;
-    const place = this.typed ? typedPlace(this.typed, this.places.at(-1) ?? null, this.now) : null;
+    const place = this.typed ? typedPlace(this.typed, this.from, this.now) : null;
     if (place) this.now = typedAt(this.page, place);
     return true;
   }
 
   /** @param {KeyboardEvent} event */
   key(event) {
-    const typing = /** @type {HTMLElement} */ (event.target)?.closest?.("input, select, textarea, .cm-editor, dialog");
-    if (!this.possible || typing || event.defaultPrevented) return;
+    if (!this.possible || isTyped(event) || event.defaultPrevented) return;
     const { key } = event;
     if (event.ctrlKey || event.metaKey) {
       if (!this.keys.command(event)) return;

@@ -4,7 +4,7 @@
 /** @import { AssembliesMessage, Document } from "./types.d.ts" */
 
 import { button, el } from "./dom.js";
-import { neat } from "./transforms.js";
+import { neat } from "./neat.js";
 
 /** Distance within which the pointer catches a configuration [px]. */
 const CATCH = 9;

@@ -17,7 +17,7 @@ import { ResultPanel } from "./tasks.js";
 export function addInsight(studio) {
   const ghosts = new Ghosts(studio.pictures, {
     request: (kind, more) => void studio.request(kind, more),
-    edit: (label, operations) => void studio.edit(label, operations),
+    edit: (label, operations) => studio.change({ label, operations }),
     refuse: (text) => studio.say(text, true),
     rest: () => studio.drawing.rest(),
     document: () => studio.file.document,
@@ -25,14 +25,17 @@ export function addInsight(studio) {
     selects: () => studio.drawing.tool.name === "select",
   });
   const overlays = new OverlayBar(studio.pictures, ghosts, () => studio.drawing.selection, () => studio.drawing.possible && studio.drawing.tool.name !== "select");
-  const drag = new TargetDrag(studio.pictures, { edit: (label, operations) => void studio.edit(label, operations), document: () => studio.known, selects: () => studio.drawing.tool.name === "select" });
+  const drag = new TargetDrag(studio.pictures, { edit: (label, operations) => studio.change({ label, operations }), document: () => studio.known, selects: () => studio.drawing.tool.name === "select" });
   let marked = -1;
-  const result = new ResultPanel((task, values) => studio.edit(`adopt ${task.section}`, Object.entries(values).map(([name, value]) => ({ op: "parameter", name, value }))));
+  const result = new ResultPanel((task, values) => studio.change({ label: `adopt ${task.section}`, operations: Object.entries(values).map(([name, value]) => ({ op: "parameter", name, value })) }));
   const shared = {
     request: (/** @type {string} */ kind, more = {}) => void studio.request(kind, more),
-    edit: (/** @type {string} */ label, /** @type {Record<string, unknown>[]} */ operations) => void studio.edit(label, operations),
+    edit: (/** @type {string} */ label, /** @type {Record<string, unknown>[]} */ operations) => studio.change({ label, operations }),
     draw: (/** @type {string} */ tool) => studio.drawing.choose(tool),
-    start: (/** @type {string} */ section) => void studio.request("start", { section }),
+    start: (/** @type {string} */ section) => {
+      studio.say("");  // a refusal before it
+      studio.request("start", { section });
+    },
     stop: () => void studio.request("stop task"),
     open: (/** @type {TaskMessage} */ task) => result.open(task),
     revision: () => studio.file.revision,

@@ -5,14 +5,16 @@
 /** @import { Change } from "./operations.js" */
 /** @import { Document } from "./types.d.ts" */
 
+import { neat } from "./neat.js";
 import { added } from "./new_joints.js";
 import { bodiesAt, reference } from "./operations.js";
-import { neat } from "./transforms.js";
 
-/** Values of new elements: damping [N s/m], moment [N m], torsional stiffness [N m/rad], force of a cylinder [N], stiffness of stops, ropes and contacts [N/m]. */
-const DAMPING = 20, MOMENT = 1, TORSION = 5, PUSH = 100, STOP = 1000, ROPE = 1e4, CONTACT = 1e5;
+/** Values of new elements: damping, and that of hydraulic cylinders [N s/m], moment [N m], torsional stiffness [N m/rad], force of a cylinder [N], stiffness of stops, ropes and contacts [N/m]. */
+const DAMPING = 20, SEALS = 2000, MOMENT = 1, TORSION = 5, PUSH = 100, STOP = 1000, ROPE = 1e4, CONTACT = 1e5;
 /** Time of an oscillation of a new drive [s], and its amplitude relative to the length. */
 const PERIOD = 2, STROKE = 0.1;
+/** Amplitude of the opening of the valve of a new cylinder per length [1/m], so that it uses about half of its stroke. */
+const VALVE = 0.2;
 
 /** Ends of an element between two points. @param {Place} from @param {Place} to */
 function ends(from, to) {
@@ -36,7 +38,7 @@ export function actuator(from, to) {
 export function hydraulic(from, to) {
   const pair = ends(from, to);
   if (!pair) return null;
-  return added("hydraulic cylinder", "forces", "hydraulic", { type: "HydraulicCylinder", connect: pair.connect, opening: 0, stroke: neat(0.8 * pair.length), retracted_length: neat(0.6 * pair.length) });
+  return added("hydraulic cylinder", "forces", "hydraulic", { type: "HydraulicCylinder", connect: pair.connect, opening: `${neat(VALVE * pair.length)}*sin(2*pi*t/${PERIOD})`, stroke: neat(0.8 * pair.length), retracted_length: neat(0.6 * pair.length), damping: SEALS });
 }
 
 /** Drive of a distance. @param {Place} from @param {Place} to @returns {Change | null} */
@@ -49,7 +51,7 @@ export function stroke(from, to) {
 export function rope(places) {
   const length = places.slice(1).reduce((sum, place, k) => sum + Math.hypot(place.x - places[k].x, place.y - places[k].y), 0);
   if (!(length > 0) || !places.some(({ body }) => body)) return null;
-  return added("rope", "forces", "rope", { type: "Cable", points: places.map((place) => reference(place, place.body)), length: neat(length), stiffness: ROPE });
+  return added("rope", "forces", "rope", { type: "Cable", points: places.map((place) => reference(place, place.body)), length: neat(length), stiffness: ROPE, damping: DAMPING });
 }
 
 /** @param {Place} place @returns {Change | null} */

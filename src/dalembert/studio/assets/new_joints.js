@@ -3,10 +3,11 @@
 /** @import { Page } from "./pictures.js" */
 /** @import { Place } from "./snapping.js" */
 /** @import { Change, Operation } from "./operations.js" */
+/** @import { Document } from "./types.d.ts" */
 
-import { angleOf, reference } from "./operations.js";
+import { neat, neatSpot } from "./neat.js";
+import { angleOf, bodiesAt, reference } from "./operations.js";
 import { inBody } from "./snapping.js";
-import { neat } from "./transforms.js";
 
 /** Mass of a new particle [kg]. */
 const MASS = 1;
@@ -23,7 +24,7 @@ export const added = (label, section, base, fields) => ({ label: `add ${label}`,
 /** Direction in the axes of a body. @param {Page} page @param {string | null} body @param {Place} from @param {Place} to */
 function axis(page, body, from, to) {
   const length = Math.hypot(to.x - from.x, to.y - from.y), angle = Math.atan2(to.y - from.y, to.x - from.x) - angleOf(page, body);
-  return length > 0 ? [neat(Math.cos(angle)), neat(Math.sin(angle))] : null;
+  return length > 0 ? neatSpot([Math.cos(angle), Math.sin(angle)]) : null;
 }
 
 /** Reference to a place on a body, or on the ground if it is none. @param {Page} page @param {string | null} body @param {Place} place */
@@ -44,8 +45,13 @@ export function guide(page, [slides, carrier, toward]) {
   return added("guide", "joints", "guide", { type: "Prismatic", connect: [on(page, carrier.body, slides), reference(slides, slides.body)], axis: direction, ...(angle && { angle }) });
 }
 
-/** Weld of the bodies at a point, or of one to the ground. @param {Page} page @param {Place} place @returns {Change | null} */
-export function weld(page, place) {
+/** Weld of the bodies at a point, or of one to the ground; a pin of these bodies is replaced. @param {Page} page @param {Document} document @param {Place} place @returns {Change | null} */
+export function weld(page, document, place) {
+  const pin = document.joints?.[place.joint ?? ""];
+  if (pin?.type === "Revolute") {
+    const { angle } = bodiesAt(page, pin), fields = { type: "Weld", connect: pin.connect, ...(angle && { angle }) };
+    return { label: "weld pin", operations: [{ op: "remove", section: "joints", name: place.joint }, { op: "add", section: "joints", base: "weld", fields }] };
+  }
   if (!place.body) return null;
   const other = place.names.find((name) => name.split(".")[0] !== place.body && name.split(".")[0] !== "ground"), first = other?.split(".")[0] ?? null;
   const angle = neat(angleOf(page, place.body) - angleOf(page, first));

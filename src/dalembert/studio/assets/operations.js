@@ -4,8 +4,8 @@
 /** @import { Page } from "./pictures.js" */
 /** @import { Document } from "./types.d.ts" */
 
+import { neat } from "./neat.js";
 import { FINE, inBody, onOutline, placeOf, rounded } from "./snapping.js";
-import { neat } from "./transforms.js";
 
 /** Mass of a new bar per length [kg/m], and of a new plate per area [kg/m²]. */
 const BAR = 1, PLATE = 10;

@@ -9,6 +9,9 @@ import { elementPlaces, namedPlaces } from "./snapping.js";
 
 /** @typedef {{ x: number, y: number }} Spot */
 
+/** Width beyond which the readout is wrapped [px]. */
+const WIDEST = 280;
+
 /** Number with four digits. @param {number} value */
 export const short = (value) => String(Number(value.toPrecision(4)));
 
@@ -50,7 +53,8 @@ export function drawOverlay(ctx, drawing) {
     const pad = 12 / view.s;
     line([{ x: box.x0 - pad, y: box.y0 - pad }, { x: box.x1 + pad, y: box.y0 - pad }, { x: box.x1 + pad, y: box.y1 + pad }, { x: box.x0 - pad, y: box.y1 + pad }], true);
   }
-  line(now && places.length ? [...places, now] : places);
+  line(!now || !drawing.from ? places : tool.fromFirst ? [drawing.from, now] : [...places, now]);
+  for (const place of places) mark(place, 3);
   if (drag?.kind === "box") {
     const { from: p, to: q } = drag;
     line([p, { x: q.x, y: p.y }, q, { x: p.x, y: q.y }], true);
@@ -66,7 +70,7 @@ export function drawOverlay(ctx, drawing) {
   ctx.lineWidth = 2;
   if (last) {
     mark(last, last.names.length ? 8 : 4);
-    const from = places.at(-1) ?? (drag?.kind === "body" ? drag.from : null);
+    const from = drawing.from ?? (drag?.kind === "body" ? drag.from : null);
     readout(ctx, screen(last), [drawing.typed ? `${drawing.typed}▏` : from ? measured(from, last) : `${short(last.x)}, ${short(last.y)} m`, last.how, drawing.status], colour);
   }
   ctx.restore();
@@ -74,7 +78,7 @@ export function drawOverlay(ctx, drawing) {
 
 /** Lines of text in a box beside the pointer. @param {CanvasRenderingContext2D} ctx @param {[number, number]} at @param {string[]} lines @param {(name: string) => string} colour */
 export function readout(ctx, [x, y], lines, colour) {
-  const rows = lines.filter(Boolean), width = Math.max(...rows.map((row) => ctx.measureText(row).width)) + 16, height = 17 * rows.length + 8;
+  const rows = lines.filter(Boolean).flatMap((line) => wrapped(ctx, line)), width = Math.max(...rows.map((row) => ctx.measureText(row).width)) + 16, height = 17 * rows.length + 8;
   const left = x + 18 + width > ctx.canvas.clientWidth ? Math.max(4, x - 14 - width) : x + 14, top = Math.max(4, y - 14 - height);
   ctx.beginPath();
   ctx.roundRect(left, top, width, height, 6);
@@ -88,4 +92,15 @@ export function readout(ctx, [x, y], lines, colour) {
     ctx.fillStyle = colour(k ? "--muted" : "--ink");
     ctx.fillText(row, left + 8, top + 17 * (k + 1));
   });
+}
+
+/** Rows of a line of text. @param {CanvasRenderingContext2D} ctx @param {string} line */
+function wrapped(ctx, line) {
+  const rows = [""], most = Math.min(WIDEST, ctx.canvas.clientWidth - 40);
+  for (const word of line.split(" ")) {
+    const longer = [rows.at(-1), word].filter(Boolean).join(" ");
+    if (rows.at(-1) && ctx.measureText(longer).width > most) rows.push(word);
+    else rows[rows.length - 1] = longer;
+  }
+  return rows;
 }

@@ -9,6 +9,9 @@ import { bodiesOf, references } from "./transforms.js";
 /** Sections of what the drawing shows. */
 export const SECTIONS = ["bodies", "beams", "joints", "drivers", "forces"];
 
+/** Names of all elements that the drawing shows. @param {Document | null} document */
+export const namesIn = (document) => SECTIONS.flatMap((section) => Object.keys(document?.[section] ?? {}));
+
 /** Section of an element. @param {Document} document @param {string} name */
 export const sectionOf = (document, name) => SECTIONS.find((section) => document[section]?.[name] !== undefined) ?? null;
 

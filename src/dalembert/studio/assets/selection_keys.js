@@ -7,7 +7,7 @@
 
 import { copied, remove, transform } from "./editing.js";
 import { stillPage } from "./preview.js";
-import { SECTIONS, bodiesAmong, bounds } from "./selection.js";
+import { bodiesAmong, bounds, namesIn } from "./selection.js";
 import { gridStep } from "./snapping.js";
 import { reflection, rotation, shift } from "./transforms.js";
 
@@ -56,6 +56,7 @@ export class SelectionKeys {
     if (!clipboard || !page || !middle) return;
     const step = 2 * gridStep(page.scene.view.s), map = atPointer && now ? shift(now.x - middle.x, now.y - middle.y) : shift(step, -step);
     drawing.attempt(() => copied(clipboard.page, clipboard.document, clipboard.names, map));
+    drawing.before = new Set(namesIn(drawing.document));
   }
 
   duplicate() {
@@ -71,7 +72,7 @@ export class SelectionKeys {
     if (key === "c" && drawing.selection.size) commands.do(() => this.copy(), true);
     else if (key === "v" && (this.clipboard || commands.waiting.length)) commands.do(() => this.paste(true), false);
     else if (key === "d") commands.do(() => this.duplicate(), true);
-    else if (key === "a") drawing.select(SECTIONS.flatMap((section) => Object.keys(document[section] ?? {})));
+    else if (key === "a") drawing.select(namesIn(document));
     else return false;
     return true;
   }

@@ -2,6 +2,8 @@
 
 /** @import { Page } from "./pictures.js" */
 
+import { neatSpot } from "./neat.js";
+
 /** Distance within which the pointer catches a point [px]. */
 const CATCH = 11;
 /** Shortest distance of lines of the grid [px]. */
@@ -51,7 +53,7 @@ export function inBody({ motion }, name, x, y) {
   const body = motion.bodies.find((/** @type {any} */ part) => part.name === name), pose = body && motion.pose(body);
   if (!pose) return null;
   const [u, v] = [x - pose.x, y - pose.y];
-  return [pose.c * u + pose.s * v, pose.c * v - pose.s * u];
+  return neatSpot([pose.c * u + pose.s * v, pose.c * v - pose.s * u], [x, y, pose.x, pose.y]);
 }
 
 /** A place without a reference. @param {number} x @param {number} y @returns {Place} */

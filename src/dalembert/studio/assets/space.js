@@ -12,6 +12,7 @@
 import { ModelTree } from "./model_tree.js";
 import { valuesAfter } from "./preview.js";
 import { sectionOf } from "./selection.js";
+import { isTyped, takePointer } from "./picture_events.js";
 import { isOutside } from "./pictures.js";
 import { AXES } from "./space_math.js";
 import { grip, handleAt, handles, pulled } from "./space_gizmo.js";
@@ -27,7 +28,7 @@ import { SPACE_TOOLS } from "./space_tools.js";
 const STILL = 4;
 
 export class Space {
-  /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void }} actions @param {HTMLElement} stage */
+  /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void, commands: import("./command_queue.js").CommandQueue }} actions @param {HTMLElement} stage */
   constructor(pictures, actions, stage) {
     /** The shown picture, if it is spatial. @type {Page | null} */
     this.boundPage = null;
@@ -109,17 +110,12 @@ export class Space {
     [this.held, this.hover] = [null, null];
     if (!isSpatial) return this.refresh();
     settleAtStart(page);
-    const { canvas } = page.scene, view = /** @type {Window} */ (this.pictures.frame?.contentWindow);
-    const on = (/** @type {string} */ kind, /** @type {(event: PointerEvent, at: Pixel) => boolean} */ act) => view.addEventListener(kind, (event) => {
-      if ((event.target !== canvas && !this.held) || this.boundPage !== page) return;
-      const { clientX, clientY } = /** @type {PointerEvent} */ (event), { left, top } = canvas.getBoundingClientRect();
-      if (act(/** @type {PointerEvent} */ (event), [clientX - left, clientY - top])) event.stopImmediatePropagation();
-    }, true);
-    on("pointerdown", (event, at) => this.down(event, at));
-    on("pointermove", (event, at) => this.over(event, at));
-    on("pointerup", (event, at) => this.up(event, at));
+    const view = /** @type {Window} */ (this.pictures.frame?.contentWindow);
+    takePointer(page, view, () => this.boundPage === page, () => this.held !== null, {
+      pointerdown: (event, at) => this.down(event, at), pointermove: (event, at) => this.over(event, at), pointerup: (event, at) => this.up(event, at),
+      dblclick: () => this.tool.name !== "select",
+    });
     view.addEventListener("pointercancel", () => this.revert(), true);
-    on("dblclick", () => this.tool.name !== "select");
     view.addEventListener("keydown", (event) => this.key(event), true);
     page.scene.overlays.push((/** @type {{ ctx: CanvasRenderingContext2D }} */ { ctx }) => drawOver(this, ctx));
     if (this.tool.name !== "select" || this.selected) this.rest();
@@ -240,9 +236,12 @@ export class Space {
   }
 
   finish() {
-    const change = this.tool.make(this.places, this.setting);
-    if (change) this.send(change, isOutside(this.boundPage, this.places.map(({ p }) => p)));
-    else this.actions.refuse(`${this.tool.title}: ${this.tool.hint.join("; then ")}`);
+    const { places, tool, setting: { axis } } = this, fits = isOutside(this.boundPage, places.map(({ p }) => p));
+    this.actions.commands.do(() => {
+      const change = tool.make(places, { ...this.setting, axis });
+      if (change) this.send(change, fits);
+      else this.actions.refuse(`${tool.title}: ${tool.hint.join("; then ")}`);
+    }, false);
     this.places = [];
   }
 
@@ -305,8 +304,7 @@ export class Space {
 
   /** @param {KeyboardEvent} event */
   key(event) {
-    const typing = /** @type {HTMLElement} */ (event.target)?.closest?.("input, select, textarea, .cm-editor, dialog");
-    if (!this.possible || typing || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (!this.possible || isTyped(event) || event.ctrlKey || event.metaKey || event.altKey) return;
     if (!answer(this, event.key)) return;
     event.preventDefault();
     event.stopImmediatePropagation();

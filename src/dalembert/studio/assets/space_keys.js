@@ -4,6 +4,7 @@
 /** @import { Space } from "./space.js" */
 
 import { pulled, withTyped } from "./space_gizmo.js";
+import { COORDINATES, typedSpacePlace } from "./space_places.js";
 import { SPACE_TOOLS } from "./space_tools.js";
 
 /** Carry out a key; returns whether it has a meaning. @param {Space} space @param {string} key */
@@ -12,7 +13,7 @@ export function answer(space, key) {
   if (/^[-\d.,; ]$/.test(key) && (held ?? (tool.clicks > 0 && space.typed + key !== " "))) return type(space, key);
   if (key === "Backspace" && (held?.typed || space.typed)) return type(space, "");
   if (key === "Enter" && held) return space.release(held), true;
-  if (key === "Enter" && space.typed) return place(space), true;
+  if (key === "Enter" && space.typed) return put(space), true;
   if (key === "Escape") {
     if (held) space.revert();
     if (held || space.places.length || space.typed) [space.held, space.places, space.typed] = [null, [], ""];
@@ -42,10 +43,9 @@ function type(space, character) {
 }
 
 /** A place with typed coordinates; a single number is one along the normal of the plane from the last place. @param {Space} space */
-function place(space) {
-  const values = space.typed.split(/[\s,;]+/).filter(Boolean).map(Number), { plane } = space.palette, last = space.places.at(-1)?.p, k = "xyz".indexOf(plane.axis);
-  const p = values.length === 3 ? values : values.length === 1 && last ? last.map((v, i) => (i === k ? v + values[0] : v)) : null;
+function put(space) {
+  const place = typedSpacePlace(space.typed, space.palette.plane, space.places.at(-1)?.p ?? null);
   space.typed = "";
-  if (p?.every(Number.isFinite)) space.add({ p, names: [], body: null, joint: null, normal: null, how: "" });
-  else space.actions.refuse("type three coordinates, such as 0.1, 0, 0.25, or one along the normal of the plane from the last place");
+  if (place) space.add(place);
+  else space.actions.refuse(COORDINATES);
 }

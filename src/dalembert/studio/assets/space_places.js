@@ -18,6 +18,19 @@ const FINE = 100;
 /** Working plane. @typedef {{ axis: "x" | "y" | "z", normal: Vec, origin: Vec }} WorkingPlane */
 /** @typedef {[number, number]} Pixel */
 
+/** How coordinates are typed. */
+export const COORDINATES = "type three coordinates, such as 0.1, 0, 0.25, or one along the normal of the plane from the last place";
+
+/** A place without a reference. @param {Vec} p @returns {SpacePlace} */
+export const spacePlaced = (p) => ({ p, names: [], body: null, joint: null, normal: null, how: "typed" });
+
+/** Place with three typed coordinates, or with one along the normal of the plane from the last place. @param {string} typed @param {WorkingPlane} plane @param {Vec | null} last @returns {SpacePlace | null} */
+export function typedSpacePlace(typed, { axis }, last) {
+  const values = typed.split(/[\s,;]+/).filter(Boolean).map(Number), k = "xyz".indexOf(axis);
+  const p = values.length === 3 ? values : values.length === 1 && last ? last.map((v, i) => (i === k ? v + values[0] : v)) : null;
+  return p?.every(Number.isFinite) ? spacePlaced(p) : null;
+}
+
 /** Line of sight. @param {Page} page @param {Pixel} pixel */
 export function rayAt({ scene }, [x, y]) {
   const { canvas, view: { camera } } = scene, spot = (/** @type {number} */ depth) => camera.position.clone().set((2 * x) / canvas.clientWidth - 1, 1 - (2 * y) / canvas.clientHeight, depth).unproject(camera);

@@ -6,7 +6,7 @@
 /** @import { Document } from "./types.d.ts" */
 /** @import { Vec } from "./space_math.js" */
 
-import { neat } from "./transforms.js";
+import { neat } from "./neat.js";
 import { axisAngle, across, between, dot, inverse, minus, plus, size, times, turned, unit } from "./space_math.js";
 
 /** Density of new solids [kg/m³]; mass [kg] and moments of inertia [kg m²] of a new body without a shape. */

@@ -10,6 +10,8 @@
 /** @import { Part } from "./structure.js" */
 /** @import { Document } from "./types.d.ts" */
 
+import { neat } from "./neat.js";
+import { isTyped, takePointer } from "./picture_events.js";
 import { isOutside } from "./pictures.js";
 import { valuesAfter } from "./preview.js";
 import { grip, handleAt, handles, pulled } from "./space_gizmo.js";
@@ -21,7 +23,6 @@ import { drawSpaceStructure } from "./space_structure_overlay.js";
 import { SpaceStructurePalette } from "./space_structure_palette.js";
 import { SPACE_STRUCTURE_TOOLS, typedForce } from "./space_structure_tools.js";
 import { StructureProperties } from "./structure_properties.js";
-import { neat } from "./transforms.js";
 
 /** Movement of the pointer up to which a press is a click, and distance at which it takes hold [px]. */
 const STILL = 4, REACH = 11;
@@ -99,17 +100,12 @@ export class SpaceStructure {
     [this.held, this.handle] = [null, null];
     this.properties.show();
     if (!this.boundPage) return;
-    const { canvas } = page.scene, view = /** @type {Window} */ (this.pictures.frame?.contentWindow);
-    const on = (/** @type {string} */ kind, /** @type {(event: PointerEvent, at: Pixel) => boolean} */ act) => view.addEventListener(kind, (event) => {
-      if ((event.target !== canvas && !this.held) || this.boundPage !== page || !this.possible) return;
-      const { clientX, clientY } = /** @type {PointerEvent} */ (event), { left, top } = canvas.getBoundingClientRect();
-      if (act(/** @type {PointerEvent} */ (event), [clientX - left, clientY - top])) event.stopImmediatePropagation();
-    }, true);
-    on("pointerdown", (event, at) => this.down(event, at));
-    on("pointermove", (event, at) => this.over(event, at));
-    on("pointerup", (event, at) => this.up(event, at));
+    const view = /** @type {Window} */ (this.pictures.frame?.contentWindow);
+    takePointer(page, view, () => this.boundPage === page && this.possible, () => this.held !== null, {
+      pointerdown: (event, at) => this.down(event, at), pointermove: (event, at) => this.over(event, at), pointerup: (event, at) => this.up(event, at),
+      dblclick: () => this.tool.name !== "select",
+    });
     view.addEventListener("pointercancel", () => this.revert(), true);
-    on("dblclick", () => this.tool.name !== "select");
     view.addEventListener("keydown", (event) => this.key(event), true);
     page.scene.overlays.push((/** @type {{ ctx: CanvasRenderingContext2D }} */ { ctx }) => { if (this.possible && this.boundPage === page) drawSpaceStructure(ctx, this); });
     if (this.possible && this.document && !page.motion.mesh) page.scene.show.grid = true;
@@ -223,9 +219,12 @@ export class SpaceStructure {
     this.places = tool.chain ? places.slice(-1) : [];
     const way = to && !tool.scalar && size(minus(to.p, from.p)) > 0 ? minus(to.p, from.p) : tool.scalar ? [0, 0, 1] : times(this.palette.plane.normal, -1), along = times(way, 1 / size(way));
     const vector = tool.units && typed ? typedForce(typed, units, along) : times(along, usual);
-    const change = vector && tool.make(places, this.setting, target, vector.map((v) => (Math.abs(v) < 1e-12 * size(vector) ? 0 : v)));
-    if (change) this.send(change, isOutside(this.boundPage, places.map(({ p }) => p)));
-    else this.actions.refuse(`${tool.title}: ${tool.hint.join("; ")}`);
+    const fits = isOutside(this.boundPage, places.map(({ p }) => p));
+    this.actions.commands.do(() => {
+      const change = vector && tool.make(places, this.setting, target, vector.map((v) => (Math.abs(v) < 1e-12 * size(vector) ? 0 : v)));
+      if (change) this.send(change, fits);
+      else this.actions.refuse(`${tool.title}: ${tool.hint.join("; ")}`);
+    }, false);
     this.target = null;
   }
 
@@ -271,8 +270,7 @@ export class SpaceStructure {
 
   /** @param {KeyboardEvent} event */
   key(event) {
-    const typing = /** @type {HTMLElement} */ (event.target)?.closest?.("input, select, textarea, .cm-editor, dialog");
-    if (!this.possible || typing || event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
+    if (!this.possible || isTyped(event) || event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
     if (!answer(this, event.key)) return;
     event.preventDefault();
     event.stopImmediatePropagation();

@@ -3,6 +3,7 @@
 /** @import { SpaceStructure } from "./space_structure.js" */
 
 import { pulled, withTyped } from "./space_gizmo.js";
+import { COORDINATES, spacePlaced, typedSpacePlace } from "./space_places.js";
 import { SPACE_STRUCTURE_TOOLS } from "./space_structure_tools.js";
 import { BEGINS, TYPED } from "./typed_numbers.js";
 
@@ -55,11 +56,10 @@ function typing(structure, key) {
 
 /** A place with typed coordinates, or the value of a load. @param {SpaceStructure} structure */
 function place(structure) {
-  const { tool, typed, now, places } = structure, last = places.at(-1)?.p, at = (/** @type {number[]} */ p) => ({ p, names: [], body: null, joint: null, normal: null, how: "typed" });
-  if (tool.units && last) return structure.put(now ? { ...now } : at(last));
-  const values = typed.split(/[\s,;]+/).filter(Boolean).map(Number), k = "xyz".indexOf(structure.palette.plane.axis);
-  const p = values.length === 3 ? values : values.length === 1 && last ? last.map((v, i) => (i === k ? v + values[0] : v)) : null;
-  if (p?.every(Number.isFinite)) structure.put(at(p));
-  else structure.actions.refuse("type three coordinates, such as 0.1, 0, 0.25, or one along the normal of the plane from the last place");
+  const { tool, typed, now, places } = structure, last = places.at(-1)?.p ?? null;
+  if (tool.units && last) return structure.put(now ? { ...now } : spacePlaced(last));
+  const next = typedSpacePlace(typed, structure.palette.plane, last);
+  if (next) structure.put(next);
+  else structure.actions.refuse(COORDINATES);
   structure.typed = "";
 }

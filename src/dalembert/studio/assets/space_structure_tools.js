@@ -6,9 +6,9 @@
 /** @import { Vec } from "./space_math.js" */
 /** @import { Document } from "./types.d.ts" */
 
+import { neat } from "./neat.js";
 import { SIZES, freed, freeName, heat } from "./structure_changes.js";
 import { memberFields } from "./structure_stock.js";
-import { neat } from "./transforms.js";
 
 /** @typedef {{ plan: SpacePlan, document: Document, plane: WorkingPlane, beam: string, section: import("./structure_stock.js").Section, material: import("./structure_stock.js").Material, claimed: Map<string, Vec> }} SpaceSetting */
 /** A tool: a `chain` of members goes on from its last place; with a `target` the first click is on a node or a member. A `vector` is drawn or typed from there, a `scalar` is typed.

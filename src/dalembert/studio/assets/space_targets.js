@@ -5,7 +5,7 @@
 /** @import { Document } from "./types.d.ts" */
 /** @import { Vec } from "./space_math.js" */
 
-import { neat } from "./transforms.js";
+import { neat } from "./neat.js";
 import { AXES, about, axisAngle, between, cross, euler, fromMatrix, inverse, matrix, minus, plus, product, size, times, turned, unit } from "./space_math.js";
 import { numberOf, vectorOf } from "./space_numbers.js";
 

@@ -11,6 +11,7 @@
 
 import { measured, short } from "./overlay.js";
 import { isOutside } from "./pictures.js";
+import { isTyped, takePointer } from "./picture_events.js";
 import { placed, snap } from "./snapping.js";
 import { changeOf, grasp, preview, release } from "./structure_drag.js";
 import { answer, command } from "./structure_keys.js";
@@ -112,22 +113,11 @@ export class Structure {
     if (grid && !scene.show.grid) grid.click();
     if (!page.motion.mesh && scene.view.fitted) [scene.view.x, scene.view.y, scene.view.s, scene.view.fitted] = [2, 0.5, Math.max(60, canvas.clientWidth / 7), false];
     if (!this.moving.length) player.pause();
-    const on = (/** @type {string} */ kind, /** @type {(event: PointerEvent, at: Spot) => boolean} */ act) => view.addEventListener(kind, (event) => {
-      if ((event.target !== canvas && !this.drag) || this.page !== page || !this.possible) return;
-      const { clientX, clientY } = /** @type {PointerEvent} */ (event), { left, top } = canvas.getBoundingClientRect();
-      if (act(/** @type {PointerEvent} */ (event), [clientX - left, clientY - top])) event.stopImmediatePropagation();
-    }, true);
-    on("pointerdown", (event, at) => this.down(event, at));
-    on("pointermove", (event, at) => this.over(event, at));
-    on("pointerup", (event) => release(this, event));
-    on("dblclick", () => this.tool.name !== "select");
-    view.addEventListener("keydown", (event) => {
-      this.key(event);
-      const { key, ctrlKey, metaKey, shiftKey } = event;
-      if (!(ctrlKey || metaKey) || event.defaultPrevented) return;
-      const outer = new KeyboardEvent("keydown", { key, ctrlKey, metaKey, shiftKey, bubbles: true, cancelable: true });
-      if (!document.dispatchEvent(outer)) event.preventDefault();  // such as undo, while the picture has the focus
-    }, true);
+    takePointer(page, view, () => this.page === page && this.possible, () => this.drag !== null, {
+      pointerdown: (event, at) => this.down(event, at), pointermove: (event, at) => this.over(event, at), pointerup: (event) => release(this, event),
+      dblclick: () => this.tool.name !== "select",
+    });
+    view.addEventListener("keydown", (event) => this.key(event), true);
     scene.overlays.push((/** @type {{ ctx: CanvasRenderingContext2D }} */ { ctx }) => { if (this.possible && this.page === page) drawStructure(ctx, this); });
     this.refresh();
   }
@@ -207,9 +197,12 @@ export class Structure {
       const toward = /** @type {Spot} */ (tool.scalar ? [1, 0] : [to.x - from.x, to.y - from.y]), sense = tool.parts || to.x <= from.x ? 1 : -1;
       vector = this.typed ? typedVector(this.typed, units, toward) : tool.scalar ? [sense * size, 0] : drawnVector(from, to, size);
     }
-    const change = tool.make(places, this.setting, target, vector);
-    if (change) this.send(change, isOutside(this.page, places.map(({ x, y }) => [x, y])));
-    else this.actions.refuse(`${tool.title}: ${tool.hint.join("; ")}`);
+    const fits = isOutside(this.page, places.map(({ x, y }) => [x, y]));
+    this.actions.commands.do(() => {
+      const change = tool.make(places, this.setting, target, vector);
+      if (change) this.send(change, fits);
+      else this.actions.refuse(`${tool.title}: ${tool.hint.join("; ")}`);
+    }, false);
     this.target = null;
   }
 
@@ -259,8 +252,7 @@ export class Structure {
 
   /** @param {KeyboardEvent} event */
   key(event) {
-    const typing = /** @type {HTMLElement} */ (event.target)?.closest?.("input, select, textarea, .cm-editor, dialog");
-    if (!this.possible || typing || event.defaultPrevented || event.altKey) return;
+    if (!this.possible || isTyped(event) || event.defaultPrevented || event.altKey) return;
     if (event.ctrlKey || event.metaKey ? !command(this, event.key) : !answer(this, event)) return;
     event.preventDefault();
     event.stopImmediatePropagation();

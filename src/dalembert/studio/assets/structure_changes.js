@@ -5,8 +5,8 @@
 /** @import { Plan, Spot, Target } from "./structure_plan.js" */
 /** @import { Document } from "./types.d.ts" */
 
+import { neat } from "./neat.js";
 import { MATERIALS, memberFields, stockOf } from "./structure_stock.js";
-import { neat } from "./transforms.js";
 
 /** Settings of the palette: quantities of new parts, and names of nodes that the file does not have yet.
  * @typedef {{ plan: Plan, document: Document, beam: string, cell: string, section: import("./structure_stock.js").Section, material: import("./structure_stock.js").Material, thickness: number | string, size: number | string | null, strain: boolean, claimed: Map<string, Spot> }} Setting */

@@ -7,11 +7,11 @@
 /** @import { Handle, Loop, Spot } from "./structure_plan.js" */
 /** @import { Tip } from "./structure_tips.js" */
 
+import { neat } from "./neat.js";
 import { valuesAfter } from "./preview.js";
 import { placed } from "./snapping.js";
 import { circle } from "./structure_plan.js";
 import { tipAt, tipChange } from "./structure_tips.js";
-import { neat } from "./transforms.js";
 
 /** What is dragged: handles with the nodes that follow, the tip of a load, or a rectangle of selection.
  * @typedef {{ kind: "handle" | "tip" | "box", handles: Handle[], tip: Tip | null, from: Place, to: Place, moved: boolean, values: number[] }} Drag */
@@ -54,8 +54,10 @@ export function release(structure, event) {
     const parts = [...plan.handles.filter(({ kind, at }) => kind !== "radius" && inside(at)).map(({ name }) => ({ section: "points", name })), ...plan.bars.filter(({ ends }) => ends.every(inside)).map(({ name }) => ({ section: "elements", name }))];
     structure.select([...(event.shiftKey ? structure.selection : []), ...(drag.moved ? parts : [])]);
   } else if (drag.moved) {
-    const change = changeOf(structure, drag);
-    if (change) structure.send(change);
+    structure.actions.commands.do(() => {
+      const change = changeOf(structure, drag);
+      if (change) structure.send(change);
+    }, false);
   }
   structure.refresh();
   return true;

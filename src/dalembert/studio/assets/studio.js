@@ -1,33 +1,36 @@
 // Page of the studio: the drawing beside the text, with undo, saving and problems.
 
-/** @import { Page } from "./pictures.js" */
-/** @import { Document, Fix, Message, PictureMessage, Problem, TextMessage } from "./types.d.ts" */
+/** @import { Change } from "./operations.js" */
+/** @import { Document, Message, PictureMessage, TextMessage } from "./types.d.ts" */
 
-import { ask } from "./ask.js";
+import { CommandQueue } from "./command_queue.js";
 import { Completion } from "./completion.js";
 import { Crosshair } from "./crosshair.js";
 import { Exports, chooseFile } from "./dialogs.js";
+import { bindDivider } from "./divider.js";
+import { byId } from "./dom.js";
 import { Drawing } from "./drawing.js";
-import { CommandQueue } from "./command_queue.js";
-import { addInsight } from "./insight.js";
-import { button, byId, el } from "./dom.js";
 import { Editor } from "./editor.js";
+import { FileBar } from "./file_bar.js";
 import { Guide } from "./guide.js";
+import { addInsight } from "./insight.js";
 import { Link } from "./link.js";
 import { Palette } from "./palette.js";
 import { Photo } from "./photo.js";
 import { Pictures } from "./pictures.js";
+import { ProblemList } from "./problem_list.js";
 import { Properties } from "./properties.js";
+import { Saving } from "./saving.js";
 import { Sheets } from "./sheets.js";
 import { showShortcuts } from "./shortcuts.js";
+import { writeSliders } from "./slider_values.js";
 import { Space } from "./space.js";
 import { SpaceStructure } from "./space_structure.js";
 import { Structure } from "./structure.js";
+import { Theme } from "./theme.js";
 
 /** Time for which a notice is shown [ms]. */
 const SHOWN = 6000;
-/** Time without a change after which values of sliders are written into the text [ms]. */
-const REST = 250;
 /** Time after which the page says that a picture is being made [ms]. */
 const SLOW = 1200;
 /** Upper limit of the length of a text, as of the server [characters]. */
@@ -39,7 +42,7 @@ const MODIFIER = /Mac|iPhone|iPad/.test(navigator.platform) ? "⌘" : "Ctrl+";
 class Studio {
   constructor() {
     /** State of the file. @type {TextMessage} */
-    this.file = { kind: "text", revision: -1, text: null, name: "", path: "", changed: false, undo: "", redo: "", document: null };
+    this.file = { kind: "text", revision: -1, opened: 0, text: null, name: "", path: "", changed: false, undo: "", redo: "", document: null };
     /** Revisions sent and not yet confirmed. */
     this.pending = 0;
     /** Revision whose change by the drawing is not yet answered. @type {number | null} */
@@ -51,42 +54,34 @@ class Studio {
     /** Text that was typed while there was no connection, and the revision that it changes. @type {{ text: string, revision: number } | null} */
     this.unsent = null;
     this.pictures = new Pictures(byId("canvas"));
-    this.pictures.onShow.push((page) => this.follow(page));
+    this.pictures.onShow.push((page) => writeSliders(page, (label, operations) => this.writeOwn(label, operations), (act) => this.commands.do(() => { if (this.pictures.page?.design === page.design) act(); }, false)));
     this.photo = new Photo(this.pictures, byId("canvas"), (text, failed) => this.say(text, failed));  // before the drawing, whose clicks it may take
     const keys = [
-      { key: "Mod-s", run: () => this.save() }, { key: "Mod-Shift-s", run: () => this.saveAs() },
+      { key: "Mod-s", run: () => this.saving.save() }, { key: "Mod-Shift-s", run: () => this.saving.saveAs() },
       { key: "Mod-e", run: () => this.extract() },
       { key: "Mod-z", run: () => this.undo() }, { key: "Mod-y", run: () => this.redo() }, { key: "Mod-Shift-z", run: () => this.redo() },
     ];
     this.editor = new Editor(byId("text"), (text) => this.sendText(text), keys, (text, at, explicit) => this.completion?.options(text, at, explicit) ?? null);
+    this.problems = new ProblemList(this.editor, () => this.described?.revision === this.file.revision && !this.editor.waits && !this.pending, (text) => this.say(text, true));
     /** Completion, when its schema has been read. @type {Completion | null} */
     this.completion = null;
     fetch("assets/schema.json").then((reply) => reply.json()).then((schema) => { this.completion = new Completion(schema, () => this.known, () => this.names()); });
     /** Contents of the last valid text. @type {Document | null} */
     this.known = null;
-    this.buttons = {
-      open: button("Open…", () => this.request("files"), { title: "Open a file, an example or a new model" }),
-      save: button("Save", () => this.save(), { id: "save", title: `Save the file (${MODIFIER}S)` }),
-      saveAs: button("Save as…", () => this.saveAs()),
-      export: button("Export…", () => this.exports.open(), { title: "Page, picture, film, table, script, and files for other programs" }),
-      undo: button("Undo", () => this.undo()),
-      redo: button("Redo", () => this.redo()),
-      photo: button("Photo…", () => this.photo.open(), { title: "Show a photo under the drawing; images can also be dropped on it" }),
-      parameter: button("Parameter", () => this.extract(), { id: "make-parameter", title: `Turn the number at the cursor into a parameter with a slider (${MODIFIER}E)` }),
-    };
-    byId("actions").append(...Object.values(this.buttons));
+    this.saving = new Saving((kind, more) => this.request(kind, more), () => this.file);
+    this.bar = new FileBar(MODIFIER, {
+      open: () => this.request("files"), save: () => this.saving.save(), saveAs: () => this.saving.saveAs(), export: () => this.exports.open(),
+      undo: () => this.undo(), redo: () => this.redo(), photo: () => this.photo.open(), parameter: () => this.extract(),
+      help: () => this.help(), theme: () => this.theme.turn(), stop: () => this.stop(),
+    });
     this.exports = new Exports((kind, more) => this.request(kind, more), () => this.share);
-    byId("more").append(button("Help", () => this.help(), { title: "Keys, and a guided first build (?)" }), button("Theme", () => this.turnTheme(), { id: "theme", title: "Light or dark" }), button("Stop", () => this.stop(), { title: "Stop the program; unsaved changes are kept" }));
-    this.setTheme(localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light"));
+    this.theme = new Theme((name) => this.pictures.setTheme(name));
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.timer = undefined;
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.slow = undefined;
     this.drawing = new Drawing(this.pictures, {
-      change: ({ label, operations }) => {
-        this.say("");  // a refusal before it
-        void this.edit(label, operations);
-      },
+      change: (change) => this.change(change),
       hint: (text) => { byId("hint").textContent = text; },
       select: (section, name) => this.editor.reveal(section, name),
       refuse: (text) => this.say(text, true, true),
@@ -126,24 +121,7 @@ class Studio {
     this.pictures.onShow.push(() => this.pictures.frame?.contentWindow?.addEventListener("keydown", (event) => this.key(event)));
     this.pictures.onShow.push(() => this.commands.proceed());
     byId("cancel").addEventListener("click", () => this.request("cancel"));
-    const divider = byId("divider"), desk = byId("desk");
-    const setWidth = (/** @type {number} */ share) => {
-      const width = Math.min(75, Math.max(15, share));
-      desk.style.setProperty("--text-width", `${width}%`);
-      divider.setAttribute("aria-valuenow", String(Math.round(width)));
-    };
-    divider.addEventListener("pointerdown", (event) => {
-      divider.setPointerCapture(event.pointerId);
-      desk.classList.add("moving");
-    });
-    divider.addEventListener("pointermove", (event) => {
-      if (divider.hasPointerCapture(event.pointerId)) setWidth((1 - event.clientX / innerWidth) * 100);
-    });
-    divider.addEventListener("keydown", ({ key }) => {
-      const share = (byId("writing").clientWidth / innerWidth) * 100;
-      if (key === "ArrowLeft") setWidth(share + 3);
-      if (key === "ArrowRight") setWidth(share - 3);
-    });
+    bindDivider(byId("divider"), byId("desk"), byId("writing"));
   }
 
   /** Keys of the whole page. @param {KeyboardEvent} event */
@@ -152,7 +130,7 @@ class Studio {
     const typing = /** @type {HTMLElement} */ (event.target)?.closest?.("input, textarea, .cm-editor");
     if (event.key === "?" && !typing) return this.help();
     if (!(event.ctrlKey || event.metaKey)) return;
-    const act = { s: () => (event.shiftKey ? this.saveAs() : this.save()), o: () => this.request("files"), z: () => (event.shiftKey ? this.redo() : this.undo()), y: () => this.redo() }[event.key.toLowerCase()];
+    const act = { s: () => (event.shiftKey ? this.saving.saveAs() : this.saving.save()), o: () => this.request("files"), z: () => (event.shiftKey ? this.redo() : this.undo()), y: () => this.redo() }[event.key.toLowerCase()];
     if (!act) return;
     event.preventDefault();
     act();
@@ -177,7 +155,7 @@ class Studio {
           this.working();
         }
         this.insight.describe(message);
-        if (message.problems) this.showProblems(message.problems);
+        if (message.problems) this.problems.show(message.problems);
         if (message.summary !== undefined) this.showSummary(message);
         this.pictures.receive(message);
         return this.commands.proceed();
@@ -189,14 +167,14 @@ class Studio {
         this.space.revert();
         this.say(message.text, true);
         return this.commands.proceed();
-      case "conflict": return void this.resolve(message.text, message.path);
+      case "conflict": return void this.saving.resolve(message.text, message.path);
       default: this.handlers[/** @type {{ kind: string }} */ (message).kind]?.(message);
     }
   }
 
   /** @param {TextMessage} file */
   showFile(file) {
-    const { text, name, changed } = file;
+    const { text, name } = file;
     if (this.editing !== null && (file.revision > this.editing || text !== null)) this.editing = null;
     if (text === null) this.pending--;
     else if (!this.editor.waits || file.revision !== this.file.revision) {
@@ -204,8 +182,9 @@ class Studio {
       this.pending = 0;
       this.editor.show(text);
     }
+    if (file.opened !== this.file.opened && this.pictures.page) this.pictures.page.scene.view.fitted = true;  // and with it the picture of another file
     this.file = file;
-    this.drawing.document = file.document;
+    this.drawing.show(file.document);
     this.space.show(file.document ?? this.known);
     this.structure.show(file.document ?? this.known);
     this.spaceStructure.show(file.document ?? this.known);
@@ -218,17 +197,8 @@ class Studio {
       this.editor.show(typed);
       this.sendText(typed);
     }
-    byId("name").textContent = name;
     void this.photo.show(file.path || name);
-    byId("name").title = file.path;
-    byId("changed").hidden = !changed;
-    document.title = `${changed ? "• " : ""}${name} – studio`;
-    const { undo, redo, save } = this.buttons;
-    for (const [node, label, key] of /** @type {const} */ ([[undo, file.undo, "Z"], [redo, file.redo, "Y"]])) {
-      node.disabled = !label;
-      node.title = label ? `${node.textContent} ${label} (${MODIFIER}${key})` : "";
-    }
-    save.disabled = !changed && Boolean(file.path);
+    this.bar.show(file);
     document.documentElement.dataset.revision = String(file.revision);
     for (const listener of this.onDocument) listener(file.document);
     this.guide?.check();
@@ -267,27 +237,18 @@ class Studio {
     return true;
   }
 
-  undo() { return this.request("undo"); }
+  undo() { return this.turnBack("undo"); }
 
-  redo() { return this.request("redo"); }
+  redo() { return this.turnBack("redo"); }
 
-  save() { return this.file.path ? this.request("save") : this.saveAs(); }
-
-  saveAs() {
-    ask("Save as", "A file name, or a path.", { save: "Save" }, { name: "File", value: this.file.path || this.file.name }).then((reply) => {
-      if (reply?.value.trim()) this.request("save", { path: reply.value.trim() });
-    });
+  /** Undo or redo, after the changes before are answered. @param {"undo" | "redo"} kind */
+  turnBack(kind) {
+    this.editor.flush();
+    this.commands.do(() => {
+      this.editing = this.link.connected ? this.file.revision : null;
+      this.request(kind);
+    }, false);
     return true;
-  }
-
-  /** Decide about a file that is not replaced without confirmation. @param {string} text @param {string} path */
-  async resolve(text, path) {
-    /** @type {Record<string, string>} */
-    const answers = path ? { replace: "Replace" } : { replace: "Overwrite it", reload: "Read it again", other: "Save as…" };
-    const reply = await ask("The file is not replaced yet", `${text}.`, answers);
-    if (reply?.answer === "replace") this.request("save", { path, replace: true });
-    if (reply?.answer === "reload") this.request("reload");
-    if (reply?.answer === "other") this.saveAs();
   }
 
   /** Names for references and formulas: parameters, elements, points. */
@@ -303,6 +264,14 @@ class Studio {
     return this.edit("add parameter", [{ op: "extract", at: this.editor.cursor }]);
   }
 
+  /** Change of the drawing, after those before are answered. @param {Change} change */
+  change({ label, operations }) {
+    this.say("");  // a refusal before it
+    this.editor.flush();
+    if (this.isAnswered) this.edit(label, operations);
+    else this.commands.do(() => this.edit(label, operations), false);
+  }
+
   /** @param {string} label @param {Record<string, unknown>[]} operations */
   edit(label, operations) {
     this.editor.flush();
@@ -311,24 +280,10 @@ class Studio {
     return this.request("edit", { label, operations, revision });
   }
 
-  /** Write the values of the sliders of a live picture into the text. @param {Page} page */
-  follow({ design }) {
-    if (!design) return;
-    /** @type {ReturnType<typeof setTimeout> | undefined} */
-    let waiting;
-    let written = [...design.values];
-    design.onChange.on((/** @type {string} */ origin) => {
-      clearTimeout(waiting);
-      if (origin === "drawing") return;  // written when it is released
-      waiting = setTimeout(() => {
-        if (this.pictures.page?.design !== design) return;
-        const operations = design.parameters.flatMap((/** @type {{ name: string, drawn?: unknown }} */ { name, drawn }, /** @type {number} */ k) => (drawn || design.values[k] === written[k] ? [] : [{ op: "parameter", name, value: design.values[k] }]));
-        written = [...design.values];
-        if (!operations.length) return;
-        this.pictures.own = this.file.revision + this.pending + 1;
-        this.edit(`set ${operations.map((/** @type {{ name: string }} */ { name }) => name).slice(0, 3).join(", ")}`, operations);
-      }, REST);
-    });
+  /** Change of the text that the shown page has made itself. @param {string} label @param {Record<string, unknown>[]} operations */
+  writeOwn(label, operations) {
+    this.pictures.own = this.file.revision + this.pending + 1;
+    this.edit(label, operations);
   }
 
   stop() {
@@ -346,21 +301,6 @@ class Studio {
     this.pending = 0;
     this.editing = null;
     this.commands.clear();
-  }
-
-  /** @param {Problem[]} problems */
-  showProblems(problems) {
-    this.editor.mark(problems);
-    byId("problems").replaceChildren(...problems.map(({ level, message, start, end, line, fixes }) =>
-      el("li", { class: level }, el("button", { type: "button", onclick: () => start !== null && this.editor.select(start, end ?? start) },
-        el("span", { class: "level" }), el("span", { class: "place" }, line ? `line ${line}` : ""), el("span", {}, message)),
-      ...(fixes ?? []).map((fix) => button(fix.title, () => this.fix(fix), { class: "button small fix" })))));
-  }
-
-  /** Carry out the remedy of a problem. @param {Fix} fix */
-  fix({ start, end, insert }) {
-    if (this.described?.revision !== this.file.revision || this.editor.waits || this.pending) return this.say("The text has changed meanwhile; wait for its problems.", true);
-    this.editor.replace(start, end, insert);
   }
 
   /** @param {PictureMessage} message */
@@ -381,14 +321,6 @@ class Studio {
     if (passes) this.timer = setTimeout(() => { notice.textContent = ""; }, SHOWN);
   }
 
-  /** @param {string} name */
-  setTheme(name) {
-    document.documentElement.dataset.theme = name;
-    localStorage.setItem("theme", name);
-    this.pictures.setTheme(name);
-  }
-
-  turnTheme() { this.setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"); }
 }
 
 /** @typedef {Studio} StudioPage */

@@ -181,7 +181,7 @@ export class SynthesisSheet {
       this.drawn.push({ canvas, card });
       const sizes = Object.entries(card.dimensions).filter(([, value]) => value).map(([name, value]) => `${name} ${Number(value.toPrecision(4))}`).join(", ");
       return el("article", { class: "candidate", title: sizes }, canvas, el("div", {}, el("b", {}, `error ${Number(card.error.toPrecision(3))}`), el("small", {}, `max. ${Number(card.distance.toPrecision(3))}`)),
-        el("div", { class: "marks" }, card.marks.length ? card.marks.map((text) => el("span", { class: "defect" }, text)) : el("span", { class: "good" }, "no defects")),
+        el("div", { class: "defects" }, card.marks.length ? card.marks.map((text) => el("span", { class: "defect" }, text)) : el("span", { class: "good" }, "no defects")),
         card.operations || card.parameters ? button("Insert", () => this.insert(card), { title: card.operations ? "Add the linkage to the text" : "Write its parameters into the text" }) : el("small", { class: "muted" }, "shown only"));
     }));
   }

@@ -15,8 +15,8 @@ import { TARGET_TOOLS } from "./targets.js";
 import { reflection } from "./transforms.js";
 
 /** A tool: what its clicks are, and the change that they make. `clicks` is zero for a list that Enter or a click on its start ends.
- * With `onBody` the first place may be on a body, with `all` every place.
- * @typedef {{ name: string, key: string, group: string, title: string, hint: string[], clicks: number, onBody?: boolean | "all", make: (places: Place[], drawing: Drawing) => Change | null }} Tool */
+ * With `onBody` the first place may be on a body, with `all` every place. Directions are measured from the last place, or `fromFirst`.
+ * @typedef {{ name: string, key: string, group: string, title: string, hint: string[], clicks: number, onBody?: boolean | "all", fromFirst?: boolean, make: (places: Place[], drawing: Drawing) => Change | null }} Tool */
 
 export const GROUPS = ["Select", "Bodies", "Joints", "Forces", "Contacts", "Drives", "Targets"];
 
@@ -36,9 +36,9 @@ export const TOOLS = [
   { name: "point", key: "t", group: "Bodies", title: "Point", hint: ["click a body or the ground"], clicks: 1, onBody: true, make: using((_, document, [place]) => point(place, document)) },
   { name: "pin", key: "o", group: "Joints", title: "Pin", hint: ["click a point or where bars cross: bodies there are joined, a single one is pinned to the ground"], clicks: 1, onBody: true, make: using((page, _, [place]) => pin(page, place)) },
   { name: "slider", key: "s", group: "Joints", title: "Slider", hint: ["click a point that slides", "click in the direction of the slot"], clicks: 2, onBody: true, make: ([place, toward]) => slider(place, toward) },
-  { name: "slot", key: "u", group: "Joints", title: "Slot in a body", hint: ["click the point that slides", "click the body with the slot", "click in the direction of the slot"], clicks: 3, onBody: "all", make: using((page, _, places) => slot(page, places)) },
-  { name: "guide", key: "i", group: "Joints", title: "Guide", hint: ["click the body that slides", "click the body or the ground that it slides along", "click in the direction of the guide"], clicks: 3, onBody: "all", make: using((page, _, places) => guide(page, places)) },
-  { name: "weld", key: "w", group: "Joints", title: "Weld", hint: ["click a point: bodies there are welded, a single one to the ground"], clicks: 1, onBody: true, make: using((page, _, [place]) => weld(page, place)) },
+  { name: "slot", key: "u", group: "Joints", title: "Slot in a body", hint: ["click the point that slides", "click the body with the slot", "click in the direction of the slot"], clicks: 3, fromFirst: true, onBody: "all", make: using((page, _, places) => slot(page, places)) },
+  { name: "guide", key: "i", group: "Joints", title: "Guide", hint: ["click the body that slides", "click the body or the ground that it slides along", "click in the direction of the guide"], clicks: 3, fromFirst: true, onBody: "all", make: using((page, _, places) => guide(page, places)) },
+  { name: "weld", key: "w", group: "Joints", title: "Weld", hint: ["click a point: bodies there are welded, a single one to the ground; a pin there is replaced"], clicks: 1, onBody: true, make: using((page, document, [place]) => weld(page, document, place)) },
   { name: "link", key: "l", group: "Joints", title: "Massless link", hint: [A_POINT, "click the other end"], clicks: 2, onBody: "all", make: ([from, to]) => link(from, to) },
   { name: "gears", key: "g", group: "Joints", title: "Gear pair", hint: ["click the centre of the first gear", "click the centre of the second gear", "click where the pitch circles touch; beyond the second centre for inner teeth"], clicks: 3, onBody: "all", make: (places) => gears(places) },
   { name: "rack", key: "G", group: "Joints", title: "Rack and pinion", hint: ["click the centre of the pinion", "click the rack: a body or the ground", "click in the direction of the rack"], clicks: 3, onBody: "all", make: using((page, _, places) => rack(page, places)) },

@@ -3,6 +3,8 @@
 /** @import { Page } from "./pictures.js" */
 /** @import { Document } from "./types.d.ts" */
 
+import { neat, neatSpot } from "./neat.js";
+
 /** Rigid map of the plane: a reflection about the x axis if `mirrored`, then a rotation, then a shift.
  * @typedef {{ turn: number, mirrored: boolean, x: number, y: number }} Transform */
 /** Names of mapped elements → new names, which are the same where elements are changed in place.
@@ -13,9 +15,6 @@
 const OF_BODIES = ["RotationalDriver", "TorsionSpring", "Torque", "Coupling"];
 /** Keys of angles of the second body relative to the first. */
 const RELATIVE = { Prismatic: "angle", Weld: "angle", TorsionSpring: "free_angle", RotationalDriver: "law" };
-
-/** Number without noise in its last digits. @param {number} value */
-export const neat = (value) => (Math.abs(value) < 1e-12 ? 0 : Number(value.toPrecision(9)));
 
 /** @param {number} x @param {number} y @returns {Transform} */
 export const shift = (x, y) => ({ turn: 0, mirrored: false, x, y });
@@ -28,18 +27,21 @@ export const reflection = (p, q) => about(p, { turn: 2 * Math.atan2(q.y - p.y, q
 
 /** The same map with a fixed point. @param {{ x: number, y: number }} center @param {Transform} map @returns {Transform} */
 function about(center, map) {
-  const [x, y] = applied(map, [center.x, center.y]);
+  const [x, y] = image(map, [center.x, center.y]);
   return { ...map, x: center.x - x, y: center.y - y };
 }
 
 /** @param {Transform} map */
 const basis = ({ turn, mirrored }) => [neat(Math.cos(turn)), neat(Math.sin(turn)), mirrored ? -1 : 1];
 
-/** Image of a point. @param {Transform} map @param {number[]} point @returns {[number, number]} */
-export function applied(map, [x, y]) {
+/** @param {Transform} map @param {number[]} point @returns {[number, number]} */
+function image(map, [x, y]) {
   const [c, s, m] = basis(map);
   return [c * x - s * m * y + map.x, s * x + c * m * y + map.y];
 }
+
+/** Image of a point. @param {Transform} map @param {number[]} point @returns {[number, number]} */
+export const applied = (map, point) => /** @type {[number, number]} */ (neatSpot(image(map, point), [...point, map.x, map.y]));
 
 /** Image of a direction, whose components may be formulas. @param {Transform} map @param {any[]} vector */
 export function turned(map, vector) {

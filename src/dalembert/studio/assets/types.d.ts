@@ -3,8 +3,8 @@
 /** A replacement in the text as remedy of a problem. */
 export interface Fix { title: string; start: number; end: number; insert: string }
 export interface Problem { fixes: Fix[]; level: "error" | "warning" | "info" | "note"; message: string; start: number | null; end: number | null; line: number }
-/** The text and the state of its file; `text` is null where the page has it already. */
-export interface TextMessage { kind: "text"; revision: number; text: string | null; name: string; path: string; changed: boolean; undo: string; redo: string; document: Document | null }
+/** The text and the state of its file, whose number `opened` is; `text` is null where the page has it already. */
+export interface TextMessage { kind: "text"; revision: number; opened: number; text: string | null; name: string; path: string; changed: boolean; undo: string; redo: string; document: Document | null }
 /** Contents of the file: section → name → entry. */
 export type Document = Record<string, Record<string, any> | undefined>;
 /** A picture; `page` is its address, empty if there is none. */

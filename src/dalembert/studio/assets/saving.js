@@ -1,0 +1,31 @@
+// Saving of the file: under its name, under another one, and the decision about a file that is there.
+
+import { ask } from "./ask.js";
+
+export class Saving {
+  /** @param {(kind: string, more?: Record<string, unknown>) => boolean} request @param {() => { path: string, name: string }} file */
+  constructor(request, file) {
+    this.request = request;
+    this.file = file;
+  }
+
+  save() { return this.file().path ? this.request("save") : this.saveAs(); }
+
+  saveAs() {
+    const { path, name } = this.file();
+    ask("Save as", "A file name, or a path.", { save: "Save" }, { name: "File", value: path || name }).then((reply) => {
+      if (reply?.value.trim()) this.request("save", { path: reply.value.trim() });
+    });
+    return true;
+  }
+
+  /** Decide about a file that is not replaced without confirmation. @param {string} text @param {string} path */
+  async resolve(text, path) {
+    /** @type {Record<string, string>} */
+    const answers = path ? { replace: "Replace" } : { replace: "Overwrite it", reload: "Read it again", other: "Save as…" };
+    const reply = await ask("The file is not replaced yet", `${text}.`, answers);
+    if (reply?.answer === "replace") this.request("save", { path, replace: true });
+    if (reply?.answer === "reload") this.request("reload");
+    if (reply?.answer === "other") this.saveAs();
+  }
+}
