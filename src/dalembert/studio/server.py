@@ -11,8 +11,8 @@ from pathlib import Path
 import uvicorn
 
 from dalembert.errors import FileError
-from dalembert.studio.application import make_application
-from dalembert.studio.session import Session
+from dalembert.studio.child import prepare_children
+from dalembert.studio.draft import Draft
 
 MAX_MESSAGE = 8_000_000
 """Upper limit of a message of a page [bytes]."""
@@ -20,6 +20,8 @@ MAX_MESSAGE = 8_000_000
 
 def serve(path: Path | None, port: int, ready: Callable[[str], None]) -> None:
     """Serve the studio for a model file until Ctrl-C or a request of the page.
+
+    The browser starts, and the parent of children imports modules, while this process does.
 
     Parameters
     ----------
@@ -32,7 +34,7 @@ def serve(path: Path | None, port: int, ready: Callable[[str], None]) -> None:
     FileError
         The file cannot be read, or the port is in use.
     """
-    session = Session(path)
+    Draft(path, "")  # a file that cannot be read is reported before the page is opened
     listener = socket.socket()
     try:
         listener.bind(("127.0.0.1", port))
@@ -42,6 +44,12 @@ def serve(path: Path | None, port: int, ready: Callable[[str], None]) -> None:
         raise FileError(f"port {port}: {reason}; choose another with --port") from None
     port = listener.getsockname()[1]
     token = secrets.token_urlsafe(24)
+    prepare_children()
+    ready(f"http://127.0.0.1:{port}/{token}/")
+    from dalembert.studio.application import make_application
+    from dalembert.studio.session import Session
+
+    session = Session(path)
     server = uvicorn.Server(
         uvicorn.Config(
             lambda: make_application(session, token, port, stop),
@@ -59,7 +67,6 @@ def serve(path: Path | None, port: int, ready: Callable[[str], None]) -> None:
     async def run() -> None:
         session.start()
         try:
-            ready(f"http://127.0.0.1:{port}/{token}/")
             await server.serve(sockets=[listener])
         finally:
             session.close()

@@ -59,9 +59,11 @@ class Studio {
       { key: "Mod-z", run: () => this.undo() }, { key: "Mod-y", run: () => this.redo() }, { key: "Mod-Shift-z", run: () => this.redo() },
     ];
     this.editor = new Editor(byId("text"), (text) => this.sendText(text), keys, (text, at, explicit) => this.completion?.options(text, at, explicit) ?? null);
-    /** Completion, when its schema has been read. @type {Completion | null} */
+    /** Completion, when its schema has been read, after the first picture. @type {Completion | null} */
     this.completion = null;
-    fetch("assets/schema.json").then((reply) => reply.json()).then((schema) => { this.completion = new Completion(schema, () => this.known, () => this.names()); });
+    /** Reading of the schema. @type {Promise<void> | null} */
+    this.reading = null;
+    this.pictures.onShow.push(() => this.readSchema());
     /** Contents of the last valid text. @type {Document | null} */
     this.known = null;
     this.buttons = {
@@ -146,6 +148,11 @@ class Studio {
     });
   }
 
+  /** Read the schema of model files for completion, once. */
+  readSchema() {
+    this.reading ??= fetch("assets/schema.json").then((reply) => reply.json()).then((schema) => { this.completion = new Completion(schema, () => this.known, () => this.names()); });
+  }
+
   /** Keys of the whole page. @param {KeyboardEvent} event */
   key(event) {
     if (event.defaultPrevented || byId("ask").hasAttribute("open")) return;
@@ -177,6 +184,7 @@ class Studio {
           this.working();
         }
         this.insight.describe(message);
+        if (!message.page) this.readSchema();
         if (message.problems) this.showProblems(message.problems);
         if (message.summary !== undefined) this.showSummary(message);
         this.pictures.receive(message);
