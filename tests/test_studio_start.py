@@ -18,15 +18,15 @@ from dalembert.studio.schema_process import schema_text
 READY = """
 import os, sys
 from dalembert.studio.server import serve
-def ready(address):
+def begin(address):
     slow = ("casadi", "pydantic", "dalembert.studio.session")
     print([name for name in slow if name in sys.modules], flush=True)
     os._exit(0)
-serve(None, 0, ready)
+serve(None, 0, print, begin)
 """
 
 
-def test_the_address_is_reported_before_modules_are_imported(tmp_path: Path) -> None:
+def test_the_browser_is_started_before_modules_are_imported(tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-c", READY], capture_output=True, text=True, cwd=tmp_path, timeout=120
     )

@@ -18,7 +18,12 @@ MAX_MESSAGE = 8_000_000
 """Upper limit of a message of a page [bytes]."""
 
 
-def serve(path: Path | None, port: int, ready: Callable[[str], None]) -> None:
+def serve(
+    path: Path | None,
+    port: int,
+    ready: Callable[[str], None],
+    begin: Callable[[str], None] = lambda address: None,
+) -> None:
     """Serve the studio for a model file until Ctrl-C or a request of the page.
 
     The browser starts, and the parent of children imports modules, while this process does.
@@ -28,6 +33,7 @@ def serve(path: Path | None, port: int, ready: Callable[[str], None]) -> None:
     path : of the model file; None for a new model
     port : of the loopback interface; zero for a free one
     ready : called with the address of the page, which contains a random token
+    begin : called with it earlier, before modules are imported; requests wait for their answers
 
     Raises
     ------
@@ -44,8 +50,9 @@ def serve(path: Path | None, port: int, ready: Callable[[str], None]) -> None:
         raise FileError(f"port {port}: {reason}; choose another with --port") from None
     port = listener.getsockname()[1]
     token = secrets.token_urlsafe(24)
+    address = f"http://127.0.0.1:{port}/{token}/"
     prepare_children()
-    ready(f"http://127.0.0.1:{port}/{token}/")
+    begin(address)
     from dalembert.studio.application import make_application
     from dalembert.studio.session import Session
 
@@ -67,6 +74,7 @@ def serve(path: Path | None, port: int, ready: Callable[[str], None]) -> None:
     async def run() -> None:
         session.start()
         try:
+            ready(address)
             await server.serve(sockets=[listener])
         finally:
             session.close()
