@@ -42,6 +42,8 @@ def studio(
         else:
             print_line(f"studio: {address}\nCtrl-C stops it")
         sys.stdout.flush()
+
+    def begin(address: str) -> None:
         if open_page:
             webbrowser.open(address)
 
@@ -50,5 +52,5 @@ def studio(
             optional_package(package, "the studio")
         from dalembert.studio.server import serve
 
-        serve(model, port, ready)
+        serve(model, port, ready, begin)
     return DONE

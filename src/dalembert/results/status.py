@@ -137,6 +137,11 @@ class Warnings(Sequence[str]):
             self._texts += deferred()
         return self._texts
 
+    def postpone(self) -> Warnings:
+        """The deferred warnings, which these texts no longer contain."""
+        late, self._deferred = Warnings(deferred=self._deferred), None
+        return late
+
     @overload
     def __getitem__(self, index: int) -> str: ...
 

@@ -11,7 +11,6 @@ import json
 import re
 from collections.abc import Awaitable, Callable, MutableMapping
 from dataclasses import asdict
-from functools import cache
 from importlib import resources
 from typing import Any
 
@@ -22,10 +21,11 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
 from dalembert.errors import DalembertError
-from dalembert.io.documents import json_schema
 from dalembert.studio.connection import Connection
+from dalembert.studio.event_loop import in_thread
 from dalembert.studio.exporting import CHOICES
 from dalembert.studio.photos import MAX_PHOTO, Photo, Photos
+from dalembert.studio.schema_process import schema_text
 from dalembert.studio.session import Session
 
 MEDIA = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
@@ -76,7 +76,7 @@ def make_application(session: Session, token: str, port: int, stop: Callable[[],
         return _asset(request.path_params["name"])
 
     async def schema(request: Request) -> Response:
-        return Response(_schema(), 200, HEADERS, "application/json")
+        return Response(await in_thread(schema_text), 200, HEADERS, "application/json")
 
     async def exports(request: Request) -> Response:
         choices = [{"to": to} | asdict(choice) for to, choice in CHOICES.items()]
@@ -208,12 +208,6 @@ async def _refuse(scope: Scope, receive: Receive, send: Send, reason: str) -> No
         await send({"type": "websocket.close", "code": 1008, "reason": ""})
         return
     await PlainTextResponse(reason, 403, HEADERS)(scope, receive, send)
-
-
-@cache
-def _schema() -> str:
-    """JSON Schema of model files, for completion."""
-    return json.dumps(json_schema())
 
 
 def _asset(name: str, headers: dict[str, str] | None = None) -> Response:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import multiprocessing.connection
 import os
 import sys
@@ -46,9 +47,19 @@ def child_context() -> SpawnContext | ForkServerContext:
     return context
 
 
+def prepare_children() -> None:
+    """Start the process of ``child_context``, which imports modules while the server does."""
+    if sys.platform == "linux":
+        from multiprocessing.forkserver import ensure_running
+
+        child_context()
+        ensure_running()
+
+
 def begin_child() -> None:
     """Leave interruptions to the server, end with it, and leave the output of models unprinted."""
     end_with_parent()
+    gc.freeze()  # objects of imported modules are not searched for garbage again
     if os.name == "posix":
         import signal
 

@@ -90,6 +90,9 @@ class PictureFeed:
         if kind == "still":
             message["problems"] = [asdict(p) for p in self._in_text(picture.problems)]
             message |= {"summary": picture.summary, "facts": picture.facts}
+        elif picture.late:
+            late = [asdict(p) for p in self._in_text(picture.late)]
+            message["problems"] = [*self._latest["still"]["problems"], *late]
         message["page"] = ""
         if picture.page:
             name = 2 * number + (kind == "live")

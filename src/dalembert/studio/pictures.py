@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from dalembert.analysis.explore import usual_analysis
+from dalembert.analysis.timeline import OverTime
 from dalembert.errors import AssemblyError, DalembertError
 from dalembert.io.analyses import make_analysis
 from dalembert.io.messages import key_path
@@ -17,10 +18,12 @@ from dalembert.model.assembled.model import StructuralModel
 from dalembert.report.page import render_page
 from dalembert.results.files.assembly_report import assembly_payload, position_payload
 from dalembert.results.result import Result
+from dalembert.results.status import Outcome, Warnings
 from dalembert.results.structural.free_motion import undeformed_payload
 from dalembert.studio.drawn_numbers import Keys, with_drawn_parameters
 from dalembert.studio.loose_nodes import parts_of, without_loose_nodes
 from dalembert.studio.problems import Problem, loose_notes, notes_of, problems_of
+from dalembert.studio.shown_motion import MotionLimit
 
 EMBEDDED = """header.top, #footer, #panels { display: none }
 body { padding: 8px } main, .single main { padding: 0 }
@@ -60,6 +63,7 @@ class Picture:
     summary : of the model in one line
     facts : numbers of the model, such as its degrees of freedom
     is_live : whether the page computes
+    late : warnings of checks that take as long as the run, which only live pictures have
     """
 
     page: str = ""
@@ -67,6 +71,7 @@ class Picture:
     summary: str = ""
     facts: dict[str, Any] = field(default_factory=dict)
     is_live: bool = False
+    late: tuple[Problem, ...] = ()
 
 
 def picture_of(text: str, path: Path, live: bool) -> Picture:
@@ -121,8 +126,9 @@ def _page_of(
     model = file.model()
     summary, facts = _diagnosis(model)
     notes = () if live or isinstance(model, StructuralModel) else notes_of(model, text, path)
+    limit = MotionLimit(file.document.analysis is not None)
     try:
-        result = result_of(file, model)
+        result = result_of(file, model, limit)
     except DalembertError as error:
         if live:
             raise
@@ -133,6 +139,9 @@ def _page_of(
         facts |= {"moving": list(getattr(error, "nodes", ()))}
         reasons = problems_of(_located(error), text, path)
         return Picture(_render(still), (*notes, *reasons), summary, facts)
+    if live and result.status.outcome is Outcome.INTERRUPTED:
+        return Picture()
+    late = result.warnings.postpone() if isinstance(result.warnings, Warnings) else []
     wrong_choices: list[Problem] = []
     choices: dict[str, Any] = {}
     try:
@@ -142,7 +151,7 @@ def _page_of(
     page = result.page(**choices)
     warnings = [Problem("warning", str(warning)) for warning in result.warnings]
     if not result.status.success:
-        warnings.append(Problem("error", str(result.status)))
+        warnings.append(limit.problem(result))
     problems = (*notes, *warnings, *wrong_choices)
     if not live:
         return Picture(_render(page), problems, summary, facts)
@@ -154,15 +163,23 @@ def _page_of(
     size = DRAWN if places else None
     page = result.live_page(page, stated, responses, units=choices.get("units", ()), max_bytes=size)
     is_live = "code" in page.get("live", {})
-    return Picture(_render(page) if is_live else "", problems, summary, facts, is_live)
+    checks = tuple(Problem("warning", str(warning)) for warning in late)
+    return Picture(_render(page) if is_live else "", problems, summary, facts, is_live, checks)
 
 
-def result_of(file: ModelFile, model: Any) -> Result:
-    """Result of the analysis of a file, or of a motion where it states none."""
+def result_of(file: ModelFile, model: Any, limit: MotionLimit | None = None) -> Result:
+    """Result of the analysis of a file, or of a motion where it states none.
+
+    Parameters
+    ----------
+    file, model : to analyse
+    limit : of the time to compute a motion
+    """
     stated = file.document.analysis is not None or isinstance(model, StructuralModel)
     analysis: Any = make_analysis(file, model) if stated else usual_analysis(model)
+    progress = limit if limit is not None and isinstance(analysis, OverTime) else False
     with file.located("analysis"):
-        result: Result = analysis.run(model, progress=False)
+        result: Result = analysis.run(model, progress=progress)
     return result
 
 

@@ -11,28 +11,36 @@ from pathlib import Path
 import uvicorn
 
 from dalembert.errors import FileError
-from dalembert.studio.application import make_application
-from dalembert.studio.session import Session
+from dalembert.studio.child import prepare_children
+from dalembert.studio.draft import Draft
 
 MAX_MESSAGE = 8_000_000
 """Upper limit of a message of a page [bytes]."""
 
 
-def serve(path: Path | None, port: int, ready: Callable[[str], None]) -> None:
+def serve(
+    path: Path | None,
+    port: int,
+    ready: Callable[[str], None],
+    begin: Callable[[str], None] = lambda address: None,
+) -> None:
     """Serve the studio for a model file until Ctrl-C or a request of the page.
+
+    The browser starts, and the parent of children imports modules, while this process does.
 
     Parameters
     ----------
     path : of the model file; None for a new model
     port : of the loopback interface; zero for a free one
     ready : called with the address of the page, which contains a random token
+    begin : called with it earlier, before modules are imported; requests wait for their answers
 
     Raises
     ------
     FileError
         The file cannot be read, or the port is in use.
     """
-    session = Session(path)
+    Draft(path, "")  # a file that cannot be read is reported before the page is opened
     listener = socket.socket()
     try:
         listener.bind(("127.0.0.1", port))
@@ -42,6 +50,13 @@ def serve(path: Path | None, port: int, ready: Callable[[str], None]) -> None:
         raise FileError(f"port {port}: {reason}; choose another with --port") from None
     port = listener.getsockname()[1]
     token = secrets.token_urlsafe(24)
+    address = f"http://127.0.0.1:{port}/{token}/"
+    prepare_children()
+    begin(address)
+    from dalembert.studio.application import make_application
+    from dalembert.studio.session import Session
+
+    session = Session(path)
     server = uvicorn.Server(
         uvicorn.Config(
             lambda: make_application(session, token, port, stop),
@@ -59,7 +74,7 @@ def serve(path: Path | None, port: int, ready: Callable[[str], None]) -> None:
     async def run() -> None:
         session.start()
         try:
-            ready(f"http://127.0.0.1:{port}/{token}/")
+            ready(address)
             await server.serve(sockets=[listener])
         finally:
             session.close()

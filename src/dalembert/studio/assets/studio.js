@@ -63,9 +63,11 @@ class Studio {
     ];
     this.editor = new Editor(byId("text"), (text) => this.sendText(text), keys, (text, at, explicit) => this.completion?.options(text, at, explicit) ?? null);
     this.problems = new ProblemList(this.editor, () => this.described?.revision === this.file.revision && !this.editor.waits && !this.pending, (text) => this.say(text, true));
-    /** Completion, when its schema has been read. @type {Completion | null} */
+    /** Completion, when its schema has been read, after the first picture. @type {Completion | null} */
     this.completion = null;
-    fetch("assets/schema.json").then((reply) => reply.json()).then((schema) => { this.completion = new Completion(schema, () => this.known, () => this.names()); });
+    /** Reading of the schema. @type {Promise<void> | null} */
+    this.reading = null;
+    this.pictures.onShow.push(() => this.readSchema());
     /** Contents of the last valid text. @type {Document | null} */
     this.known = null;
     this.saving = new Saving((kind, more) => this.request(kind, more), () => this.file);
@@ -124,6 +126,11 @@ class Studio {
     bindDivider(byId("divider"), byId("desk"), byId("writing"));
   }
 
+  /** Read the schema of model files for completion, once. */
+  readSchema() {
+    this.reading ??= fetch("assets/schema.json").then((reply) => reply.json()).then((schema) => { this.completion = new Completion(schema, () => this.known, () => this.names()); });
+  }
+
   /** Keys of the whole page. @param {KeyboardEvent} event */
   key(event) {
     if (event.defaultPrevented || byId("ask").hasAttribute("open")) return;
@@ -155,6 +162,7 @@ class Studio {
           this.working();
         }
         this.insight.describe(message);
+        if (!message.page) this.readSchema();
         if (message.problems) this.problems.show(message.problems);
         if (message.summary !== undefined) this.showSummary(message);
         this.pictures.receive(message);
