@@ -135,11 +135,11 @@ def _point(source: SourceSlopes, state: StepState, path: Path, s: float, own: An
     }
     slopes["momentum"] = along.slopes["momentum"] + across.slopes["momentum"]
     slopes["distance"], slopes["laws"] = along.slopes["distance"], along.slopes["laws"]
-    speeds = (
+    before, after, ending = (
         np.where(normal, getattr(along, name), getattr(across, name))
         for name in ("before", "after", "ending")
     )
-    return _Point(along.distance, along.laws, *speeds, slopes)
+    return _Point(along.distance, along.laws, before, after, ending, slopes)
 
 
 def _part(
