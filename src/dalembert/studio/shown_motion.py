@@ -9,7 +9,7 @@ from dalembert.results.status import Outcome
 from dalembert.studio.problems import Problem
 
 USUAL, STATED = 5.0, 60.0
-"""Upper limits of the time to compute a motion: of a file without an analysis, and with one [s]."""
+"""Upper limits of the processor time of a motion: of a file without an analysis, and with one [s]."""
 
 
 class MotionLimit:
@@ -18,13 +18,13 @@ class MotionLimit:
     Parameters
     ----------
     is_stated : whether the file states the analysis
-    seconds : upper limit of the time to compute; by default ``STATED`` or ``USUAL`` [s]
+    seconds : upper limit of the processor time; by default ``STATED`` or ``USUAL`` [s]
     """
 
     def __init__(self, is_stated: bool, seconds: float | None = None):
         self.is_stated = is_stated
         self.seconds = (STATED if is_stated else USUAL) if seconds is None else seconds
-        self._end = time.monotonic() + self.seconds
+        self._end = time.process_time() + self.seconds
 
     def __call__(self, share: float) -> None:
         """Receive the completed fraction of the run.
@@ -34,7 +34,7 @@ class MotionLimit:
         KeyboardInterrupt
             The time is over; the run ends with the motion so far.
         """
-        if time.monotonic() > self._end and share < 1.0:
+        if time.process_time() > self._end and share < 1.0:
             raise KeyboardInterrupt
 
     def problem(self, result: Result) -> Problem:
