@@ -63,7 +63,7 @@ def _advanced(
     some = contacts.some(step.scheme.acting(approach) | step.force_laws.compliant(contacts))
     lifts = approach.forced > step.solver.newton_tolerance * approach.fastest  # against forces
     if step.scheme.projection and lifts:
-        return _closed(step, start, some, contacts.key[approach.resting], before)
+        return _closed(step, start, some, contacts, approach.resting, before)
     return step.solved(step.struck(start, some), some, before)
 
 
@@ -71,13 +71,16 @@ def _closed(
     step: ContactStep,
     start: StepStart,
     contacts: Contacts,
+    near: Contacts,
     resting: np.ndarray,
     before: LastImpulses | None,
 ) -> StepResult:
     """Solution in which the gaps that a correction would open have their impact, too.
 
-    Together with them act the contacts whose keys are ``resting``: on curved surfaces these open by
-    ``O(h²)`` in each step, and without them bodies would fall into each other in every second step.
+    Together with them act the ``resting`` ones of the ``near`` gaps: on curved surfaces these open
+    by ``O(h²)`` in each step, and without them bodies would fall into each other in every second
+    step. Features that are closed at the end but not near at the start, such as edges that are
+    almost parallel and cross beyond their ends, follow only if gaps remain closed without them.
     """
     result = step.solved(step.struck(start, contacts), contacts, before)
     end = start.t + start.h
@@ -85,9 +88,11 @@ def _closed(
         at_end = step.at(end, result.y)
         if not np.isfinite(result.y).all() or step.deepest(at_end) >= -step.rounding:
             break
-        keys = np.union1d(step.closed(at_end).key, resting)
+        keys = np.union1d(step.closed(at_end).key, near.key[resting])
         keys = keys[~np.isin(keys, contacts.key)]
-        added = step.selected(step.at(start.t, start.y), keys)
+        added = near.some(np.isin(near.key, keys))
+        if not added.count:
+            added = step.selected(step.at(start.t, start.y), keys)
         joined = start.approach(Contacts.joined([contacts, added]), step.rounding)
         if joined.is_impact:
             added = added.some(joined.slow[contacts.count :])
