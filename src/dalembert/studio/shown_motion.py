@@ -9,7 +9,7 @@ from dalembert.results.status import Outcome
 from dalembert.studio.problems import Problem
 
 USUAL, STATED = 5.0, 60.0
-"""Upper limits of the processor time of a motion: of a file without an analysis, and with one [s]."""
+"""Upper limits of the processor time of a motion, of a file without and with an analysis [s]."""
 
 
 class MotionLimit:
