@@ -227,7 +227,7 @@ def test_an_optimum_is_written_into_the_text(desk: tuple[Desk, Studio], browser:
     other.goto(studio.address)
     visit.page.click("#start-task")
     visit.until("studio.insight.design.tasks.optimize?.status === 'done'", 60)
-    assert "optimal" in visit.page.inner_text(".task .result")
+    assert "optimal" in visit.page.inner_text(".design .task .result")
     Desk(other).until("studio.insight.design.tasks.optimize?.status === 'done'", 20)
     other.close()
     text = visit.text
