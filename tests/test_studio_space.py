@@ -85,6 +85,15 @@ class SpaceDesk(Desk):
         """Position of a handle on the screen."""
         return self.place(*self.page.evaluate(HANDLE, [kind, axis, corner]))
 
+    def turn_about_y(self, degrees: str) -> None:
+        """Type an angle while the ring is held, which Enter ends before the button is released."""
+        self.page.mouse.move(*self.handle("turn", "y", 44))
+        self.page.mouse.down()
+        for key in degrees:
+            self.page.keyboard.press(key)
+        self.changed(lambda: self.page.keyboard.press("Enter"))
+        self.page.mouse.up()
+
     def show(self, text: str) -> None:
         """Replace the text and look at it from a fixed place."""
         super().show(text)
@@ -152,12 +161,7 @@ def test_the_gizmo_moves_and_rotates_a_body(desk: SpaceDesk) -> None:
     assert desk.js(shown) == pytest.approx(0.4, abs=1e-9)  # it moves while it is dragged
     desk.changed(desk.page.mouse.up)
     assert desk.text == BOXES.replace('"200 mm"', '"400.0 mm"')
-    desk.page.mouse.move(*desk.handle("turn", "y", 44))
-    desk.page.mouse.down()
-    for key in "30":
-        desk.page.keyboard.press(key)
-    desk.changed(lambda: desk.page.keyboard.press("Enter"))
-    desk.page.mouse.up()
+    desk.turn_about_y("30")
     rotation = desk.document["bodies"]["one"]["rotation"]
     assert [rotation[k] for k in "xyz"] == pytest.approx([0, 0.1 + math.pi / 6, 0], abs=1e-6)
     for _ in range(2):
@@ -183,12 +187,7 @@ def test_enter_ends_a_drag_whose_button_stays_pressed(desk: SpaceDesk) -> None:
     desk.show(BOXES)
     desk.page.keyboard.press("v")
     desk.click(0.2, 0.3, 0.3)
-    desk.page.mouse.move(*desk.handle("turn", "y", 44))
-    desk.page.mouse.down()
-    for key in "30":
-        desk.page.keyboard.press(key)
-    desk.changed(lambda: desk.page.keyboard.press("Enter"))
-    desk.page.mouse.up()
+    desk.turn_about_y("30")
     desk.changed(lambda: desk.page.keyboard.press("Control+z"))
     assert desk.text == BOXES
 

@@ -20,11 +20,10 @@ def lifting_warnings(work: float, moved: float, scheme: ContactScheme) -> list[s
     work : of the corrections [J]
     moved : energy that took part in the motion [J]
     """
-    share = abs(work) / moved
-    if not share > SHARE:
+    if not abs(work) > SHARE * moved:
         return []
     other = "" if scheme.anticipates else ", or integrator=AnticipatedImpacts()"
     return [
-        f"corrections of positions, which lift bodies, did {work:.3g} J of work, {share:.1%} of "
-        f"the {moved:.3g} J that took part in the motion; use a shorter step{other}"
+        f"corrections of positions, which lift bodies, did {work:.3g} J of work, where "
+        f"{moved:.3g} J took part in the motion; use a shorter step{other}"
     ]
