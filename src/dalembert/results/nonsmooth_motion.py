@@ -129,7 +129,16 @@ class NonsmoothMotion(Motion):
         return self.data["normal_impulse"].sel(contact=name)
 
     def contact_forces(self, time: float) -> ContactForces:
-        """Positions and forces of all contacts at the output nearest to a time.
+        """Positions, forces and bodies of all contacts at the output nearest to a time.
+
+        Parameters
+        ----------
+        time : within the run [s]; the first output has no step before it and no contacts
+
+        Raises
+        ------
+        AnalysisError
+            The time is not within the run.
 
         Examples
         --------
@@ -144,7 +153,13 @@ class NonsmoothMotion(Motion):
         >>> contacts = motion.contact_forces(0.1)
         >>> contacts.places.round(6).tolist(), contacts.forces[:, 1].round(6).tolist()
         ([[-0.2, 0.0], [0.2, 0.0]], [10.0, 10.0])
+        >>> contacts.bodies[0].tolist(), contacts.between("ground", "crate").round(6).tolist()
+        (['ground', 'crate'], [0.0, 20.0])
         """
+        first, last = float(self.time[0]), float(self.time[-1])
+        slack = 1e-9 * (last - first)
+        if not first - slack <= time <= last + slack:
+            raise AnalysisError(f"time is {time:g} s; give one from {first:g} to {last:g} s")
         return self.drawn_contacts(int(np.argmin(np.abs(self.time - time))))
 
     def drawn_contacts(self, row: int) -> ContactForces:

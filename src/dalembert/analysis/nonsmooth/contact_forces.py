@@ -7,6 +7,8 @@ import numpy as np
 from dalembert.analysis.nonsmooth.contact_step import APART
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
+from dalembert.analysis.nonsmooth.gaps.gap_source import GapSource
+from dalembert.elements.contact.collisions import Collisions
 from dalembert.results.contact_forces import ContactForces
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 
@@ -24,6 +26,7 @@ def contact_forces(motion: NonsmoothMotion, row: int) -> ContactForces:
     key, impulse = record.key[acting], record.impulse[acting]
     places = np.full((acting.size, 3), np.nan)
     forces = np.zeros((acting.size, 3))
+    bodies = np.full((acting.size, 2), "", dtype=object)
     for number, source in enumerate(gap_sources(model)):
         own = key // APART == number
         if own.any():
@@ -31,6 +34,21 @@ def contact_forces(motion: NonsmoothMotion, row: int) -> ContactForces:
             places[own], axes = source.points(at, key[own] % APART)
             mean = impulse[own, : axes.shape[2]] / (record.t[step + 1] - record.t[step])
             forces[own] = (axes @ mean[:, :, None])[..., 0]
+            bodies[own] = source.bodies(key[own] % APART)
+            swapped = own.copy()
+            swapped[own] = _swapped(source, bodies[own])
+            bodies[swapped], forces[swapped] = bodies[swapped, ::-1], -forces[swapped]
     located = np.isfinite(places).all(axis=1)
     names = np.array(record.names)[record.owner[acting]]
-    return ContactForces(names[located], key[located], places[located, :d], forces[located, :d])
+    contacts = ContactForces(names, bodies.astype(str), key, places[:, :d], forces[:, :d])
+    return contacts.some(located)
+
+
+def _swapped(source: GapSource, bodies: np.ndarray) -> np.ndarray:
+    """Mask of pairs whose second body precedes the first one in the order of the contacts."""
+    shapes = [s for e in source.elements if isinstance(e, Collisions) for s in e.members]
+    order = dict.fromkeys(["ground", *(shape.carrier.name for shape in shapes), ""])
+    rank = {name: k for k, name in enumerate(order)}
+    ranks = np.array([rank[name] for name in bodies.ravel()], dtype=int).reshape(-1, 2)
+    mask: np.ndarray = ranks[:, 0] > ranks[:, 1]
+    return mask

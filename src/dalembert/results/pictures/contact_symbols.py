@@ -49,8 +49,7 @@ def _assigned(instant: ContactForces, before: dict[int, int], count: int) -> dic
 def _largest(instant: ContactForces) -> ContactForces:
     """The contacts with the largest forces."""
     order = np.sort(np.argsort(-np.linalg.norm(instant.forces, axis=1), kind="stable")[:MOST])
-    parts = (instant.names, instant.keys, instant.places, instant.forces)
-    return ContactForces(*(part[order] for part in parts))
+    return instant.some(order)
 
 
 def _symbol(name: str, columns: np.ndarray) -> dict[str, Any]:

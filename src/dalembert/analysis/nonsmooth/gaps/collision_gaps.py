@@ -78,9 +78,9 @@ class CollisionGaps(GapSource):
         self.formulas = GapFormulas(ca.vertcat(*formulas), moving)
         outputs = [*columns, ca.densify(radii), coefficients]
         self._geometry = Kernel(ca.Function("geometry", inputs, outputs))
-        names = [p.body.name for p in points]
-        number = {name: k for k, name in enumerate(dict.fromkeys(names))}
-        self.owner = np.array([number[name] for name in names])
+        self._names = np.array([p.body.name for p in points], dtype=object)
+        number = {name: k for k, name in enumerate(dict.fromkeys(self._names))}
+        self.owner = np.array([number[name] for name in self._names])
         self._neighbours = Neighbours(self.owner)
         self._kernels: dict[tuple[bool, int], Kernel] = {}
         self._last: NearPairs | None = None
@@ -197,6 +197,10 @@ class CollisionGaps(GapSource):
             out = function(np.concatenate([*own, positions[:, here]]), other)
             places[k], directions[k] = out[2].full().ravel(), out[3].full()
         return places, directions
+
+    def bodies(self, keys: np.ndarray) -> np.ndarray:
+        names: np.ndarray = self._names[np.stack(np.divmod(keys, self.counts[0]), axis=1)]
+        return names
 
     def _evaluate(
         self, chosen: np.ndarray, shapes: ShapesAt, wall: bool

@@ -117,6 +117,13 @@ class GapSource(ABC):
         """
         return np.full((keys.size, 3), np.nan), np.zeros((keys.size, 3, self.linear))
 
+    def bodies(self, keys: np.ndarray) -> np.ndarray:
+        """(n, 2) names of the first and second body of gaps with some keys.
+
+        Gaps stated by formulas have none, which are empty.
+        """
+        return np.full((keys.size, 2), "", dtype=object)
+
     def deepest(self, configuration: Configuration) -> float:
         """The smallest gap if it is negative, else 0 [m]."""
         closed = self.near(configuration, np.zeros((self.speeds, 1)))

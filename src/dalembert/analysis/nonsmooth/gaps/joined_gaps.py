@@ -100,3 +100,10 @@ class JoinedGaps(GapSource):
             if own.any():
                 places[own], directions[own] = source.points(configuration, keys[own] % SOURCE)
         return places, directions
+
+    def bodies(self, keys: np.ndarray) -> np.ndarray:
+        names = super().bodies(keys)
+        for number, source in enumerate(self.sources):
+            own = keys // SOURCE == number
+            names[own] = source.bodies(keys[own] % SOURCE)
+        return names

@@ -71,6 +71,15 @@ class SearchedGaps(GapSource):
     def within(self, last: LastPosition) -> list[Contacts]:
         """All gaps within ``last.reach``."""
 
+    @abstractmethod
+    def shapes_of(self, keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of the first and second shape of gaps with some keys."""
+
+    def bodies(self, keys: np.ndarray) -> np.ndarray:
+        names = np.array([shape.carrier.name for shape in self.geometry.shapes], dtype=object)
+        named: np.ndarray = names[np.stack(self.shapes_of(keys), axis=1)]
+        return named
+
     def arms(self, at: Positions) -> np.ndarray:
         """(s,) largest distances of points of the shapes from the origins of their bodies."""
         return self.geometry.arms(at)

@@ -79,7 +79,7 @@ class BoundaryGaps(SearchedGaps):
         if not keys.size:
             return self.none()
         values = self._values(*configuration)[0].ravel()
-        _, first, second, *_ = self._parts(keys)
+        first, second = self.shapes_of(keys)
         distance, blocks = np.zeros(keys.size), list[np.ndarray]()
         kinds = self.kinds(keys)
         for kind in kinds:
@@ -90,6 +90,10 @@ class BoundaryGaps(SearchedGaps):
         order = np.argsort(np.concatenate([kind.row for kind in kinds]))
         gaps = first, second, distance, np.concatenate(blocks)[order], keys
         return self.contacts(self.position(configuration), *gaps)
+
+    def shapes_of(self, keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        _, first, second, *_ = self._parts(keys)
+        return first, second
 
     def kinds(self, keys: np.ndarray) -> list[GapKind]:
         touch, *columns = self._parts(keys)

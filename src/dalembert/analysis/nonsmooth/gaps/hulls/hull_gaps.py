@@ -62,12 +62,15 @@ class HullGaps(SearchedGaps):
         gaps = self._gaps([self._pairs_of(keys[own]) for own in rows], position.at)
         return self.contacts(position, *(column[order] for column in gaps))
 
+    def shapes_of(self, keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        numbers = np.stack(np.divmod(keys % self._first[-1] ** 2, self._first[-1]))
+        first, second = np.searchsorted(self._first, numbers, side="right") - 1
+        return first, second
+
     def separating(
         self, start: Configuration, end: Configuration, keys: np.ndarray, rounding: float
     ) -> np.ndarray:
-        numbers = np.stack(np.divmod(keys % self._first[-1] ** 2, self._first[-1]))
-        shapes = np.searchsorted(self._first, numbers, side="right") - 1
-        hulls = {(int(i), int(j)) for i, j in shapes.T}
+        hulls = {(int(i), int(j)) for i, j in zip(*self.shapes_of(keys), strict=True)}
         pairs = [pair for i, j in hulls for pair in ((i, j), (j, i))]
         tables = [table for i, j in pairs if (table := self.geometry.face_gaps(i, j)).size]
         if not tables:
