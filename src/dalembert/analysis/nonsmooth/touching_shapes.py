@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from dalembert.analysis.nonsmooth.contact_step import APART as OFFSET, ContactStep
 from dalembert.elements.base import Element
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.pairs import APART
@@ -33,6 +34,29 @@ def refuse_lonely_shapes(elements: list[Element]) -> None:
             text = "its pairs have touching=False between all groups of different bodies"
             remedy = "leave out touching=False of one of them"
         raise AnalysisError(f"{element.name}: nothing can touch: {text}; {remedy}")
+
+
+def refuse_concentric(step: ContactStep, t: float, y: np.ndarray) -> None:
+    """Refuse a start at which a closed gap has no direction, as of balls with one centre.
+
+    Raises
+    ------
+    AnalysisError
+        Names the element and both bodies.
+    """
+    none = np.zeros((step.model.equations.speed_count, 1))
+    contacts = step.near(step.at(t, y), none)
+    width = contacts.drift.shape[1]
+    sums = np.asarray(abs(contacts.directions).sum(axis=1)).reshape(-1, width).sum(axis=1)
+    rows = np.flatnonzero(~np.isfinite(sums))
+    if rows.size:
+        number, key = divmod(int(contacts.key[rows[0]]), OFFSET)
+        source = step.sources[number]
+        bodies = " and ".join(source.bodies(np.array([key]))[0]) or "two shapes"
+        raise AnalysisError(
+            f"{source.elements[0].name}: {bodies} have the same centre at the start, and their "
+            "contact has no direction; move one of them"
+        )
 
 
 def _can_touch(element: Collisions) -> bool:

@@ -58,5 +58,5 @@ class RoundedLine(Spotted, AboutLine):
     def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
         start, end = self.point_i.position.sx, self.point_j.position.sx
         axis, relative = end - start, place - start
-        fraction = ca.fmin(1, ca.fmax(0, ca.dot(axis, relative) / ca.sumsqr(axis)))
+        fraction = ca.fmin(1, ca.fmax(0, ca.dot(axis, relative) / (ca.sumsqr(axis) + NO_LENGTH**2)))
         return ca.sqrt(ca.sumsqr(relative - fraction * axis) + NO_LENGTH**2) - self.radius.sx

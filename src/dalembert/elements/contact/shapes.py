@@ -27,6 +27,8 @@ from dalembert.errors import ModelError
 
 NO_LENGTH = 1e-30
 """Regularisation of a length at zero [m]."""
+SHORTEST = 1e-9
+"""Smallest length, or width, of a shape with several corners, relative to its size."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ import numpy as np
 from dalembert.elements.base import Condition, Look, Rows, Vector, option, quantity
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.hull import Hull
-from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Pointed, Spot, Spotted
+from dalembert.elements.contact.shapes import NO_LENGTH, SHORTEST, Ball, Pointed, Spot, Spotted
 from dalembert.elements.look import Path
 from dalembert.elements.pair import need_body
 from dalembert.elements.point import Point
@@ -77,6 +77,19 @@ def outline(corners: ca.SX, u: ca.SX) -> ca.SX:
     return ca.mtimes(corners, ca.vertcat(weights[0] + weights[count], *weights[1:count]))
 
 
+def _extended(corners: list[ca.SX]) -> list[Condition]:
+    """Conditions that successive corners have a distance and enclose an area."""
+    following = corners[1:] + corners[:1]
+    edges = [ca.sumsqr(b - a) for a, b in zip(corners, following, strict=True)]
+    largest = ca.mmax(ca.vertcat(*edges))
+    around = zip(corners, following, strict=True)
+    area = sum((a[0] * b[1] - a[1] * b[0] for a, b in around), ca.SX(0)) / 2
+    return [
+        (ca.vertcat(*edges) - SHORTEST**2 * largest, "two of its vertices coincide; leave one out"),
+        (area - SHORTEST * largest, "its vertices enclose no area; give corners of a polygon"),
+    ]
+
+
 def _height(place: ca.SX, start: ca.SX, end: ca.SX) -> ca.SX:
     """Signed distance of a position to the right of an edge."""
     edge, relative = end - start, place - start
@@ -138,7 +151,7 @@ class Polygon(ConvexShape):
         ):
             cross_products.append((b - a)[0] * (c - b)[1] - (b - a)[1] * (c - b)[0])
         wrong = "its vertices are no convex polygon; give them anticlockwise, without dents"
-        return [*super().conditions(), (ca.vertcat(*cross_products), wrong)]
+        return [*super().conditions(), (ca.vertcat(*cross_products), wrong), *_extended(corners)]
 
 
 @dataclass(eq=False)

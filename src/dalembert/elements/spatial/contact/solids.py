@@ -8,10 +8,10 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import Look, Vector, option, quantity
+from dalembert.elements.base import Condition, Look, Vector, option, quantity
 from dalembert.elements.contact.hull import Hull
 from dalembert.elements.contact.rounded_line import AboutLine, RoundedLine
-from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Pointed, Spot, Spotted
+from dalembert.elements.contact.shapes import NO_LENGTH, SHORTEST, Ball, Pointed, Spot, Spotted
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.contact.polyhedron import ConvexHull
 from dalembert.elements.spatial.look import Cuboid, Drum, Pill, Surface
@@ -150,6 +150,12 @@ class Cylinder(AboutLine):
     """
 
     space = 3
+
+    def conditions(self) -> list[Condition]:
+        ends, radius = (self.point_i.local.sx, self.point_j.local.sx), self.radius.sx
+        length = ca.norm_2(ends[1] - ends[0])
+        text = "its length is {} m, too small for its radius; move one of its ends"
+        return [*super().conditions(), (length - SHORTEST * radius, text, length)]
 
     def hull(self) -> Hull:
         return Hull.cylinder((self.point_i.local.sx, self.point_j.local.sx), self.radius.sx)
