@@ -73,3 +73,20 @@ def test_a_disc_larger_than_its_bore_names_the_overlap():
     status = da.solve_nonsmooth(system.build(), 0.01, step=1e-3).status
     assert not status.success
     assert "body and a fixed shape of touch overlap by 0.06 m at the start" in status.message
+
+
+@pytest.mark.parametrize(
+    "wall",
+    [
+        lambda ground: planar.contact.HalfPlane(ground.point(0.5 * da.t, 0.0)),
+        lambda ground: planar.contact.Circle(ground.point(0, -1 - 0.1 * da.t), 1.0),
+    ],
+)
+def test_walls_move_with_bodies_only(wall):
+    """A place in a body that depends on time has no velocity there: the gap ignored its motion."""
+    system = da.System("belt", gravity=(0.0, -9.81))
+    disc = system.add(planar.Body("disc", mass=1.0, inertia=0.01, position=(0.0, 0.1)))
+    shapes = [planar.contact.Circle(disc, 0.1), wall(system.ground)]
+    system.add(planar.Collisions("floor", shapes, friction=0.3))
+    with pytest.raises(da.AnalysisError, match=r"floor.shapes\[1\].*ground.*driver"):
+        da.solve_nonsmooth(system.build(), 0.01, step=1e-3)

@@ -34,6 +34,7 @@ from dalembert.analysis.nonsmooth.touching_shapes import (
     bodies_of,
     refuse_concentric,
     refuse_lonely_shapes,
+    refuse_moving_places,
 )
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.residual_check import EXACT, ResidualCheck
@@ -82,7 +83,9 @@ class NonsmoothRun:
                 "nothing in the model may touch; add Collisions or another rigid contact, or use "
                 "solve_dynamics"
             )
-        refuse_lonely_shapes([element for source in sources for element in source.elements])
+        elements = [element for source in sources for element in source.elements]
+        refuse_lonely_shapes(elements)
+        refuse_moving_places(elements)
         self.step = ContactStep(
             model, smooth_motion(model), sources, analysis.integrator, analysis.solver, self.p
         )

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
+import casadi as ca
 import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import APART as OFFSET, ContactStep
 from dalembert.elements.base import Element
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.pairs import APART
+from dalembert.elements.contact.shapes import Shape
+from dalembert.elements.point import Point
 from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
+from dalembert.symbolic.formulas.expression import t
 
 
 def refuse_lonely_shapes(elements: list[Element]) -> None:
@@ -34,6 +40,32 @@ def refuse_lonely_shapes(elements: list[Element]) -> None:
             text = "its pairs have touching=False between all groups of different bodies"
             remedy = "leave out touching=False of one of them"
         raise AnalysisError(f"{element.name}: nothing can touch: {text}; {remedy}")
+
+
+def refuse_moving_places(elements: list[Element]) -> None:
+    """Refuse shapes of ``Collisions`` whose place in their body is a formula of time.
+
+    The velocities at their gaps are those of bodies.
+
+    Raises
+    ------
+    AnalysisError
+        Names the shape and its body.
+    """
+    for element in elements:
+        for place, part in element.components.items() if isinstance(element, Collisions) else ():
+            if isinstance(part, Shape) and any(ca.depends_on(f, t.sx) for f in _places(part)):
+                name = part.carrier.name
+                raise AnalysisError(
+                    f"{place}: its place in {name} depends on the time, and contacts have "
+                    "the velocities of bodies; give it a body that a driver moves"
+                )
+
+
+def _places(shape: Shape) -> list[ca.SX]:
+    """Points of a shape in its body."""
+    values = (getattr(shape, field.name) for field in fields(shape))
+    return [value.local.sx for value in values if isinstance(value, Point)]
 
 
 def refuse_concentric(step: ContactStep, t: float, y: np.ndarray) -> None:
