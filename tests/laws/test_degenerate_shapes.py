@@ -90,3 +90,12 @@ def test_walls_move_with_bodies_only(wall):
     system.add(planar.Collisions("floor", shapes, friction=0.3))
     with pytest.raises(da.AnalysisError, match=r"floor.shapes\[1\].*ground.*driver"):
         da.solve_nonsmooth(system.build(), 0.01, step=1e-3)
+
+
+def test_frames_turn_with_bodies_only():
+    system = da.System("ramp", gravity=(0.0, 0.0, -9.81))
+    ball = system.add(spatial.Particle("ball", mass=1.0, position=(0.0, 0.0, 0.1)))
+    ramp = spatial.contact.HalfSpace(system.ground.frame(axis=(da.sin(da.t), 0.0, 1.0)))
+    system.add(spatial.Collisions("ramp", [spatial.contact.Sphere(ball.center, 0.1), ramp]))
+    with pytest.raises(da.AnalysisError, match=r"ramp.shapes\[1\].*depends on the time"):
+        da.solve_nonsmooth(system.build(), 0.01, step=1e-3)

@@ -12,6 +12,7 @@ from dalembert.elements.base import Element
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.pairs import APART
 from dalembert.elements.contact.shapes import Shape
+from dalembert.elements.frame import Frame
 from dalembert.elements.point import Point
 from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.contacts import Contacts
@@ -63,9 +64,10 @@ def refuse_moving_places(elements: list[Element]) -> None:
 
 
 def _places(shape: Shape) -> list[ca.SX]:
-    """Points of a shape in its body."""
-    values = (getattr(shape, field.name) for field in fields(shape))
-    return [value.local.sx for value in values if isinstance(value, Point)]
+    """Points and axes of a shape in its body."""
+    values = [getattr(shape, field.name) for field in fields(shape)]
+    points = [value.local.sx for value in values if isinstance(value, Point)]
+    return points + [ca.SX(value.local_axes) for value in values if isinstance(value, Frame)]
 
 
 def refuse_concentric(step: ContactStep, t: float, y: np.ndarray) -> None:
