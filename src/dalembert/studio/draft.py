@@ -152,13 +152,14 @@ class Draft:
         Parameters
         ----------
         path : of another file; its own by default
-        replace : overwrite a file that has changed or is write-protected, or another one that exists
+        replace : overwrite a file that has changed or is write-protected, or another one that
+            exists
 
         Raises
         ------
         FileError
-            The file has been changed by another program, is write-protected, exists already, or cannot
-            be written.
+            The file has been changed by another program, is write-protected, exists already, or
+            cannot be written.
         """
         target = self.path if path is None else path.resolve()
         if target is None:
