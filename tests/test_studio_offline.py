@@ -1,4 +1,4 @@
-"""Changes while the page has no connection: carried out once it has one, or given up by a message."""
+"""Changes while the page has no connection: made once it has one, or given up by a message."""
 
 from __future__ import annotations
 
