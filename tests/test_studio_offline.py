@@ -6,7 +6,12 @@ from studio_desk import WAIT, Desk
 from studio_runs import Studio
 from test_studio_server import page, receive, send
 
-CUT = "(() => { studio.link.connect = () => {}; studio.link.socket.close(); })()"
+CUT = """(() => {
+    window.tried = false;
+    studio.link.connect = () => { window.tried = true; };
+    studio.link.socket.close();
+})()"""
+"""The connection ends, and the attempt to make another one fails."""
 AGAIN = "(() => { delete studio.link.connect; studio.link.connect(); })()"
 DEAF = "(() => { studio.link.socket.send = () => {}; })()"
 """What the page sends does not arrive."""
@@ -22,6 +27,7 @@ def cut(visit: Desk) -> None:
 
 
 def joined(visit: Desk) -> None:
+    visit.until("window.tried", WAIT)
     visit.js(AGAIN)
     visit.until("studio.isAnswered && !studio.commands.waiting.length", WAIT)
 
