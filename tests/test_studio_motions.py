@@ -56,6 +56,17 @@ def test_checks_as_long_as_the_run_come_with_the_live_picture(
     assert ["estimated error" in problem.message for problem in live.late] == [True]
 
 
+def test_the_first_picture_repeats_no_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its page has no statistics that show, whose estimate of the error takes two more runs."""
+
+    def repeated(accuracy: Any) -> None:
+        pytest.fail("the run was repeated")
+
+    monkeypatch.setattr(step_accuracy.StepAccuracy, "estimate", property(repeated))
+    picture = picture_of(SHORT, tmp_path / "short.toml", live=False)
+    assert picture.page and "estimated error" not in picture.page
+
+
 def test_late_warnings_are_added_to_those_of_the_still_picture() -> None:
     messages: list[dict[str, Any]] = []
     feed = PictureFeed(messages.append, lambda problems: problems)

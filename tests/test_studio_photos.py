@@ -35,7 +35,11 @@ def test_a_photo_belongs_to_its_model(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "place", ["", "[]", "{}", json.dumps(PLACE | {"scale": 0}), '{"x": NaN}', json.dumps({"x": 1})]
+    "place",
+    [
+        *("", "[]", "{}", '{"x": NaN}', json.dumps({"x": 1}), "[" * 20_000),
+        *(json.dumps(PLACE | change) for change in ({"scale": 0}, {"x": 10**400}, {"y": True})),
+    ],
 )
 def test_a_wrong_place_is_refused(tmp_path: Path, place: str) -> None:
     with pytest.raises(da.FileError, match="the place of the photo is invalid"):

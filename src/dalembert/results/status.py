@@ -124,10 +124,15 @@ class Warnings(Sequence[str]):
     ----------
     texts : immediate warnings
     deferred : function that returns further warnings
+
+    Attributes
+    ----------
+    is_postponed : whether these texts lack the deferred ones, whose checks are made later or never
     """
 
     def __init__(self, texts: Iterable[str] = (), deferred: Callable[[], list[str]] | None = None):
         self._texts, self._deferred = list(texts), deferred
+        self.is_postponed = False
 
     @property
     def texts(self) -> list[str]:
@@ -140,6 +145,7 @@ class Warnings(Sequence[str]):
     def postpone(self) -> Warnings:
         """The deferred warnings, which these texts no longer contain."""
         late, self._deferred = Warnings(deferred=self._deferred), None
+        self.is_postponed = True
         return late
 
     @overload

@@ -83,13 +83,13 @@ def make_application(session: Session, token: str, port: int, stop: Callable[[],
         return Response(json.dumps(choices), 200, HEADERS, "application/json")
 
     async def picture(request: Request) -> Response:
-        page = session.pictures.pages.get(request.path_params["number"])
+        page = session.pictures.pages.get(_number(request))
         if page is None:
             return PlainTextResponse("this picture is outdated", 404, HEADERS)
         return HTMLResponse(page, headers=HEADERS | {"X-Frame-Options": "SAMEORIGIN"})
 
     async def export(request: Request) -> Response:
-        path = session.exports.files.get(request.path_params["number"])
+        path = session.exports.files.get(_number(request))
         if path is None or not path.is_file():
             return PlainTextResponse("this file has been deleted; export it again", 404, HEADERS)
         return FileResponse(path, headers=HEADERS, filename=path.name, media_type=DOWNLOAD)
@@ -102,7 +102,7 @@ def make_application(session: Session, token: str, port: int, stop: Callable[[],
         return Response(file.read_bytes(), 200, HEADERS, "image/png")
 
     async def task(request: Request) -> Response:
-        state = session.tasks.state(request.path_params["number"])
+        state = session.tasks.state(_number(request))
         if state is None or not state.outcome.page:
             return PlainTextResponse("this result is outdated", 404, HEADERS)
         return HTMLResponse(state.outcome.page, headers=HEADERS | {"X-Frame-Options": "SAMEORIGIN"})
@@ -120,10 +120,10 @@ def make_application(session: Session, token: str, port: int, stop: Callable[[],
 
     routes = [
         Route("/", index),
-        Route("/picture/{number:int}", picture),
-        Route("/export/{number:int}", export),
+        Route("/picture/{number}", picture),
+        Route("/export/{number}", export),
         Route("/examples/{name}", example),
-        Route("/task/{number:int}", task),
+        Route("/task/{number}", task),
         Route("/photo", photo, methods=["GET", "PUT", "DELETE"]),
         Route("/assets/schema.json", schema),
         Route("/assets/exports.json", exports),
@@ -174,6 +174,12 @@ class Guard:
         if not slash or not hmac.compare_digest(token.encode(), self.token.encode()):
             return "wrong or missing token; use the address that 'dalembert studio' printed"
         return ""
+
+
+def _number(request: Request) -> int:
+    """Number of the address; negative where it is none."""
+    text = request.path_params["number"]
+    return int(text) if re.fullmatch(r"[0-9]{1,9}", text) else -1
 
 
 def _photo(photo: Photo | None) -> Response:

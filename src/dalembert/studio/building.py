@@ -25,7 +25,10 @@ READY = "ready"
 """First message of a process, once it has started."""
 FRESH = "the building process ended unexpectedly; change the model to build it again"
 CANCELLED = "building was stopped; change the model to build it again"
+NO_PROCESS = "no building process can be started ({}); free memory, then change the model"
 SMALLER = "use a shorter duration, fewer outputs or a coarser mesh"
+ATTEMPTS = 3
+"""Number of attempts to start a process."""
 PERIOD = 0.25
 """Time between checks of the limits of the process [s]."""
 
@@ -108,13 +111,19 @@ class BuildingProcess:
 
     def _start(self) -> None:
         """Start a process; the first one waits until modules are imported."""
-        context = child_context()
-        self._connection, other = context.Pipe()
-        process = context.Process(target=work, args=(other, self.kind), daemon=True)
-        process.start()
-        other.close()
-        self._process = process
-        self._is_ready, self._is_ended = False, False
+        self._is_ended = True
+        for _ in range(ATTEMPTS):
+            try:
+                context = child_context()
+                self._connection, other = context.Pipe()
+                process = context.Process(target=work, args=(other, self.kind), daemon=True)
+                process.start()
+                other.close()
+            except (OSError, EOFError) as error:  # such as the end of the parent of children
+                self._reason = NO_PROCESS.format(error)
+            else:
+                self._process, self._is_ready, self._is_ended = process, False, False
+                return
 
     def request(self, request: Request) -> None:
         """Make a picture of a text, in place of former requests."""
@@ -178,9 +187,10 @@ class BuildingProcess:
 
     def _picture(self, request: Request) -> Picture | None:
         """Picture of a request; None if the process has ended meanwhile."""
-        assert self._process is not None
-        if self._is_ended or not self._process.is_alive():
+        if self._process is None or self._is_ended or not self._process.is_alive():
             self._restart()
+            if self._is_ended:
+                return None
         try:
             self._connection.send(request)
             if not self._is_ready:
@@ -197,8 +207,8 @@ class BuildingProcess:
         """Start another process in place of one that has ended."""
         with self._changed:
             if not self._closed:
-                assert self._process is not None
-                self._process.join(5.0)
+                if self._process is not None:
+                    self._process.join(5.0)
                 self._start()
 
     def _keep_limits(self) -> None:

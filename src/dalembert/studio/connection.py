@@ -33,6 +33,8 @@ NEW = {
     (True, True): UNTITLED_SPATIAL_STRUCTURE,
 }
 """Texts of new models: whether it is a structure, whether it is spatial."""
+CONFIRMED = ("exists already", "by another program", "write-protected")
+"""Ends of messages about files that are replaced after confirmation."""
 OUTDATED = "another page has changed the model; its text is shown now"
 
 
@@ -179,11 +181,13 @@ class Connection:
     def save(self, request: dict[str, Any]) -> None:
         """Write the file."""
         target = _path(request)
+        if target is not None and not str(target).isprintable():
+            raise FileError(f"{str(target)!r}: contains hidden characters; use another name")
         replace = request.get("replace") is True
         try:
             saved = self.session.save(target, replace)
         except FileError as error:
-            if not replace and str(error).endswith(("exists already", "by another program")):
+            if not replace and str(error).endswith(CONFIRMED):
                 raise Conflict(str(error), str(target or "")) from None
             raise
         self.session.broadcast({"kind": "notice", "text": f"saved {saved}"})

@@ -152,12 +152,14 @@ class Draft:
         Parameters
         ----------
         path : of another file; its own by default
-        replace : overwrite a file that has changed, or another one that exists
+        replace : overwrite a file that has changed or is write-protected, or another one that
+            exists
 
         Raises
         ------
         FileError
-            The file has been changed by another program, exists already, or cannot be written.
+            The file has been changed by another program, is write-protected, exists already, or
+            cannot be written.
         """
         target = self.path if path is None else path.resolve()
         if target is None:
@@ -169,6 +171,8 @@ class Draft:
                 raise FileError(f"{target}: exists already")
             if target == self.path and target.exists() and self.is_replaced:
                 raise FileError(f"{target}: has been changed by another program")
+            if target.exists() and not target.stat().st_mode & 0o222:
+                raise FileError(f"{target}: is write-protected")
         data = self.encoded()
         with atomic_path(target) as temporary:
             temporary.write_bytes(data)

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 import shutil
+import sys
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -116,12 +116,15 @@ def place_of(text: str) -> dict[str, float]:
     ValueError
         They are missing or not finite, or the scale is not positive.
     """
-    data: Any = json.loads(text)
+    try:
+        data: Any = json.loads(text)
+    except RecursionError:
+        raise ValueError("nested too deep") from None
     if not isinstance(data, dict):
         raise ValueError("no table of numbers")
     place: dict[str, Any] = {key: data.get(key) for key in PLACE}
     numbers = [
-        isinstance(v, (int, float)) and not isinstance(v, bool) and math.isfinite(v)
+        isinstance(v, (int, float)) and not isinstance(v, bool) and abs(v) <= sys.float_info.max
         for v in place.values()
     ]
     if not all(numbers) or not place["scale"] > 0:

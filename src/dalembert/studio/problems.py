@@ -60,7 +60,7 @@ def problems_of(error: DalembertError, text: str, path: Path) -> list[Problem]:
         return [Problem("error", message, start, min(start + 1, len(text)), line)]
     try:
         places = toml_places(text)
-    except (ValueError, IndexError):
+    except (ValueError, IndexError, RecursionError):  # not valid, or nested deep
         places = {}
     lines = [line for line in message.split("\n") if line.strip()]
     if not all(PATH.match(line) for line in lines):

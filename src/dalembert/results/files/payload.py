@@ -21,6 +21,7 @@ from dalembert.results.labelled import DATA_ONLY, LabelledRecording, measured_se
 from dalembert.results.pictures.scene import is_spatial, motion_scene
 from dalembert.results.result import Result
 from dalembert.results.sources import Series
+from dalembert.results.status import Warnings
 from dalembert.units.unit import shown_in
 
 MAX_FRAMES = 20_000
@@ -206,7 +207,8 @@ def _statistics(motion: LabelledRecording) -> list[dict[str, str]]:
     ):
         if data[name].size:
             rows.append((label, f"{float(data[name].max()):.3g}"))
-    if (estimate := motion.error_estimate) is not None:
+    postponed = isinstance(motion.warnings, Warnings) and motion.warnings.is_postponed
+    if not postponed and (estimate := motion.error_estimate) is not None:  # about two more runs
         rows.append((f"estimated error, in {estimate.name}", f"{estimate.share:.2g}"))
     error = np.abs(data["balance_error"])
     if error.size and np.isfinite(error).all():

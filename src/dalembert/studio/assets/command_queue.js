@@ -33,6 +33,6 @@ export class CommandQueue {
     while (this.waiting.length && this.isReady(this.waiting[0].pictured)) this.waiting.shift()?.act();
   }
 
-  /** Remove all commands: the connection has ended. */
-  clear() { this.waiting = []; }
+  /** Remove all commands; returns whether there were some. */
+  clear() { return this.waiting.splice(0).length > 0; }
 }

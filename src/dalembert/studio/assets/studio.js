@@ -20,6 +20,7 @@ import { Photo } from "./photo.js";
 import { Pictures } from "./pictures.js";
 import { ProblemList } from "./problem_list.js";
 import { Properties } from "./properties.js";
+import { lastChange } from "./rejoining.js";
 import { Saving } from "./saving.js";
 import { Sheets } from "./sheets.js";
 import { showShortcuts } from "./shortcuts.js";
@@ -37,6 +38,9 @@ const SLOW = 1200;
 const LONGEST = 2_000_000;
 const REPLACED = "another page has changed the model; what was typed last is not in it";
 const MEANWHILE = "your text, typed without a connection, replaces changes of another page; undo returns them";
+const DRAWN = "another page has changed the model; what was drawn without a connection is not in it";
+const WAITING = "not connected; this is carried out when the program answers";
+const REFUSED = "not connected; repeat this when the program answers";
 const MODIFIER = /Mac|iPhone|iPad/.test(navigator.platform) ? "⌘" : "Ctrl+";
 
 class Studio {
@@ -47,6 +51,10 @@ class Studio {
     this.pending = 0;
     /** Revision whose change by the drawing is not yet answered. @type {number | null} */
     this.editing = null;
+    /** That change. @type {import("./rejoining.js").Sent | null} */
+    this.sent = null;
+    /** Whether the text of the server is known: a connection has been made, and its first message has come. */
+    this.joined = false;
     /** Commands of the keyboard that read text and picture. */
     this.commands = new CommandQueue((pictured) => this.isAnswered && (!pictured || this.isPictured));
     /** The last message about a still picture. @type {PictureMessage | null} */
@@ -119,6 +127,7 @@ class Studio {
     for (const listening of [this.space, this.spaceStructure, this.structure, this.drawing, this.insight.overlays]) document.addEventListener("keydown", (event) => listening.key(event));
     document.addEventListener("keydown", (event) => this.key(event));
     window.addEventListener("pagehide", () => this.editor.flush());
+    window.addEventListener("beforeunload", (event) => { if (!this.joined && (this.unsent || this.editing !== null || this.commands.waiting.length)) event.preventDefault(); });
     document.addEventListener("visibilitychange", () => this.editor.flush());
     this.pictures.onShow.push(() => this.pictures.frame?.contentWindow?.addEventListener("keydown", (event) => this.key(event)));
     this.pictures.onShow.push(() => this.commands.proceed());
@@ -182,7 +191,9 @@ class Studio {
 
   /** @param {TextMessage} file */
   showFile(file) {
-    const { text, name } = file;
+    const { text, name } = file, last = this.joined || this.file.revision < 0 ? null : lastChange(file, this.file.revision, this.editing, this.sent);
+    this.joined = true;
+    if (last === "replaced" && this.commands.clear()) this.say(DRAWN, true);
     if (this.editing !== null && (file.revision > this.editing || text !== null)) this.editing = null;
     if (text === null) this.pending--;
     else if (!this.editor.waits || file.revision !== this.file.revision) {
@@ -205,6 +216,7 @@ class Studio {
       this.editor.show(typed);
       this.sendText(typed);
     }
+    if (last === "lost" && this.sent) this.make(this.sent);
     void this.photo.show(file.path || name);
     this.bar.show(file);
     document.documentElement.dataset.revision = String(file.revision);
@@ -215,7 +227,7 @@ class Studio {
   }
 
   /** Whether the server has answered all changes of this page. */
-  get isAnswered() { return this.editing === null && this.pending === 0 && !this.editor.waits; }
+  get isAnswered() { return this.joined && this.editing === null && this.pending === 0 && !this.editor.waits; }
 
   /** Whether the picture of the text is shown, or there is none. */
   get isPictured() {
@@ -241,7 +253,8 @@ class Studio {
   request(kind, more = {}) {
     this.editor.flush();
     if (kind === "save" && this.editor.text.length > LONGEST) this.sendText(this.editor.text);
-    else this.link.send({ kind, ...more });
+    else if (!this.joined && kind === "save") this.later(() => this.request(kind, more));
+    else if (!this.link.send({ kind, ...more })) this.say(REFUSED, true);
     return true;
   }
 
@@ -252,10 +265,7 @@ class Studio {
   /** Undo or redo, after the changes before are answered. @param {"undo" | "redo"} kind */
   turnBack(kind) {
     this.editor.flush();
-    this.commands.do(() => {
-      this.editing = this.link.connected ? this.file.revision : null;
-      this.request(kind);
-    }, false);
+    this.later(() => this.make({ kind }));
     return true;
   }
 
@@ -277,15 +287,28 @@ class Studio {
     this.say("");  // a refusal before it
     this.editor.flush();
     if (this.isAnswered) this.edit(label, operations);
-    else this.commands.do(() => this.edit(label, operations), false);
+    else this.later(() => this.edit(label, operations));
+  }
+
+  /** Carry out after the changes before are answered. @param {() => void} act */
+  later(act) {
+    if (!this.joined) this.say(WAITING);
+    this.commands.do(act, false);
   }
 
   /** @param {string} label @param {Record<string, unknown>[]} operations */
   edit(label, operations) {
     this.editor.flush();
+    if (this.joined) this.make({ kind: "edit", label, operations });
+    else this.later(() => this.edit(label, operations));
+    return true;
+  }
+
+  /** Send a change, which is sent again if the connection ends before it arrives. @param {import("./rejoining.js").Sent} change */
+  make(change) {
     const revision = this.file.revision + this.pending;
-    this.editing = this.link.connected ? revision : null;
-    return this.request("edit", { label, operations, revision });
+    [this.editing, this.sent] = [revision, change];
+    this.link.send({ ...change, revision });
   }
 
   /** Change of the text that the shown page has made itself. @param {string} label @param {Record<string, unknown>[]} operations */
@@ -307,8 +330,7 @@ class Studio {
     link.classList.toggle("error", !connected);
     if (!connected && this.pending) this.unsent ??= { text: this.editor.text, revision: this.file.revision };  // it may not have arrived
     this.pending = 0;
-    this.editing = null;
-    this.commands.clear();
+    this.joined = false;
   }
 
   /** @param {PictureMessage} message */
