@@ -155,3 +155,34 @@ def test_forces_that_alternate_at_rest_are_warned_about():
     )
     for fine in (resting(0.002), resting(0.01, integrator=da.MoreauJean())):
         assert not any("alternates" in text for text in fine.warnings)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_fast_spins_in_contact_are_warned_about(scheme):
+    """A spin about the vertical does not change the path of a ball that slides and then rolls with
+    5/7 of its speed."""
+    radius, mass, speed = 0.03, 0.2, 2.0
+    system = da.System("ball", gravity=(0, 0, -9.81))
+    ball = system.add(
+        da.spatial.Body(
+            "b",
+            mass=mass,
+            inertia=(2 / 5 * mass * radius**2,) * 3,
+            position=(0, 0, radius),
+            velocity=(speed, 0, 0),
+            angular_velocity=(0, 0, 150),
+        )
+    )
+    kit = da.spatial.contact
+    shapes = [kit.Sphere(ball.point(0, 0, 0), radius), kit.HalfSpace(system.ground.frame())]
+    system.add(da.spatial.Collisions("c", shapes, friction=0.2))
+    model = system.build()
+    motion = da.solve_nonsmooth(model, 0.5, step=1e-3, integrator=scheme)
+    assert abs(motion["b.velocity"].values[-1, 1]) > 0.02
+    (warning,) = motion.warnings
+    assert "b turns by up to 0.16 rad per step" in warning
+    shorter = float(re.search(r"step=([0-9.e-]+)", warning)[1])
+    motion = da.solve_nonsmooth(model, 0.5, step=shorter, integrator=scheme)
+    assert not motion.warnings
+    end = motion["b.velocity"].values[-1]
+    assert np.abs(end - [5 / 7 * speed, 0, 0]).max() < 0.02
