@@ -4,6 +4,7 @@
 
 import { numberField } from "./analysis.js";
 import { button, el } from "./dom.js";
+import { Measurements } from "./measurements.js";
 import { taskCard } from "./tasks.js";
 
 /** A task: what its form has. @typedef {{ section: string, title: string, note: string, aims?: boolean, response?: boolean, limits?: boolean, ranges?: boolean, tolerances?: boolean, data?: boolean, fields: import("./analysis.js").Field[] }} Task */
@@ -34,6 +35,7 @@ export class DesignSheet {
     this.form = el("div", { class: "form" });
     this.state = el("div", { class: "states" });
     this.measures = el("datalist", { id: "measures" });
+    this.data = new Measurements({ set: (fields) => this.set(fields), table: () => this.document?.identify ?? {}, measures: () => actions.measures(), render: () => this.render() });
     this.node = el("section", { class: "sheet design" }, this.tabs, this.form, this.state, this.measures);
     this.render();
   }
@@ -75,7 +77,7 @@ export class DesignSheet {
     this.form.replaceChildren(
       el("p", { class: "muted" }, chosen.note),
       this.responseList(),
-      ...(document ? [chosen.aims && this.aims(), chosen.response && this.responseChoice(), chosen.tolerances && this.tolerances(), chosen.data && this.dataField(), chosen.limits && this.limits(), chosen.ranges && this.ranges()] : []).filter((node) => node instanceof Node),
+      ...(document ? [chosen.aims && this.aims(), chosen.response && this.responseChoice(), chosen.tolerances && this.tolerances(), chosen.data && this.data.node(), chosen.limits && this.limits(), chosen.ranges && this.ranges()] : []).filter((node) => node instanceof Node),
       el("div", { class: "fields" }, chosen.fields.map((field) => numberField(field, this.table[field.key], (value) => this.set({ [field.key]: value })))),
       el("div", { class: "chips" }, button("Start", () => this.actions.start(chosen.section), { class: "button primary", id: "start-task" }), button("In the text", () => this.actions.reveal(chosen.section), { title: "Show the section in the text" })),
     );
@@ -122,8 +124,6 @@ export class DesignSheet {
     select.value = table.response ?? "";
     return el("label", { class: "field inline" }, el("span", {}, "Response"), select);
   }
-
-  dataField() { return numberField({ key: "data", label: "Data file (CSV)", text: true }, this.table.data, (value) => this.set({ data: value })); }
 
   /** Limits of responses. */
   limits() {
