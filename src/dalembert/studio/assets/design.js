@@ -135,7 +135,7 @@ export class DesignSheet {
     };
     return el("fieldset", {}, el("legend", {}, "Limits"), this.responses.map((name) => {
       const limit = limits.find(({ response }) => response === name) ?? {};
-      return el("div", { class: "row three" }, el("span", {}, name), numberField({ key: `lower-${name}`, label: "≥" }, limit.lower, (value) => replaced(name, { lower: value })), numberField({ key: `upper-${name}`, label: "≤" }, limit.upper, (value) => replaced(name, { upper: value })));
+      return el("div", { class: "row three" }, el("span", {}, name), numberField({ key: `lower-${name}`, label: "≥", empty: "none" }, limit.lower, (value) => replaced(name, { lower: value })), numberField({ key: `upper-${name}`, label: "≤", empty: "none" }, limit.upper, (value) => replaced(name, { upper: value })));
     }));
   }
 
@@ -151,7 +151,7 @@ export class DesignSheet {
         if (next.some((item) => item === null || item === undefined)) return void (bounds[k] = value);
         this.actions.edit(`bounds of ${name}`, [{ op: "set", keys: single ? ["parameters", name] : ["parameters", name, "bounds"], value: single ? { value: entry, bounds: next } : next }]);
       };
-      return el("div", { class: "row three" }, el("label", { class: "check" }, box, name), numberField({ key: `low-${name}`, label: "from" }, bounds[0], bound(0)), numberField({ key: `high-${name}`, label: "to" }, bounds[1], bound(1)));
+      return el("div", { class: "row three" }, el("label", { class: "check" }, box, name), numberField({ key: `low-${name}`, label: "from", empty: "none" }, bounds[0], bound(0)), numberField({ key: `high-${name}`, label: "to", empty: "none" }, bounds[1], bound(1)));
     }));
   }
 
@@ -159,7 +159,7 @@ export class DesignSheet {
   tolerances() {
     const own = this.table.tolerances ?? {};
     return el("fieldset", {}, el("legend", {}, "Tolerances ±"), Object.keys(this.document?.parameters ?? {}).map((name) =>
-      numberField({ key: `tolerance-${name}`, label: name }, own[name], (value) => {
+      numberField({ key: `tolerance-${name}`, label: name, empty: "exact" }, own[name], (value) => {
         const next = Object.fromEntries(Object.entries({ ...own, [name]: value }).filter(([, width]) => width !== null));
         this.set({ tolerances: next });
       })));

@@ -54,7 +54,7 @@ export class Measurements {
         box.classList.remove("over");
         void this.store(/** @type {DragEvent} */ (event).dataTransfer?.files[0]);
       } }, el("legend", {}, "Measurements"),
-    el("div", { class: "row file" }, numberField({ key: "data", label: "File beside the model", text: true }, data, (value) => this.actions.set({ data: value })), button("Choose…", () => this.input.click(), { title: "Choose a CSV file, which is stored beside the model; or drop it here" }), this.input),
+    el("div", { class: "row file" }, numberField({ key: "data", label: "File beside the model", text: true, empty: "none" }, data, (value) => this.actions.set({ data: value })), button("Choose…", () => this.input.click(), { title: "Choose a CSV file, which is stored beside the model; or drop it here" }), this.input),
     this.reason && el("p", { class: "reason" }, this.reason), data && this.columns.length > 0 && this.name === data ? this.matches() : !this.reason && el("p", { class: "muted" }, "Choose a CSV file with a column of times, or drop it here."));
     return box;
   }
