@@ -173,7 +173,7 @@ def film(target: Path, width: int = 720) -> None:
     mosaic = Image.new("RGB", (width, 4 * frames[0].height))
     for k in range(4):
         mosaic.paste(frames[(len(frames) - 1) * k // 3], (0, k * frames[0].height))
-    palette = mosaic.quantize(200, method=Image.Quantize.MAXCOVERAGE)
+    palette = mosaic.quantize(200, method=Image.Quantize.MAXCOVERAGE, kmeans=4)
     packed = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     with atomic_path(target) as temporary:
         packed[0].save(

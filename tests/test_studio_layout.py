@@ -26,6 +26,19 @@ BARE = """(() => {
         - palette.getBoundingClientRect().right;
 })()"""
 
+CUT = """(() => {
+    const { document: inner, innerHeight } = studio.pictures.frame.contentWindow;
+    const rows = [...inner.querySelectorAll(".toolbar .chip")];
+    return rows.filter((chip) => chip.getBoundingClientRect().bottom > innerHeight).length;
+})()"""
+"""Number of buttons below the picture that are out of sight."""
+HIDDEN = """(() => {
+    const buttons = [...document.querySelectorAll("#actions .button")];
+    return buttons.filter((node) => node.offsetWidth
+        && node.getBoundingClientRect().right > innerWidth).length;
+})()"""
+SHOWN_TABS = "[...document.querySelectorAll('.tab')].filter((t) => t.offsetWidth).map((t) => t.id)"
+
 
 def test_nothing_moves_or_covers_the_drawing(browser: Any, studio_server: Studio) -> None:
     reset(studio_server)
@@ -44,6 +57,15 @@ def test_nothing_moves_or_covers_the_drawing(browser: Any, studio_server: Studio
             assert visit.js(TABS) == [1, 0, True]
             heights = "[...document.querySelectorAll('.masthead .button')].map((b) => b.offsetTop)"
             assert len(set(visit.js(heights))) == 1
+        visit.page.set_viewport_size({"width": 390, "height": 844})
+        assert visit.js(HIDDEN) == 0
+        visit.page.set_viewport_size({"width": 1900, "height": 1000})
+        visit.show((EXAMPLES / "four_bar.toml").read_text("utf-8"))
+        assert visit.js(CUT) == 0
+        visit.page.click("#tab-model")
+        visit.show('format = 1\nkind = "structure"\n')
+        assert visit.js(SHOWN_TABS) == ["tab-text", "tab-analysis", "tab-design"]
+        assert visit.page.is_visible("#text")
 
 
 def test_impacts_are_an_analysis_of_the_sheet(browser: Any, studio_server: Studio) -> None:

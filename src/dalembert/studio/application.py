@@ -20,10 +20,11 @@ from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, R
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
-from dalembert.errors import DalembertError
+from dalembert.errors import DalembertError, FileError
 from dalembert.studio.connection import Connection
 from dalembert.studio.event_loop import in_thread
 from dalembert.studio.exporting import CHOICES
+from dalembert.studio.measurements import MAX_DATA, columns_of, store_measurements
 from dalembert.studio.photos import MAX_PHOTO, Photo, Photos
 from dalembert.studio.schema_process import schema_text
 from dalembert.studio.session import Session
@@ -115,6 +116,20 @@ def make_application(session: Session, token: str, port: int, stop: Callable[[],
             return _photo(session.photos.read(name))
         return await _store_photo(session.photos, name, request)
 
+    async def measurements(request: Request) -> Response:
+        name, path = request.query_params.get("name", ""), session.draft.path
+        try:
+            if request.method == "PUT":
+                if path is None:
+                    raise FileError("save the model first; measurements are stored beside its file")
+                contents = await _body(request, MAX_DATA)
+                name = await in_thread(lambda: store_measurements(path.parent, name, contents))
+            file = session.place.parent / name
+            answer = {"name": name, "columns": await in_thread(lambda: columns_of(file))}
+        except DalembertError as error:
+            return PlainTextResponse(str(error), 400, HEADERS)
+        return Response(json.dumps(answer), 200, HEADERS, "application/json")
+
     async def socket(websocket: WebSocket) -> None:
         await Connection(session, websocket, stop).run()
 
@@ -125,6 +140,7 @@ def make_application(session: Session, token: str, port: int, stop: Callable[[],
         Route("/examples/{name}", example),
         Route("/task/{number}", task),
         Route("/photo", photo, methods=["GET", "PUT", "DELETE"]),
+        Route("/measurements", measurements, methods=["GET", "PUT"]),
         Route("/assets/schema.json", schema),
         Route("/assets/exports.json", exports),
         Route("/assets/{name}", asset),
@@ -195,17 +211,32 @@ async def _store_photo(photos: Photos, name: str, request: Request) -> Response:
     if request.method == "DELETE":
         photos.remove(name)
         return Response(status_code=204, headers=HEADERS)
-    parts, size = [], 0
-    async for part in request.stream():
-        size += len(part)
-        if size > MAX_PHOTO:
-            return PlainTextResponse("the photo is too large", 413, HEADERS)
-        parts.append(part)
     try:
-        photos.write(name, request.headers.get(PLACE_HEADER, ""), b"".join(parts))
+        image = await _body(request, MAX_PHOTO)
+    except FileError:
+        return PlainTextResponse("the photo is too large", 413, HEADERS)
+    try:
+        photos.write(name, request.headers.get(PLACE_HEADER, ""), image)
     except DalembertError as error:
         return PlainTextResponse(str(error), 400, HEADERS)
     return Response(status_code=204, headers=HEADERS)
+
+
+async def _body(request: Request, limit: int) -> bytes:
+    """Contents of a file that a page sends.
+
+    Raises
+    ------
+    FileError
+        It has more bytes than the limit.
+    """
+    parts, size = [], 0
+    async for part in request.stream():
+        size += len(part)
+        if size > limit:
+            raise FileError(f"the file has more than {limit / 1e6:.0f} MB; choose a smaller one")
+        parts.append(part)
+    return b"".join(parts)
 
 
 async def _refuse(scope: Scope, receive: Receive, send: Send, reason: str) -> None:

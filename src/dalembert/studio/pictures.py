@@ -29,10 +29,7 @@ EMBEDDED = """header.top, #footer, #panels { display: none }
 body { padding: 8px } main, .single main { padding: 0 }
 .stage, .single .stage { height: auto; min-height: 0 }
 .view, .single .view { flex: none; height: max(280px, 100vh - 200px) }
-@media (min-width: 941px) {
-  .board { min-height: 0 }
-  .view { height: max(280px, 100vh - 168px) }
-}
+@media (min-width: 941px) { .board { min-height: 0 } }
 .toolbar { order: 1; border-bottom: 0; border-top: 1px solid var(--line) }
 .toolbar .menu-box { top: auto; bottom: calc(100% + 6px) }
 #ghosts { order: 99 }

@@ -55,7 +55,10 @@ def as_toml(value: Any) -> str:
         return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(map(as_toml, value)) + "]"
-    if isinstance(value, dict) and all(NAME.fullmatch(key) for key in value):
-        entries = ", ".join(f"{key} = {as_toml(item)}" for key, item in value.items())
+    if isinstance(value, dict) and all(isinstance(key, str) for key in value):
+        names = [key if NAME.fullmatch(key) else as_toml(key) for key in value]
+        entries = ", ".join(
+            f"{name} = {as_toml(item)}" for name, item in zip(names, value.values(), strict=True)
+        )
         return f"{{ {entries} }}" if entries else "{}"
     raise ModelError(f"{str(value)[:60]!r} is no value of a model file")

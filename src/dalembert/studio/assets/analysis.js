@@ -4,7 +4,7 @@
 
 import { button, el } from "./dom.js";
 
-/** A key of an analysis: its label and the kind of its value. @typedef {{ key: string, label: string, unit?: string, whole?: boolean, text?: boolean }} Field */
+/** A key of an analysis: its label and the kind of its value. @typedef {{ key: string, label: string, unit?: string, whole?: boolean, text?: boolean, empty?: string }} Field */
 /** A type of analysis. @typedef {{ type: string, title: string, note: string, fields: Field[] }} Kind */
 
 const DURATION = { key: "duration", label: "Duration", unit: "s" }, OUTPUTS = { key: "outputs", label: "Instants", whole: true }, COUNT = { key: "count", label: "Modes", whole: true };
@@ -30,8 +30,8 @@ const KINDS = {
 };
 
 /** Number field; `act` receives its value, null for an empty one. @param {Field} field @param {unknown} value @param {(value: unknown) => void} act */
-export function numberField({ key, label, unit = "", whole = false, text = false }, value, act) {
-  const input = el("input", { type: "text", name: key, value: value === undefined || typeof value === "object" ? "" : String(value), inputmode: text ? "text" : "decimal", spellcheck: "false", autocomplete: "off", placeholder: "default",
+export function numberField({ key, label, unit = "", whole = false, text = false, empty = "default" }, value, act) {
+  const input = el("input", { type: "text", name: key, value: value === undefined || typeof value === "object" ? "" : String(value), inputmode: text ? "text" : "decimal", spellcheck: "false", autocomplete: "off", placeholder: empty,
     onchange: () => {
       const shown = input.value.trim(), number = Number(shown), valid = text || !shown || (Number.isFinite(number) && (!whole || Number.isInteger(number)));
       input.setAttribute("aria-invalid", String(!valid));
@@ -96,7 +96,7 @@ export class AnalysisSheet {
     /** @param {Record<string, unknown>} changed */
     const change = (changed) => this.preview(type, { ...Object.fromEntries(Object.entries(fields ?? {}).filter(([key]) => key !== "type" && kind?.fields.some((field) => field.key === key))), ...changed });
     this.form.replaceChildren(
-      el("p", { class: "muted" }, kind?.note ?? (type ? `${type}: its keys are edited in the text.` : "The file states no analysis: the picture shows 3 s of motion, by drivers if they determine it, by time stepping with contacts of several shapes, else by dynamics.")),
+      el("p", { class: "muted" }, kind?.note ?? (type ? `${type}: its keys are edited in the text.` : kinds === KINDS.structure ? "The file states no analysis: the picture shows the linear displacements under the loads." : "The file states no analysis: the picture shows 3 s of motion, by drivers if they determine it, by time stepping with contacts of several shapes, else by dynamics.")),
       !kind ? "" : el("div", { class: "fields" }, kind.fields.map((field) => numberField(field, shown[field.key], (value) => change({ [field.key]: value })))),
       this.driverFields(), this.problemList(),
       fields ? el("div", { class: "chips" }, button("Write into the text", () => this.actions.request("write_preview"), { class: "button primary", title: "Replace [analysis] of the file" }), button("Back to the text", () => this.preview(null))) : "",

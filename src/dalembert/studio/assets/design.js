@@ -4,6 +4,7 @@
 
 import { numberField } from "./analysis.js";
 import { button, el } from "./dom.js";
+import { Measurements } from "./measurements.js";
 import { taskCard } from "./tasks.js";
 
 /** A task: what its form has. @typedef {{ section: string, title: string, note: string, aims?: boolean, response?: boolean, limits?: boolean, ranges?: boolean, tolerances?: boolean, data?: boolean, fields: import("./analysis.js").Field[] }} Task */
@@ -34,6 +35,7 @@ export class DesignSheet {
     this.form = el("div", { class: "form" });
     this.state = el("div", { class: "states" });
     this.measures = el("datalist", { id: "measures" });
+    this.data = new Measurements({ set: (fields) => this.set(fields), table: () => this.document?.identify ?? {}, measures: () => actions.measures(), render: () => this.render() });
     this.node = el("section", { class: "sheet design" }, this.tabs, this.form, this.state, this.measures);
     this.render();
   }
@@ -75,7 +77,7 @@ export class DesignSheet {
     this.form.replaceChildren(
       el("p", { class: "muted" }, chosen.note),
       this.responseList(),
-      ...(document ? [chosen.aims && this.aims(), chosen.response && this.responseChoice(), chosen.tolerances && this.tolerances(), chosen.data && this.dataField(), chosen.limits && this.limits(), chosen.ranges && this.ranges()] : []).filter((node) => node instanceof Node),
+      ...(document ? [chosen.aims && this.aims(), chosen.response && this.responseChoice(), chosen.tolerances && this.tolerances(), chosen.data && this.data.node(), chosen.limits && this.limits(), chosen.ranges && this.ranges()] : []).filter((node) => node instanceof Node),
       el("div", { class: "fields" }, chosen.fields.map((field) => numberField(field, this.table[field.key], (value) => this.set({ [field.key]: value })))),
       el("div", { class: "chips" }, button("Start", () => this.actions.start(chosen.section), { class: "button primary", id: "start-task" }), button("In the text", () => this.actions.reveal(chosen.section), { title: "Show the section in the text" })),
     );
@@ -123,8 +125,6 @@ export class DesignSheet {
     return el("label", { class: "field inline" }, el("span", {}, "Response"), select);
   }
 
-  dataField() { return numberField({ key: "data", label: "Data file (CSV)", text: true }, this.table.data, (value) => this.set({ data: value })); }
-
   /** Limits of responses. */
   limits() {
     const key = this.chosen.section === "reliability" ? "limits" : "subject_to", limits = /** @type {any[]} */ (this.table[key] ?? []);
@@ -135,7 +135,7 @@ export class DesignSheet {
     };
     return el("fieldset", {}, el("legend", {}, "Limits"), this.responses.map((name) => {
       const limit = limits.find(({ response }) => response === name) ?? {};
-      return el("div", { class: "row three" }, el("span", {}, name), numberField({ key: `lower-${name}`, label: "≥" }, limit.lower, (value) => replaced(name, { lower: value })), numberField({ key: `upper-${name}`, label: "≤" }, limit.upper, (value) => replaced(name, { upper: value })));
+      return el("div", { class: "row three" }, el("span", {}, name), numberField({ key: `lower-${name}`, label: "≥", empty: "none" }, limit.lower, (value) => replaced(name, { lower: value })), numberField({ key: `upper-${name}`, label: "≤", empty: "none" }, limit.upper, (value) => replaced(name, { upper: value })));
     }));
   }
 
@@ -151,7 +151,7 @@ export class DesignSheet {
         if (next.some((item) => item === null || item === undefined)) return void (bounds[k] = value);
         this.actions.edit(`bounds of ${name}`, [{ op: "set", keys: single ? ["parameters", name] : ["parameters", name, "bounds"], value: single ? { value: entry, bounds: next } : next }]);
       };
-      return el("div", { class: "row three" }, el("label", { class: "check" }, box, name), numberField({ key: `low-${name}`, label: "from" }, bounds[0], bound(0)), numberField({ key: `high-${name}`, label: "to" }, bounds[1], bound(1)));
+      return el("div", { class: "row three" }, el("label", { class: "check" }, box, name), numberField({ key: `low-${name}`, label: "from", empty: "none" }, bounds[0], bound(0)), numberField({ key: `high-${name}`, label: "to", empty: "none" }, bounds[1], bound(1)));
     }));
   }
 
@@ -159,7 +159,7 @@ export class DesignSheet {
   tolerances() {
     const own = this.table.tolerances ?? {};
     return el("fieldset", {}, el("legend", {}, "Tolerances ±"), Object.keys(this.document?.parameters ?? {}).map((name) =>
-      numberField({ key: `tolerance-${name}`, label: name }, own[name], (value) => {
+      numberField({ key: `tolerance-${name}`, label: name, empty: "exact" }, own[name], (value) => {
         const next = Object.fromEntries(Object.entries({ ...own, [name]: value }).filter(([, width]) => width !== null));
         this.set({ tolerances: next });
       })));

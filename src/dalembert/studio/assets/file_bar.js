@@ -16,8 +16,8 @@ export class FileBar {
     byId("actions").append(
       button("Open…", act.open, { title: "Open a file, an example or a new model" }), this.save, button("Save as…", act.saveAs),
       button("Export…", act.export, { title: "Page, picture, film, table, script, and files for other programs" }), this.undo, this.redo,
-      button("Photo…", act.photo, { title: "Show a photo under the drawing; images can also be dropped on it" }),
-      button("Parameter", act.parameter, { id: "make-parameter", title: `Turn the number at the cursor into a parameter with a slider (${modifier}E)` }),
+      button("Photo…", act.photo, { class: "button drawn", title: "Show a photo under the drawing; images can also be dropped on it" }),
+      button("Parameter", act.parameter, { id: "make-parameter", class: "button drawn", title: `Turn the number at the cursor into a parameter with a slider (${modifier}E)` }),
     );
     byId("more").append(
       button("Help", act.help, { title: "Keys, and a guided first build (?)" }), button("Theme", act.theme, { id: "theme", title: "Light or dark" }),

@@ -50,9 +50,9 @@ export function addInsight(studio) {
   const analysis = new AnalysisSheet(shared, [overlays.node]), design = new DesignSheet(shared), synthesis = new SynthesisSheet(shared), contacts = new ContactSheet(shared);
   studio.sheets.add({ name: "analysis", title: "Analysis", node: analysis.node });
   studio.sheets.add({ name: "design", title: "Design", node: design.node, onShow: () => design.render() });
-  studio.sheets.add({ name: "synthesis", title: "Synthesis", node: synthesis.node });
-  studio.sheets.add({ name: "contacts", title: "Contacts", node: contacts.node });
-  studio.onDocument.push((document) => { if (document) contacts.show(document); analysis.show(document); design.show(document); synthesis.show(document); });
+  studio.sheets.add({ name: "synthesis", title: "Synthesis", node: synthesis.node, mechanism: true });
+  studio.sheets.add({ name: "contacts", title: "Contacts", node: contacts.node, mechanism: true });
+  studio.onDocument.push((document) => { if (document) { contacts.show(document); studio.sheets.offer(/** @type {unknown} */ (document.kind) !== "structure"); } analysis.show(document); design.show(document); synthesis.show(document); });
   studio.handlers.assemblies = (message) => ghosts.receive(message);
   studio.handlers.preview = (message) => analysis.receive(message);
   studio.handlers.task = (/** @type {TaskMessage} */ task) => {

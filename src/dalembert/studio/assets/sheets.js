@@ -2,7 +2,7 @@
 
 import { el } from "./dom.js";
 
-/** @typedef {{ name: string, title: string, node: HTMLElement, onShow?: () => void }} Sheet */
+/** A sheet; some are of mechanisms only. @typedef {{ name: string, title: string, node: HTMLElement, onShow?: () => void, mechanism?: boolean }} Sheet */
 
 export class Sheets {
   /** @param {HTMLElement} list of the tabs @param {HTMLElement} frame of the sheets @param {Sheet[]} sheets */
@@ -16,11 +16,11 @@ export class Sheets {
     this.shown = sheets[0].name;
     for (const sheet of sheets) this.add(sheet);
     list.addEventListener("keydown", ({ key }) => {
-      const step = { ArrowLeft: -1, ArrowRight: 1 }[key], at = this.sheets.findIndex(({ name }) => name === this.shown);
+      const step = { ArrowLeft: -1, ArrowRight: 1 }[key], names = this.sheets.flatMap(({ name }, k) => (this.tabs[k].hidden ? [] : [name]));
       if (!step) return;
-      const next = (at + step + this.sheets.length) % this.sheets.length;
-      this.show(this.sheets[next].name);
-      this.tabs[next].focus();
+      const next = names[(names.indexOf(this.shown) + step + names.length) % names.length];
+      this.show(next);
+      this.tabs[this.sheets.findIndex(({ name }) => name === next)].focus();
     });
   }
 
@@ -35,6 +35,12 @@ export class Sheets {
     this.list.append(tab);
     this.list.hidden = this.sheets.length < 2;
     this.show(this.shown);
+  }
+
+  /** Offer the sheets of mechanisms, or only those of structures too. @param {boolean} mechanism */
+  offer(mechanism) {
+    this.sheets.forEach((sheet, k) => { this.tabs[k].hidden = !mechanism && Boolean(sheet.mechanism); });
+    if (this.tabs[this.sheets.findIndex(({ name }) => name === this.shown)].hidden) this.show(this.sheets[0].name);
   }
 
   /** @param {string} name */

@@ -1,0 +1,79 @@
+// Measurements of an identification: a table that is chosen or dropped, and what its columns measure.
+
+import { numberField } from "./analysis.js";
+import { button, el } from "./dom.js";
+
+/** A column of numbers of a table. @typedef {{ name: string, samples: number, range: [number, number] | null }} Column */
+
+/** Names of columns of times that need not be stated. */
+const TIMES = ["time", "t"];
+
+export class Measurements {
+  /** @param {{ set: (fields: Record<string, unknown>) => void, table: () => Record<string, any>, measures: () => string[], render: () => void }} actions */
+  constructor(actions) {
+    this.actions = actions;
+    /** File whose columns are known or being read. */
+    this.name = "";
+    /** @type {Column[]} */
+    this.columns = [];
+    /** Why there are no columns. */
+    this.reason = "";
+    this.input = el("input", { type: "file", accept: ".csv,.txt", hidden: true, "aria-label": "File of measurements", onchange: () => void this.store(this.input.files?.[0]) });
+  }
+
+  /** @param {string} name @param {RequestInit} [options] @returns {Promise<string>} name of the file, empty if it cannot be read */
+  async read(name, options) {
+    this.name = name;
+    const reply = await fetch(`measurements?${new URLSearchParams({ name })}`, options).catch(() => null), answer = reply?.ok ? await reply.json() : null;
+    if (this.name !== name) return "";  // another file was chosen meanwhile
+    this.name = answer?.name ?? name;
+    this.columns = answer?.columns ?? [];
+    this.reason = answer ? "" : reply ? await reply.text() : "the program does not answer";
+    this.actions.render();
+    return answer?.name ?? "";
+  }
+
+  /** Store a file beside the model, and refer to it. @param {File | undefined} file */
+  async store(file) {
+    this.input.value = "";
+    const name = file && await this.read(file.name, { method: "PUT", body: file });
+    if (!name) return;
+    const { columns } = this, names = columns.map((column) => column.name), known = this.actions.measures();
+    const time = names.find((column) => TIMES.includes(column)) ?? names[0], same = names.filter((column) => column !== time && known.includes(column));
+    const measures = same.length && same.length < names.length - 1 ? Object.fromEntries(same.map((column) => [column, column])) : null;
+    this.actions.set({ data: name, time: TIMES.includes(time) ? null : time, measures });
+  }
+
+  /** Form of the file and its columns. */
+  node() {
+    const { data } = this.actions.table();
+    if (typeof data === "string" && data && data !== this.name) void this.read(data);
+    const box = el("fieldset", { class: "measurements", ondragover: (event) => { event.preventDefault(); box.classList.add("over"); }, ondragleave: () => box.classList.remove("over"),
+      ondrop: (event) => {
+        event.preventDefault();
+        box.classList.remove("over");
+        void this.store(/** @type {DragEvent} */ (event).dataTransfer?.files[0]);
+      } }, el("legend", {}, "Measurements"),
+    el("div", { class: "row file" }, numberField({ key: "data", label: "File beside the model", text: true, empty: "none" }, data, (value) => this.actions.set({ data: value })), button("Choose…", () => this.input.click(), { title: "Choose a CSV file, which is stored beside the model; or drop it here" }), this.input),
+    this.reason && el("p", { class: "reason" }, this.reason), data && this.columns.length > 0 && this.name === data ? this.matches() : !this.reason && el("p", { class: "muted" }, "Choose a CSV file with a column of times, or drop it here."));
+    return box;
+  }
+
+  /** What each column measures. */
+  matches() {
+    const table = this.actions.table(), names = this.columns.map(({ name }) => name), time = table.time ?? names.find((name) => TIMES.includes(name)), known = this.actions.measures();
+    const own = /** @type {Record<string, string>} */ (table.measures ?? {}), stated = Object.keys(own).length > 0;
+    const measured = Object.fromEntries(names.flatMap((name) => (stated ? (name in own ? [[name, own[name]]] : []) : name !== time && known.includes(name) ? [[name, name]] : [])));
+    const set = (/** @type {string} */ column, /** @type {unknown} */ value) => {
+      const next = Object.fromEntries(names.flatMap((name) => (name === column ? (value === null ? [] : [[name, value]]) : name in measured ? [[name, measured[name]]] : [])));
+      this.actions.set({ measures: Object.keys(next).length ? next : null });
+    };
+    const choice = el("select", { name: "time", "aria-label": "Column of times", onchange: () => this.actions.set({ time: choice.value }) }, names.map((name) => el("option", { value: name }, name)));
+    choice.value = time ?? "";
+    return el("div", { class: "columns" }, el("label", { class: "field inline" }, el("span", {}, "Times [s]"), choice),
+      ...this.columns.filter(({ name }) => name !== time).map(({ name, samples, range }) => {
+        const input = el("input", { type: "text", name: `column-${name}`, list: "measures", value: measured[name] ?? "", placeholder: "not used", spellcheck: "false", autocomplete: "off", "aria-label": `Measure of ${name}`, onchange: () => set(name, input.value.trim() || null) });
+        return el("label", { class: "field inline" }, el("span", {}, name, el("small", {}, ` ${samples} samples${range ? `, ${range.map((value) => Number(value.toPrecision(3))).join(" … ")}` : ""}`)), input);
+      }));
+  }
+}
