@@ -6,6 +6,9 @@
 /** Context of a place in the text: keys of the table there, key of the value there or null in a key, whether in a string.
  * @typedef {{ path: string[], key: string | null, text: boolean, from: number }} Context */
 
+/** Sections of a file whose elements are named in formulas. */
+const NAMED = ["parameters", "derived", "inputs", "outputs", "bodies", "joints", "drivers", "forces", "blocks"];
+
 /** Word before a place. @param {string} text @param {number} at */
 const wordStart = (text, at) => at - (/[\w.$]*$/.exec(text.slice(Math.max(0, at - 200), at))?.[0].length ?? 0);
 
@@ -50,11 +53,17 @@ export function contextOf(text, at) {
 }
 
 export class Completion {
-  /** @param {Schema} schema @param {() => Document | null} document @param {() => string[]} names */
-  constructor(schema, document, names) {
+  /** @param {Schema} schema @param {() => Document | null} document @param {() => string[]} points names of the points of the picture */
+  constructor(schema, document, points) {
     this.schema = schema;
     this.document = document;
-    this.names = names;
+    this.points = points;
+  }
+
+  /** Names for references and formulas: parameters, elements, points. */
+  names() {
+    const document = this.document(), grounded = Object.keys(document?.ground?.points ?? {}).map((name) => `ground.${name}`);
+    return [...new Set([...NAMED.flatMap((section) => Object.keys(document?.[section] ?? {})), ...this.points(), ...grounded])];
   }
 
   /** @param {Schema | undefined} node @returns {Schema} */

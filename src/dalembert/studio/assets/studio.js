@@ -27,13 +27,10 @@ import { showShortcuts } from "./shortcuts.js";
 import { writeSliders } from "./slider_values.js";
 import { Space } from "./space.js";
 import { SpaceStructure } from "./space_structure.js";
+import { StatusLine } from "./status_line.js";
 import { Structure } from "./structure.js";
 import { Theme } from "./theme.js";
 
-/** Time for which a notice is shown [ms]. */
-const SHOWN = 6000;
-/** Time after which the page says that a picture is being made [ms]. */
-const SLOW = 1200;
 /** Upper limit of the length of a text, as of the server [characters]. */
 const LONGEST = 2_000_000;
 const REPLACED = "another page has changed the model; what was typed last is not in it";
@@ -45,6 +42,7 @@ const MODIFIER = /Mac|iPhone|iPad/.test(navigator.platform) ? "⌘" : "Ctrl+";
 
 class Studio {
   constructor() {
+    this.status = new StatusLine();
     /** State of the file. @type {TextMessage} */
     this.file = { kind: "text", revision: -1, opened: 0, text: null, name: "", path: "", changed: false, undo: "", redo: "", document: null };
     /** Revisions sent and not yet confirmed. */
@@ -86,10 +84,6 @@ class Studio {
     });
     this.exports = new Exports((kind, more) => this.request(kind, more), () => this.share);
     this.theme = new Theme((name) => this.pictures.setTheme(name));
-    /** @type {ReturnType<typeof setTimeout> | undefined} */
-    this.timer = undefined;
-    /** @type {ReturnType<typeof setTimeout> | undefined} */
-    this.slow = undefined;
     this.drawing = new Drawing(this.pictures, {
       change: (change) => this.change(change),
       hint: (text) => { byId("hint").textContent = text; },
@@ -137,7 +131,7 @@ class Studio {
 
   /** Read the schema of model files for completion, once. */
   readSchema() {
-    this.reading ??= fetch("assets/schema.json").then((reply) => reply.json()).then((schema) => { this.completion = new Completion(schema, () => this.known, () => this.names()); });
+    this.reading ??= fetch("assets/schema.json").then((reply) => reply.json()).then((schema) => { this.completion = new Completion(schema, () => this.known, () => this.points); });
   }
 
   /** Keys of the whole page. @param {KeyboardEvent} event */
@@ -158,6 +152,9 @@ class Studio {
     return page && page.motion.end > page.motion.start ? Math.min(1, Math.max(0, time / (page.motion.end - page.motion.start))) : 0;
   }
 
+  /** Names of the points of the picture. @returns {string[]} */
+  get points() { return this.pictures.page?.motion.points?.map((/** @type {{ name: string }} */ { name }) => name) ?? []; }
+
   help() { showShortcuts(MODIFIER, () => this.guide?.start()); }
 
   /** @param {Message} message */
@@ -173,7 +170,10 @@ class Studio {
         this.insight.describe(message);
         if (!message.page) this.readSchema();
         if (message.problems) this.problems.show(message.problems);
-        if (message.summary !== undefined) this.showSummary(message);
+        if (message.summary !== undefined) {
+          this.drawing.status = this.status.summarise(message);
+          this.drawing.refresh();
+        }
         this.pictures.receive(message);
         return this.commands.proceed();
       case "files": return chooseFile(message, (choice) => this.request("open", choice));
@@ -236,11 +236,7 @@ class Studio {
   }
 
   /** Show that a picture is being made, if it takes a while. */
-  working() {
-    clearTimeout(this.slow);
-    byId("work").hidden = true;
-    this.slow = setTimeout(() => { byId("work").hidden = (this.described?.revision ?? -1) >= this.file.revision || !this.link.connected; }, SLOW);
-  }
+  working() { this.status.watch(() => (this.described?.revision ?? -1) < this.file.revision && this.link.connected); }
 
   /** @param {string} text */
   sendText(text) {
@@ -267,13 +263,6 @@ class Studio {
     this.editor.flush();
     this.later(() => this.make({ kind }));
     return true;
-  }
-
-  /** Names for references and formulas: parameters, elements, points. */
-  names() {
-    const { known } = this, sections = ["parameters", "derived", "inputs", "outputs", "bodies", "joints", "drivers", "forces", "blocks"];
-    const points = this.pictures.page?.motion.points?.map((/** @type {{ name: string }} */ { name }) => name) ?? [];
-    return [...new Set([...sections.flatMap((section) => Object.keys(known?.[section] ?? {})), ...points, ...Object.keys(known?.ground?.points ?? {}).map((name) => `ground.${name}`)])];
   }
 
   /** Turn the number at the cursor into a parameter. */
@@ -333,24 +322,8 @@ class Studio {
     this.joined = false;
   }
 
-  /** @param {PictureMessage} message */
-  showSummary({ summary = "", facts = {} }) {
-    byId("summary").textContent = summary;
-    const redundant = facts.redundant ? `${facts.redundant} redundant constraint${facts.redundant > 1 ? "s" : ""} (${(facts.redundancies ?? []).join("; ")})` : "";
-    byId("freedom").textContent = redundant;
-    this.drawing.status = [summary, redundant].filter(Boolean).join("; ");
-    this.drawing.refresh();
-  }
-
   /** @param {string} text @param {boolean} [failed] @param {boolean} [passes] whether it disappears after a while */
-  say(text, failed = false, passes = !failed) {
-    const notice = byId("notice");
-    notice.textContent = text;
-    notice.classList.toggle("error", failed);
-    clearTimeout(this.timer);
-    if (passes) this.timer = setTimeout(() => { notice.textContent = ""; }, SHOWN);
-  }
-
+  say(text, failed = false, passes = !failed) { this.status.say(text, failed, passes); }
 }
 
 /** @typedef {Studio} StudioPage */
