@@ -1,4 +1,4 @@
-"""Bodies of contact forces: weights of stacks, and one order of each pair of bodies."""
+"""Bodies of contact forces: weights of stacks, one order of each pair, and places far away."""
 
 import numpy as np
 import pytest
@@ -68,3 +68,18 @@ def test_an_instant_is_a_number_within_the_run(stack):
         stack.contact_forces(float("nan"))
     with pytest.raises(da.AnalysisError, match=r"7 .*from 0 to 0.05"):
         stack.contact_forces(7.0)
+
+
+@pytest.mark.parametrize("place", [1e4, 1e6, 1e8])
+def test_discs_far_from_the_origin_fall_as_others_do(place):
+    """Their inertia is small beside the square of their distance, and not zero."""
+    heights = []
+    for x in (0.0, place):
+        system = da.System("disc", gravity=(0, -9.81))
+        disc = system.add(planar.Body("disc", mass=1.0, inertia=0.005, position=(x, 0.3)))
+        shapes = [planar.contact.HalfPlane(system.ground), planar.contact.Circle(disc, 0.1)]
+        system.add(planar.Collisions("floor", shapes, friction=0.3, restitution=0.5))
+        motion = da.solve_nonsmooth(system.build(), 0.5, step=1e-3)
+        assert motion.status.success
+        heights.append(motion["disc.y"].values)
+    np.testing.assert_allclose(heights[1], heights[0], rtol=0, atol=1e-9)

@@ -22,8 +22,9 @@ from dalembert.model.graph.tree.spanning_tree import Topology, analyse_topology
 from dalembert.symbolic.formulas.expression import free_symbols
 from dalembert.text.wording import card, messages, table
 
-MASSLESS = 1e-12
-"""Threshold for zero mass, relative to the largest one."""
+MASSLESS = 1e-20
+"""Threshold for zero mass, relative to the largest one; that of a small body far from the origin is
+small by the square of its distance."""
 MOVING = 1e-6
 """Threshold for a body that takes part in a motion, relative to the largest component."""
 MOVED = 1e-6
