@@ -98,3 +98,18 @@ def test_a_change_to_what_another_page_has_changed_is_given_up(desk: tuple[Desk,
     assert "what was drawn without a connection" in visit.js(
         "document.getElementById('notice').textContent"
     )
+
+
+def test_a_page_of_a_program_that_was_started_again_says_so(desk: tuple[Desk, Studio]) -> None:
+    """Its address has another token; the page ends its attempts to connect."""
+    visit, _ = desk
+    visit.js("history.replaceState(null, '', '/former-token/'); studio.link.socket.close(); null")
+    visit.until("studio.link.outdated", WAIT)
+    link = visit.js("document.getElementById('link').textContent")
+    assert link.startswith("the program was started again: open the address that it printed")
+    attempts = visit.js("studio.link.attempts")
+    visit.js("new Promise((done) => setTimeout(done, 1500))")
+    assert visit.js("studio.link.attempts") == attempts
+    for expected in (visit.requests, visit.console):
+        assert expected and all("former-token" in text or "403" in text for text in expected)
+        expected.clear()

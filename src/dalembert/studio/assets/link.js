@@ -12,6 +12,8 @@ export class Link {
     this.onState = onState;
     this.attempts = 0;
     this.stopped = false;
+    /** Whether a program answers that does not know the address of this page. */
+    this.outdated = false;
     /** @type {WebSocket | null} */
     this.socket = null;
     this.connect();
@@ -29,8 +31,17 @@ export class Link {
     socket.addEventListener("close", () => {
       this.onState(false);
       if (!this.stopped) setTimeout(() => this.connect(), PAUSES[Math.min(this.attempts++, PAUSES.length - 1)]);
+      if (this.attempts > 1) void this.checkAddress();
     });
     this.socket = socket;
+  }
+
+  /** End the attempts if the program was started again under another address. */
+  async checkAddress() {
+    const reply = await fetch(location.href, { method: "HEAD", cache: "no-store" }).catch(() => null);
+    if (!reply || reply.ok || this.stopped) return;
+    this.stopped = this.outdated = true;
+    this.onState(false);
   }
 
   get connected() { return this.socket?.readyState === WebSocket.OPEN; }

@@ -38,6 +38,7 @@ const MEANWHILE = "your text, typed without a connection, replaces changes of an
 const DRAWN = "another page has changed the model; what was drawn without a connection is not in it";
 const WAITING = "not connected; this is carried out when the program answers";
 const REFUSED = "not connected; repeat this when the program answers";
+const OUTDATED = "the program was started again: open the address that it printed; changes of this page that were not confirmed are not in it";
 const MODIFIER = /Mac|iPhone|iPad/.test(navigator.platform) ? "⌘" : "Ctrl+";
 
 class Studio {
@@ -315,7 +316,7 @@ class Studio {
   /** @param {boolean} connected */
   connected(connected) {
     const link = byId("link");
-    link.textContent = connected ? "" : this.link?.stopped ? "stopped" : "not connected: is the program running? Changes are sent when it answers";
+    link.textContent = connected ? "" : this.link?.outdated ? OUTDATED : this.link?.stopped ? "stopped" : "not connected: is the program running? Changes are sent when it answers";
     link.classList.toggle("error", !connected);
     if (!connected && this.pending) this.unsent ??= { text: this.editor.text, revision: this.file.revision };  // it may not have arrived
     this.pending = 0;
