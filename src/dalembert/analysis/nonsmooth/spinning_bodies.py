@@ -27,9 +27,16 @@ def spin_warnings(step: ContactStep, record: ContactRecord) -> list[str]:
     bodies = [body for body in step.model.bodies if isinstance(body, Body) and body.rotates]
     if not bodies or not record.key.size:
         return []
-    spin, momentum = _motion(step, record, bodies)
+    h = np.diff(record.t)
+    local = _values(step, record, [body.spin for body in bodies])
+    turns = (h * np.linalg.norm(local[..., :-1], axis=1)).max(axis=1)
+    bodies = [body for body, turn in zip(bodies, turns, strict=True) if turn / 2 > SHARE]
+    if not bodies:  # no error can exceed half of the turn
+        return []
+    spin = _values(step, record, [ca.mtimes(body.axes, body.spin) for body in bodies])
+    momentum = _values(step, record, [_momentum(body) for body in bodies])
     pressed = _pressed(step, record, [body.name for body in bodies])
-    h, change = np.diff(record.t), np.diff(momentum, axis=-1)
+    change = np.diff(momentum, axis=-1)
     error = h / 2 * np.linalg.norm(np.cross(spin[..., :-1], change, axis=1), axis=1)
     changes = np.where(pressed, np.linalg.norm(change, axis=1), 0.0).sum(axis=1)
     sums = np.where(pressed, error, 0.0).sum(axis=1)
@@ -47,20 +54,18 @@ def spin_warnings(step: ContactStep, record: ContactRecord) -> list[str]:
     ]
 
 
-def _motion(
-    step: ContactStep, record: ContactRecord, bodies: list[Body]
-) -> tuple[np.ndarray, np.ndarray]:
-    """(b, 3, K+1) angular velocities and momenta of bodies about their mass centres."""
-    parts = []
-    for body in bodies:
-        local = ca.mtimes(tensor(body.inertia.sx), body.spin)
-        parts.append(ca.vertcat(ca.mtimes(body.axes, body.spin), ca.mtimes(body.axes, local)))
-    function, s = step.model.function(Expression(ca.vertcat(*parts))), record.ends
+def _momentum(body: Body) -> ca.SX:
+    """Angular momentum of a body about its mass centre, in inertial axes."""
+    return ca.mtimes(body.axes, ca.mtimes(tensor(body.inertia.sx), body.spin))
+
+
+def _values(step: ContactStep, record: ContactRecord, vectors: list[ca.SX]) -> np.ndarray:
+    """(b, 3, K+1) vectors at the ends of the steps."""
+    function, s = step.model.function(Expression(ca.vertcat(*vectors))), record.ends
     p = np.tile(step.p[:, None], s.t.size)
     forces = s.forces(function.size1_in(4))
     values = np.asarray(function.map(s.t.size)(s.t[None], s.y, s.v, s.a, forces, p))
-    columns = values.reshape(len(bodies), 6, s.t.size)
-    return columns[:, :3], columns[:, 3:]
+    return values.reshape(len(vectors), 3, s.t.size)
 
 
 def _pressed(step: ContactStep, record: ContactRecord, names: list[str]) -> np.ndarray:
