@@ -15,8 +15,6 @@ import dalembert as da
 from dalembert.io import load_model_file
 
 TURN = np.linspace(0, 2 * math.pi, 25)
-STILL = "studio.pictures.receive = () => {}"
-"""The picture stays while elements are added whose places are typed or free."""
 
 
 def typed(visit: Desk, key: str, *places: str) -> None:
@@ -181,3 +179,13 @@ def test_typed_places_need_no_pointer(desk: tuple[Desk, Studio]) -> None:
     assert bar["position"] == pytest.approx([0.1, 0.2]) and bar["length"] == pytest.approx(0.3)
     visit.press("Control+z")
     assert visit.text == UNTITLED
+
+
+def test_a_braced_rectangle(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
+    """Two diagonals, one of them redundant: it closes in spite of the rounding of drawn numbers."""
+    visit, _ = desk
+    corners = ["0,0", "0.7,0", "0.7,0.3", "0,0.3"]
+    for start, end in [*zip(corners, [*corners[1:], corners[0]], strict=True), ("0,0", "0.7,0.3")]:
+        typed(visit, "b", start, end)
+    typed(visit, "b", "0.7,0", "0,0.3")
+    assert model_of(visit, tmp_path).diagnosis.degrees_of_freedom == 3
