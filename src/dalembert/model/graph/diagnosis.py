@@ -22,9 +22,8 @@ from dalembert.model.graph.tree.spanning_tree import Topology, analyse_topology
 from dalembert.symbolic.formulas.expression import free_symbols
 from dalembert.text.wording import card, messages, table
 
-MASSLESS = 1e-20
-"""Threshold for zero mass, relative to the largest one; that of a small body far from the origin is
-small by the square of its distance."""
+MASSLESS = 1e-12
+"""Threshold for zero mass, relative to the largest one of coordinates with the same scale."""
 MOVING = 1e-6
 """Threshold for a body that takes part in a motion, relative to the largest component."""
 MOVED = 1e-6
@@ -274,7 +273,10 @@ def _massless(closure: Closure, mass: scipy.sparse.csc_array) -> tuple[str, ...]
     scale = scipy.sparse.diags_array(closure.scales.displacements)
     scaled_mass = scipy.sparse.csr_array(scale @ mass @ scale)
     largest = abs(scaled_mass).max(axis=1).toarray().ravel()
-    heavy = np.flatnonzero(largest > MASSLESS * largest.max(initial=0.0))
+    scales, kind = np.unique(closure.scales.displacements, return_inverse=True)
+    greatest = np.zeros(scales.size)
+    np.maximum.at(greatest, kind, largest)
+    heavy = np.flatnonzero(largest > MASSLESS * greatest[kind])
     equations = scipy.sparse.vstack([closure.jacobian[closure.rows], scaled_mass[heavy]])
     motions = columns_of(equations, least_fill(equations))
     if not motions.free:
