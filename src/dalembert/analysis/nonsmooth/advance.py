@@ -23,6 +23,9 @@ SETTLED = 0.5
 """Ratio of penetrations of consecutive repetitions above which these reduce it no further [-]."""
 SMALL = 100.0
 """Penetration by inexact impulses that remains, relative to the one that counts as rounding [-]."""
+UNSOLVED = 1e-2
+"""Distance that the residual of impulses closes in a step, relative to a penetration, below which
+these belong to the solution without the penetration [-]."""
 INEXACT = 10.0
 """Upper limit of errors of relative velocities by the tolerance of the impulses [-]."""
 
@@ -101,8 +104,10 @@ def _closed(
             break
         contacts = Contacts.joined([contacts, added])
         again = step.solved(step.struck(start, contacts), contacts, result.last)
-        gains = again.loss < min(result.loss, -_inexact_work(start, again))
-        if gains or not again.impulses.accepted:
+        if not again.impulses.accepted:
+            short = again.impulses.residual * start.h < UNSOLVED * -step.deepest(at_end)
+            return again if short else result
+        if again.loss < min(result.loss, -_inexact_work(start, again)):
             break
         result = again
     return result
