@@ -78,7 +78,9 @@ def test_text_picture_edit_and_undo(studio: Studio) -> None:
         still = receive(socket, "picture", live=False)
         assert still["summary"] == "1 degree of freedom" and still["page"]
         status, body, headers = get(studio, f"/{studio.token}/{still['page']}")
-        assert status == 200 and b"crank" in body and headers["x-frame-options"] == "SAMEORIGIN"
+        assert status == 200 and b"crank" in body and headers["content-type"] == "application/json"
+        status, body, headers = get(studio, f"/{studio.token}/{still['frame']}")
+        assert status == 200 and b"<canvas" in body and headers["x-frame-options"] == "SAMEORIGIN"
         live = receive(socket, "picture", live=True)
         assert live["number"] == still["number"] and live["page"] != still["page"]
         text = FOUR_BAR.replace("l1 = { value = 0.3,", "l1 = { value = -0.3,")
@@ -167,7 +169,13 @@ def test_other_sites_are_refused(studio: Studio) -> None:
     ):
         status, body, _ = get(studio, path, **headers)
         assert status == 403 and b"<" not in body, path
-    for path in ("assets/..%2fserver.py", "assets/../session.py", "assets/vendor", "picture/999"):
+    for path in (
+        "assets/..%2fserver.py",
+        "assets/../session.py",
+        "assets/vendor",
+        "picture/999",
+        "frame/x",
+    ):
         assert get(studio, good + path)[0] == 404, path
     for options in ({"origin": "http://example.org"}, {"origin": None}):
         with pytest.raises(InvalidStatus), page(studio, **options):

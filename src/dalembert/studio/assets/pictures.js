@@ -2,7 +2,7 @@
 
 /** @import { PictureMessage } from "./types.d.ts" */
 
-import { el } from "./dom.js";
+import { PictureFrames, fill } from "./picture_frames.js";
 
 /** Time without a press of a key or a button after which a picture is replaced [ms]: a press during the replacement would be lost. */
 const CALM = 150;
@@ -13,6 +13,7 @@ export class Pictures {
   /** @param {HTMLElement} stage */
   constructor(stage) {
     this.stage = stage;
+    this.frames = new PictureFrames(stage);
     /** The shown frame. @type {HTMLIFrameElement | null} */
     this.frame = null;
     /** The frame that loads. @type {HTMLIFrameElement | null} */
@@ -54,24 +55,30 @@ export class Pictures {
   get page() { return partsOf(this.frame); }
 
   /** @param {PictureMessage} message */
-  receive({ number, page, live, revision }) {
+  receive({ number, page, frame, live, revision }) {
     if (revision === this.own) {
       this.shown = number;
       this.stage.classList.remove("outdated");
       return;
     }
     if (page || !live) this.stage.classList.toggle("outdated", !page && (this.frame ?? this.next) !== null);
-    if (!page || number < this.shown || (number === this.shown && this.live)) return;
+    if (!page || !frame || number < this.shown || (number === this.shown && this.live)) return;
     this.next?.remove();
-    const frame = el("iframe", { src: page, class: "loading", title: "Picture of the model" });
-    this.next = frame;
-    frame.addEventListener("load", () => this.replace(frame, number, live));
-    this.stage.append(frame);
+    this.next = this.frames.take(frame);
+    void this.load(this.next, page, frame, number, live);
+  }
+
+  /** Load the data of a page, and show it in a frame. @param {HTMLIFrameElement} frame @param {string} page @param {string} address of the frame @param {number} number @param {boolean} live */
+  async load(frame, page, address, number, live) {
+    const text = await fetch(page).then((reply) => (reply.ok ? reply.text() : "")).catch(() => "");
+    if (frame !== this.next || !text) return;  // outdated
+    await fill(frame, text, document.documentElement.dataset.theme ?? "light");
+    await this.replace(frame, number, live);
+    this.frames.prepare(address);
   }
 
   /** @param {HTMLIFrameElement} frame @param {number} number @param {boolean} live */
   async replace(frame, number, live) {
-    for (let k = 0; k < 500 && frame.isConnected && !partsOf(frame); k++) await new Promise((resolve) => setTimeout(resolve, 10));
     while (this.busy && frame === this.next) await new Promise((resolve) => setTimeout(resolve, 20));
     const page = partsOf(frame);
     if (frame !== this.next || !page) return;
