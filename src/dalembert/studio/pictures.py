@@ -39,21 +39,21 @@ class Picture:
     Attributes
     ----------
     page : data of the page, as JSON; empty if there is none
-    frame : name of the page without data, of ``picture_frames``
     problems : errors and warnings
     summary : of the model in one line
     facts : numbers of the model, such as its degrees of freedom
     is_live : whether the page computes
     late : warnings of checks that take as long as the run, which only live pictures have
+    frame : name of the page without data, of ``picture_frames``
     """
 
     page: str = ""
-    frame: str = ""
     problems: tuple[Problem, ...] = ()
     summary: str = ""
     facts: dict[str, Any] = field(default_factory=dict)
     is_live: bool = False
     late: tuple[Problem, ...] = ()
+    frame: str = ""
 
 
 def picture_of(text: str, path: Path, live: bool) -> Picture:
@@ -197,4 +197,4 @@ def _diagnosis(model: Any) -> tuple[str, dict[str, Any]]:
 
 def _shown(payload: dict[str, Any], **described: Any) -> Picture:
     """Picture with the page of a payload."""
-    return Picture(embedded(payload), frame_of(payload).name, **described)
+    return Picture(embedded(payload), frame=frame_of(payload).name, **described)
