@@ -250,3 +250,32 @@ def test_a_live_picture_follows_the_still_one() -> None:
     assert sent == []
     feed.show("still", 2, Picture(page="at rest"))
     assert sent == [(False, "picture/4"), (True, "picture/5")]
+
+
+def test_another_page_is_served_while_a_long_text_changes(
+    studio: Studio, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rows = [f'b{k} = {{ type = "Particle", mass = 1, position = [{k}, 0] }}' for k in range(9000)]
+    long = "\n".join(["format = 1", "[bodies]", *rows, ""])
+    particle = {"type": "Particle", "mass": 1, "position": [0, 1]}
+    add = {"op": "add", "section": "bodies", "base": "p", "fields": particle}
+    with page(studio) as socket:
+        state = receive(socket, "text")
+        send(socket, kind="text", text=long, revision=state["revision"])
+        revision = receive(socket, "text")["revision"]
+        send(socket, kind="edit", label="add", operations=[add], revision=revision)
+        answered = 0
+        while True:  # meanwhile other requests are answered
+            status, _, _ = get(studio, f"/{studio.token}/assets/dom.js")
+            assert status == 200
+            try:
+                message = json.loads(socket.recv(timeout=0))
+            except TimeoutError:
+                answered += 1
+                continue
+            if message["kind"] == "text":
+                break
+        assert "p1 = " in message["text"] and answered > 5
+        send(socket, kind="cancel")
+        send(socket, kind="text", text=FOUR_BAR, revision=message["revision"])
+        assert receive(socket, "text")["revision"] > message["revision"]
