@@ -7,7 +7,6 @@ import logging
 import secrets
 import socket
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 
 import uvicorn
@@ -90,5 +89,4 @@ def serve(
         finally:
             session.close()
 
-    with suppress(KeyboardInterrupt):  # the usual end, after the requests have ended
-        asyncio.run(run())
+    asyncio.run(run())
