@@ -8,9 +8,9 @@ const PAUSE = 300;
 const KEPT = 2;
 
 /** Time between checks of a frame that loads, and their number [ms]. */
-const POLL = 2, ATTEMPTS = 5000;
+const POLL = 2, ATTEMPTS = 30_000;
 
-/** A page without data. @typedef {Window & { receiveData?: (text: string) => void, dalembert?: unknown }} Inner */
+/** A page without data. @typedef {Window & { receiveData?: (text: string) => void }} Inner */
 
 export class PictureFrames {
   /** @param {HTMLElement} stage */
@@ -59,12 +59,16 @@ const innerOf = (frame) => /** @type {Inner | null} */ (frame.contentDocument &&
 /** Whether a frame waits for data. @param {HTMLIFrameElement} frame */
 const receives = (frame) => Boolean(innerOf(frame)?.receiveData);
 
-/** Show data in a frame once it has loaded. @param {HTMLIFrameElement} frame @param {string} text @param {string} theme */
+/** Show data in a frame once it has loaded; the promise is settled before the frame draws. @param {HTMLIFrameElement} frame @param {string} text @param {string} theme */
 export async function fill(frame, text, theme) {
-  for (let k = 0; k < ATTEMPTS && frame.isConnected && !receives(frame); k++) await pause();
-  if (frame.contentDocument) frame.contentDocument.documentElement.dataset.theme = theme;
-  innerOf(frame)?.receiveData?.(text);
-  for (let k = 0; k < ATTEMPTS && frame.isConnected && !innerOf(frame)?.dalembert; k++) await pause();
+  for (let k = 0; k < ATTEMPTS && frame.isConnected && !receives(frame); k++) await pause(POLL);
+  const inner = innerOf(frame);
+  if (!inner?.receiveData) return;
+  inner.document.documentElement.dataset.theme = theme;
+  const built = new Promise((resolve) => { inner.addEventListener("built", resolve, { once: true }); });
+  inner.receiveData(text);
+  await Promise.race([built, pause(POLL * ATTEMPTS)]);
 }
 
-const pause = () => new Promise((resolve) => { setTimeout(resolve, POLL); });
+/** @param {number} time [ms] */
+const pause = (time) => new Promise((resolve) => { setTimeout(resolve, time); });
