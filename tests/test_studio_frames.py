@@ -70,3 +70,19 @@ def test_a_frame_that_was_not_loaded_is_loaded_again(desk: tuple[Desk, Any]) -> 
     visit.settle(visit.base + 2)
     assert visit.js("studio.pictures.page.motion.bodies.length") == 2
     assert not visit.js("broken.includes(studio.pictures.frame)")
+
+
+def test_a_picture_in_place_of_one_without_data_has_its_frame(desk: tuple[Desk, Any]) -> None:
+    visit, _ = desk
+    visit.show(BAR)
+    visit.until("studio.described.page", 20)
+    same = """(() => {
+        const { pictures, described } = studio, number = pictures.shown + 1;
+        pictures.receive({ ...described, number });
+        const { next } = pictures;
+        pictures.receive({ ...described, number: number + 1 });
+        window.wanted = number + 1;
+        return next === pictures.next;
+    })()"""
+    assert visit.js(same)
+    visit.until("studio.pictures.shown === wanted", 20)

@@ -9,6 +9,8 @@ const CALM = 150;
 
 /** Parts of a page of the report. @typedef {{ player: any, motion: any, scene: any, design?: any }} Page */
 
+/** A picture, the addresses of its data and of its frame. @typedef {{ number: number, live: boolean, page: string, address: string }} Wanted */
+
 export class Pictures {
   /** @param {HTMLElement} stage */
   constructor(stage) {
@@ -18,6 +20,10 @@ export class Pictures {
     this.frame = null;
     /** The frame that loads. @type {HTMLIFrameElement | null} */
     this.next = null;
+    /** Whether it has data. */
+    this.filled = false;
+    /** The picture that is loaded. @type {Wanted | null} */
+    this.wanted = null;
     /** Listeners to a new picture. @type {((page: Page) => void)[]} */
     this.onShow = [];
     this.shown = -1;
@@ -63,18 +69,23 @@ export class Pictures {
     }
     if (page || !live) this.stage.classList.toggle("outdated", !page && (this.frame ?? this.next) !== null);
     if (!page || !frame || number < this.shown || (number === this.shown && this.live)) return;
-    this.next?.remove();
-    this.next = this.frames.take(frame);
-    void this.load(this.next, page, frame, number, live);
+    const wanted = this.wanted = { number, live, page, address: frame };
+    if (!this.next || this.filled || this.next.getAttribute("src") !== frame) {
+      this.next?.remove();
+      [this.next, this.filled] = [this.frames.take(frame), false];
+    }
+    void this.load(this.next, wanted);
   }
 
-  /** Load the data of a page, and show it in a frame. @param {HTMLIFrameElement} frame @param {string} page @param {string} address of the frame @param {number} number @param {boolean} live */
-  async load(frame, page, address, number, live) {
+  /** Load the data of a page, and show it in a frame unless another one is wanted by then. @param {HTMLIFrameElement} frame @param {Wanted} wanted */
+  async load(frame, wanted) {
+    const { page, address, number, live } = wanted;
     const text = await fetch(page).then((reply) => (reply.ok ? reply.text() : "")).catch(() => "");
-    if (frame !== this.next || !text) return;  // outdated
+    if (wanted !== this.wanted || !text) return;
+    this.filled = true;
     await fill(frame, text, document.documentElement.dataset.theme ?? "light");
-    await this.replace(frame, number, live);
     this.frames.prepare(address);
+    await this.replace(frame, number, live);
   }
 
   /** @param {HTMLIFrameElement} frame @param {number} number @param {boolean} live */
