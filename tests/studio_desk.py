@@ -33,9 +33,17 @@ LOOK = """(() => {
 
 
 class Desk(Visit):
-    """Page of a studio; ``base`` is the first revision of its text."""
+    """Page of a studio.
+
+    Attributes
+    ----------
+    base : first revision of its text
+    still_only : whether no pictures that compute are made, which take a second of the processor
+        after each change
+    """
 
     base = 0
+    still_only = False
 
     @property
     def text(self) -> str:
@@ -60,6 +68,8 @@ class Desk(Visit):
         wanted = self.revision if revision is None else revision
         self.until(f"studio.described?.revision >= {wanted}", WAIT)
         self.until("studio.pictures.shown === studio.described?.number", WAIT)
+        if self.still_only:
+            self.js("void studio.request('cancel')")
 
     def place(self, *place: float) -> tuple[float, float]:
         return tuple(self.page.evaluate(PIXEL, list(place)))  # type: ignore[return-value]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import errno
 import json
 import os
@@ -146,7 +147,7 @@ def test_a_state_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
     session.broadcast = lambda message, but=None: sent.append(message)  # type: ignore[method-assign]
     for text in ("a = 1\n", "a = 2\n"):
         session.draft.replace(text, "type")
-        session.changed()
+        asyncio.run(session.changed())
     assert [m["kind"] for m in sent] == ["failure", "text", "text"]
     session.save(tmp_path / "saved.toml", False)
     assert (tmp_path / "saved.toml").read_text() == "a = 2\n"
@@ -201,7 +202,7 @@ def test_a_full_disk_loses_neither_the_file_nor_the_text(
     monkeypatch.setattr(Path, "write_text", full)
     monkeypatch.setattr(Path, "write_bytes", full)
     session.draft.replace("a = 1\n", "type")
-    session.changed()
+    asyncio.run(session.changed())
     assert sent[-1]["text"] == "a = 1\n" or sent[-2]["text"] == "a = 1\n"
     assert any("No space left" in str(message.get("text")) for message in sent)
     with pytest.raises(FileError, match="No space left"):

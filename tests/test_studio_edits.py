@@ -44,6 +44,7 @@ def check_picture(visit: Desk, path: Path) -> None:
 
 def test_random_edits_are_shown_and_undone(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     visit, _ = desk
+    visit.still_only = True
     visit.show(MECHANISM)
     rng = random.Random(COUNT)
     done = 0

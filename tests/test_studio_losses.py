@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import os
 import socket as sockets
@@ -36,7 +37,7 @@ def test_a_reopened_file_has_its_unsaved_changes(tmp_path: Path) -> None:
         (tmp_path / f"{name}.toml").write_text(f"{name} = 0\n")
     edited = session(tmp_path / "a.toml", tmp_path)
     edited.draft.replace("a = 1\n", "type")
-    edited.changed()
+    asyncio.run(edited.changed())
     edited.open(tmp_path / "a.toml")
     assert edited.draft.text == "a = 1\n"
     edited.open(tmp_path / "b.toml")
@@ -226,6 +227,15 @@ def open_files(process: int) -> int:
     return len(os.listdir(f"/proc/{process}/fd"))
 
 
+def resources(process: int) -> tuple[int, int]:
+    """Open files and threads, when connections that were closed have ended."""
+    before, now = (0, 0), (open_files(process), threads(process))
+    while now != before:
+        time.sleep(0.3)
+        before, now = now, (open_files(process), threads(process))
+    return now
+
+
 def test_pages_that_come_and_go_leave_nothing(studio: Studio) -> None:
     if not Path("/proc").exists():
         pytest.skip("no list of files")
@@ -234,8 +244,7 @@ def test_pages_that_come_and_go_leave_nothing(studio: Studio) -> None:
         for _ in range(30):
             with page(studio) as socket:
                 receive(socket, "text")
-        time.sleep(0.2)
-        counts.append((open_files(studio.process.pid), threads(studio.process.pid)))
+        counts.append(resources(studio.process.pid))
     assert counts[0] == counts[1]
 
 

@@ -17,6 +17,12 @@ from dalembert.io import load_model_file
 TURN = np.linspace(0, 2 * math.pi, 25)
 
 
+@pytest.fixture(autouse=True)
+def still_only(desk: tuple[Desk, Studio]) -> None:
+    """Pictures that compute are not needed here."""
+    desk[0].still_only = True
+
+
 def typed(visit: Desk, key: str, *places: str) -> None:
     """Use a tool whose places are typed."""
     revision = visit.revision

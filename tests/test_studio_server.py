@@ -23,6 +23,12 @@ from dalembert.studio.pictures import Picture
 FOUR_BAR = (Path(__file__).parents[1] / "examples" / "four_bar.toml").read_text("utf-8")
 
 
+QUIET = [
+    "Ctrl-C stops it\n" + end for end in ("", "Error: interrupted\n\n", "Error: interrupted\n")
+]
+"""What the program says when Ctrl-C ends it."""
+
+
 @pytest.fixture(scope="module")
 def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
     folder = tmp_path_factory.mktemp("studio")
@@ -78,7 +84,9 @@ def test_text_picture_edit_and_undo(studio: Studio) -> None:
         still = receive(socket, "picture", live=False)
         assert still["summary"] == "1 degree of freedom" and still["page"]
         status, body, headers = get(studio, f"/{studio.token}/{still['page']}")
-        assert status == 200 and b"crank" in body and headers["x-frame-options"] == "SAMEORIGIN"
+        assert status == 200 and b"crank" in body and headers["content-type"] == "application/json"
+        status, body, headers = get(studio, f"/{studio.token}/{still['frame']}")
+        assert status == 200 and b"<canvas" in body and headers["x-frame-options"] == "SAMEORIGIN"
         live = receive(socket, "picture", live=True)
         assert live["number"] == still["number"] and live["page"] != still["page"]
         text = FOUR_BAR.replace("l1 = { value = 0.3,", "l1 = { value = -0.3,")
@@ -167,7 +175,13 @@ def test_other_sites_are_refused(studio: Studio) -> None:
     ):
         status, body, _ = get(studio, path, **headers)
         assert status == 403 and b"<" not in body, path
-    for path in ("assets/..%2fserver.py", "assets/../session.py", "assets/vendor", "picture/999"):
+    for path in (
+        "assets/..%2fserver.py",
+        "assets/../session.py",
+        "assets/vendor",
+        "picture/999",
+        "frame/x",
+    ):
         assert get(studio, good + path)[0] == 404, path
     for options in ({"origin": "http://example.org"}, {"origin": None}):
         with pytest.raises(InvalidStatus), page(studio, **options):
@@ -216,7 +230,23 @@ def test_ctrl_c_stops_it(tmp_path: Path) -> None:
         studio.process.send_signal(signal.SIGINT)
         assert studio.process.wait(20) in (0, 130)
         assert studio.process.stdout is not None
-        assert "Traceback" not in studio.process.stdout.read()
+        assert studio.process.stdout.read() in QUIET
+
+
+def test_ctrl_c_ends_an_upload_quietly(tmp_path: Path) -> None:
+    with running_studio(tmp_path) as studio:
+        upload = http.client.HTTPConnection(studio.host, timeout=20)
+        upload.putrequest("PUT", f"/{studio.token}/photo?name=untitled.toml", skip_host=True)
+        upload.putheader("Host", studio.host)
+        upload.putheader("Content-Length", "1000000")
+        upload.endheaders()
+        upload.send(b"x" * 1000)
+        time.sleep(0.5)
+        studio.process.send_signal(signal.SIGINT)
+        assert studio.process.wait(20) in (0, 130)
+        assert studio.process.stdout is not None
+        assert studio.process.stdout.read() in QUIET
+        upload.close()
 
 
 def test_wrong_files_and_ports_are_refused(tmp_path: Path, capsys: Any, studio: Studio) -> None:
@@ -242,3 +272,32 @@ def test_a_live_picture_follows_the_still_one() -> None:
     assert sent == []
     feed.show("still", 2, Picture(page="at rest"))
     assert sent == [(False, "picture/4"), (True, "picture/5")]
+
+
+def test_another_page_is_served_while_a_long_text_changes(
+    studio: Studio, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rows = [f'b{k} = {{ type = "Particle", mass = 1, position = [{k}, 0] }}' for k in range(9000)]
+    long = "\n".join(["format = 1", "[bodies]", *rows, ""])
+    particle = {"type": "Particle", "mass": 1, "position": [0, 1]}
+    add = {"op": "add", "section": "bodies", "base": "p", "fields": particle}
+    with page(studio) as socket:
+        state = receive(socket, "text")
+        send(socket, kind="text", text=long, revision=state["revision"])
+        revision = receive(socket, "text")["revision"]
+        send(socket, kind="edit", label="add", operations=[add], revision=revision)
+        answered = 0
+        while True:  # meanwhile other requests are answered
+            status, _, _ = get(studio, f"/{studio.token}/assets/dom.js")
+            assert status == 200
+            try:
+                message = json.loads(socket.recv(timeout=0))
+            except TimeoutError:
+                answered += 1
+                continue
+            if message["kind"] == "text":
+                break
+        assert "p1 = " in message["text"] and answered > 5
+        send(socket, kind="cancel")
+        send(socket, kind="text", text=FOUR_BAR, revision=message["revision"])
+        assert receive(socket, "text")["revision"] > message["revision"]

@@ -34,7 +34,7 @@ def test_a_drag_keeps_the_loop_closed(desk: SpaceDesk) -> None:  # noqa: F811
     text = (EXAMPLES / "rssr_four_bar.toml").read_text("utf-8")
     desk.show(text)
     desk.until("studio.pictures.live", 60)
-    desk.until("document.querySelector('iframe').contentDocument.documentElement.dataset.live", 20)
+    desk.until("studio.pictures.frame.contentDocument.documentElement.dataset.live", 20)
     desk.js(f"studio.space.select({TIP})")
     length = tomllib.loads(text)["parameters"]["l"]["value"]
     before = {name: np.array(p) for name, p in desk.js(POINTS).items()}

@@ -52,7 +52,7 @@ def desk(browser: Any, studio_server: Studio) -> Any:  # noqa: F811
 
 def test_a_cantilever_with_two_loads_and_a_torque(desk: FrameDesk, tmp_path: Path) -> None:
     """Displacements are F L³/(3 E I) along both axes; the rotation is T L/(G J)."""
-    keyboard = desk.page.keyboard
+    keyboard, desk.still_only = desk.page.keyboard, True
     desk.js("document.activeElement?.blur()")
     keyboard.press("e")
     keyboard.type("0, 0, 0")
@@ -78,6 +78,7 @@ def test_a_cantilever_with_two_loads_and_a_torque(desk: FrameDesk, tmp_path: Pat
     assert float(result["n2.rz"]) == pytest.approx(twist, rel=1e-9)
     shown = desk.js("studio.pictures.page.motion.symbols.filter((s) => s.moment).length")
     assert shown == 1  # the moment is in the picture
+    desk.still_only = False
 
 
 def test_a_node_is_moved_deleted_and_restored(desk: FrameDesk) -> None:

@@ -182,7 +182,7 @@ def test_a_dragged_node_is_live(desk: Desk, tmp_path: Path) -> None:
     start(desk, desk.text.replace('connect = ["c", "d"]', 'connect = ["b", "d"]'))
     start(desk, desk.text.replace('nodes = ["a", "b"]', 'nodes = ["a", "b", "d"]'))
     desk.until("studio.pictures.live", 60)
-    desk.until("document.querySelector('iframe').contentDocument.documentElement.dataset.live", 20)
+    desk.until("studio.pictures.frame.contentDocument.documentElement.dataset.live", 20)
     text = desk.text
     desk.page.mouse.move(*desk.place(1, 0.8))
     desk.page.mouse.down()

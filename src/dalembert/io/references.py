@@ -34,9 +34,8 @@ class References:
 
     def body(self, name: str) -> BodyElement:
         """The body of this name, or the ground."""
-        names = ["ground", *self.document.bodies]
-        if name not in names:
-            raise ModelError(unknown("body", name, names))
+        if name != "ground" and name not in self.document.bodies:
+            raise ModelError(unknown("body", name, ["ground", *self.document.bodies]))
         return self.system.body(name)
 
     def node(self, owner: str, name: str) -> Any:
@@ -66,9 +65,8 @@ class References:
 
     def joint(self, name: str) -> Element:
         """The joint of this name."""
-        names = list(self.document.joints)
-        if name not in names:
-            raise ModelError(unknown("joint", name, names))
+        if name not in self.document.joints:
+            raise ModelError(unknown("joint", name, list(self.document.joints)))
         return self.system.elements[name]
 
     def beam(self, name: str) -> Element:

@@ -15,6 +15,7 @@ import re
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,10 @@ from dalembert.errors import FileError
 from dalembert.files import atomic_path
 from dalembert.report.packing import are_numbers, pack
 from dalembert.report.scripts import (
+    CHARTS,
     KINDS,
+    PAGES,
+    RUNS,
     asset,
     page_charts,
     page_kind,
@@ -31,42 +35,105 @@ from dalembert.report.scripts import (
 )
 from dalembert.text.wording import visible
 
-__all__ = ["as_json", "render_page", "write_page"]
+__all__ = ["PageFrame", "as_json", "embedded", "frame_of", "render_page", "write_page"]
 
 #: Significant digits of the numbers of a page.
 DIGITS = 10
 
 INDENT = re.compile(r"^[ \n]+", re.MULTILINE)
 """Indentation of scripts and blank lines."""
+PART = re.compile(r"\{\{(\w+)\}\}")
+SEPARATOR = "~"
+"""Separator of the parts of a name."""
+CHARTS_OF_ALL = frozenset(CHARTS.values())
+
 # Characters that could end the data element early; the text is ASCII.
 _ESCAPES = {ord(c): f"\\u{ord(c):04x}" for c in "<>&"}
 
 
-def render_page(payload: dict[str, Any]) -> str:
-    """Return the whole report page of ``payload`` as one string of HTML."""
-    title = visible(str(payload.get("title") or "Report"))
+@dataclass(frozen=True)
+class PageFrame:
+    """Style and scripts of a kind of page, which pages of many payloads have in common.
+
+    Parameters
+    ----------
+    kind : of the page, of ``PAGES``
+    run : kind of the analysis that a live page repeats, of ``RUNS``; empty for a still page
+    charts : modules of further charts, of ``CHARTS``
+    """
+
+    kind: str
+    run: str = ""
+    charts: tuple[str, ...] = ()
+
+    def render(self, title: str = "", data: str = "") -> str:
+        """The page with its data; without them it waits until ``receiveData`` is called in it.
+
+        Parameters
+        ----------
+        title : text
+        data : JSON that is safe inside a script element
+        """
+        # One pass over the template, so that inserted parts are not searched again.
+        parts = _parts(self) | {"title": html.escape(title), "data": data}
+        return PART.sub(lambda match: parts[match[1]], asset("template.html"))
+
+    @property
+    def name(self) -> str:
+        """The frame as a part of an address."""
+        words = (self.kind.replace(" ", "-"), self.run.replace(" ", "-"))
+        return SEPARATOR.join((*words, *self.charts))
+
+    @classmethod
+    def named(cls, name: str) -> PageFrame | None:
+        """Frame of a name; None if there is none."""
+        kind, run, charts = (*name.split(SEPARATOR, 2), "", "")[:3]
+        modules = tuple(filter(None, charts.split(SEPARATOR)))
+        frame = cls(kind.replace("-", " "), run.replace("-", " "), modules)
+        known = frame.kind in PAGES and (not frame.run or frame.run in RUNS)
+        return frame if known and frame.name == name and set(modules) <= CHARTS_OF_ALL else None
+
+
+def frame_of(payload: dict[str, Any]) -> PageFrame:
+    """Frame of the page of a payload.
+
+    Raises
+    ------
+    FileError
+        There is no page of this kind.
+    """
     kind = payload.get("kind", "mechanism")
     if not isinstance(kind, str) or kind not in KINDS:
         raise FileError(f"there is no page for {kind!r}; known: {', '.join(KINDS)}")
     if kind == "structure" and "scene" not in payload:
         raise FileError("this report was written by an earlier version; run the model again")
+    live = payload.get("live", {})
+    run = live["kind"] if "code" in live else ""
+    return PageFrame(page_kind(payload), run, page_charts(payload))
+
+
+@cache
+def _parts(frame: PageFrame) -> dict[str, str]:
+    """Parts of the template that do not depend on the data."""
     parts = {
-        "title": html.escape(title),
         "style": asset("page.css") + asset("views.css"),
-        "data": _embed(payload),
-        "script": INDENT.sub("", page_script(page_kind(payload), page_charts(payload))),
+        "script": INDENT.sub("", page_script(frame.kind, frame.charts)),
         "worker": "",
         "rights": "",
     }
-    live = payload.get("live", {})
-    if "code" in live:
-        script = INDENT.sub("", worker_script(live["kind"]))
+    if frame.run:
+        script = INDENT.sub("", worker_script(frame.run))
         packed = base64.b64encode(zlib.compress(script.encode(), 9)).decode("ascii")
         parts["worker"] = f'<script type="text/plain" id="worker">{packed}</script>'
         parts["style"] += asset("live.css")
         parts["rights"] = " 'wasm-unsafe-eval' blob:; worker-src blob:"
-    # One pass over the template, so that inserted parts are not searched again.
-    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], asset("template.html"))
+    return parts
+
+
+def render_page(payload: dict[str, Any]) -> str:
+    """Return the whole report page of ``payload`` as one string of HTML."""
+    title = visible(str(payload.get("title") or "Report"))
+    return frame_of(payload).render(title, embedded(payload))
 
 
 def write_page(payload: dict[str, Any], path: str | os.PathLike[str]) -> Path:
@@ -77,8 +144,8 @@ def write_page(payload: dict[str, Any], path: str | os.PathLike[str]) -> Path:
     return Path(path)
 
 
-def _embed(payload: dict[str, Any]) -> str:
-    """Return ``payload`` as JSON that is safe inside a script element."""
+def embedded(payload: dict[str, Any]) -> str:
+    """Return ``payload`` as packed JSON that is safe inside a script element."""
     return as_json(pack(payload)).translate(_ESCAPES)
 
 

@@ -26,6 +26,7 @@ from dalembert.studio.event_loop import in_thread
 from dalembert.studio.exporting import CHOICES
 from dalembert.studio.measurements import MAX_DATA, columns_of, store_measurements
 from dalembert.studio.photos import MAX_PHOTO, Photo, Photos
+from dalembert.studio.picture_frames import frame_page
 from dalembert.studio.schema_process import schema_text
 from dalembert.studio.session import Session
 
@@ -87,6 +88,12 @@ def make_application(session: Session, token: str, port: int, stop: Callable[[],
         page = session.pictures.pages.get(_number(request))
         if page is None:
             return PlainTextResponse("this picture is outdated", 404, HEADERS)
+        return Response(page, 200, HEADERS, "application/json")
+
+    async def frame(request: Request) -> Response:
+        page = frame_page(request.path_params["name"])
+        if not page:
+            return PlainTextResponse("no such frame", 404, HEADERS)
         return HTMLResponse(page, headers=HEADERS | {"X-Frame-Options": "SAMEORIGIN"})
 
     async def export(request: Request) -> Response:
@@ -136,6 +143,7 @@ def make_application(session: Session, token: str, port: int, stop: Callable[[],
     routes = [
         Route("/", index),
         Route("/picture/{number}", picture),
+        Route("/frame/{name}", frame),
         Route("/export/{number}", export),
         Route("/examples/{name}", example),
         Route("/task/{number}", task),

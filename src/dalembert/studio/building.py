@@ -244,7 +244,7 @@ class BuildingProcess:
 
 def work(connection: Connection, kind: str) -> None:
     """Loop of the process: requests in, pictures out."""
-    begin_child()
+    begin_child(urgent=kind == FIRST)
     warnings.simplefilter("ignore")
     with suppress(EOFError, OSError, KeyboardInterrupt):
         connection.send(READY)

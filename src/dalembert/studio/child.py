@@ -18,6 +18,8 @@ MEMORY = 3e9
 """Upper limit of the memory of a building process [bytes]."""
 TIME = 300.0
 """Upper limit of the time in which a picture is made [s]."""
+NICENESS = 10
+"""Increase of the niceness of processes whose work is not urgent."""
 PR_SET_PDEATHSIG = 1
 """Option of prctl(2): signal at the end of the thread that started this process."""
 
@@ -56,9 +58,17 @@ def prepare_children() -> None:
         ensure_running()
 
 
-def begin_child() -> None:
-    """Leave interruptions to the server, end with it, and leave the output of models unprinted."""
+def begin_child(urgent: bool = True) -> None:
+    """Leave interruptions to the server, end with it, and leave the output of models unprinted.
+
+    Parameters
+    ----------
+    urgent : whether its work has the same priority as the server and the browser; the processor
+        serves them first otherwise
+    """
     end_with_parent()
+    if not urgent and hasattr(os, "nice"):
+        os.nice(NICENESS)
     gc.freeze()  # objects of imported modules are not searched for garbage again
     if os.name == "posix":
         import signal

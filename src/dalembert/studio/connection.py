@@ -6,7 +6,7 @@ import asyncio
 import json
 import re
 import traceback
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +16,10 @@ from dalembert.errors import DalembertError, FileError
 from dalembert.files import read_text
 from dalembert.io.example_files import example_folder
 from dalembert.studio.drawing_edits import apply
+from dalembert.studio.event_loop import in_thread
 from dalembert.studio.preview import analysis_fields, section_operation
 from dalembert.studio.session import (
+    LONG,
     MAX_TEXT,
     UNTITLED_SPATIAL,
     UNTITLED_SPATIAL_STRUCTURE,
@@ -35,6 +37,7 @@ NEW = {
 """Texts of new models: whether it is a structure, whether it is spatial."""
 CONFIRMED = ("exists already", "by another program", "write-protected")
 """Ends of messages about files that are replaced after confirmation."""
+MEANWHILE = "the model has changed meanwhile; draw it once more"
 OUTDATED = "another page has changed the model; its text is shown now"
 
 
@@ -54,7 +57,7 @@ class Connection:
         self.session = session
         self.websocket = websocket
         self.stop = stop
-        self.requests: dict[str, Callable[[dict[str, Any]], None]] = {
+        self.requests: dict[str, Callable[[dict[str, Any]], Awaitable[None] | None]] = {
             "text": self.text,
             "edit": self.edit,
             "undo": self.undo,
@@ -99,7 +102,9 @@ class Connection:
             kind = request.get("kind") if isinstance(request, dict) else None
             if not isinstance(kind, str) or kind not in self.requests:
                 raise FileError("unknown request; reload the page")
-            self.requests[kind](request)
+            work = self.requests[kind](request)
+            if work is not None:
+                await work
         except Conflict as conflict:
             await self.send({"kind": "conflict", "text": str(conflict), "path": conflict.path})
         except DalembertError as error:
@@ -110,7 +115,7 @@ class Connection:
             text = f"internal error; please report it:\n{traceback.format_exc(limit=-3)}"
             await self.send({"kind": "failure", "text": text, "request": kind})
 
-    def text(self, request: dict[str, Any]) -> None:
+    async def text(self, request: dict[str, Any]) -> None:
         """Replace the text by one that was typed on the base of the present revision."""
         text, revision = request.get("text"), request.get("revision")
         if not isinstance(text, str) or len(text) > MAX_TEXT:
@@ -122,21 +127,24 @@ class Connection:
             self.session.reply(self.send, message)
             return
         if self.session.draft.replace(text, "edit text", typed=True):
-            self.session.changed(self.send)
+            await self.session.changed(self.send)
         else:
             self.session.confirm(self.send)
 
-    def edit(self, request: dict[str, Any]) -> None:
+    async def edit(self, request: dict[str, Any]) -> None:
         """Change the text as the drawing requests."""
-        if request.get("revision") != self.session.draft.revision:
-            raise FileError("the model has changed meanwhile; draw it once more")
-        text = apply(self.session.draft.text, request.get("operations"))
+        before, revision = self.session.draft.text, request.get("revision")
+        if revision != self.session.draft.revision:
+            raise FileError(MEANWHILE)
+        text = await _applied(before, request.get("operations"))
+        if revision != self.session.draft.revision:
+            raise FileError(MEANWHILE)
         if len(text) > MAX_TEXT:
             raise FileError(f"the text would have more than {MAX_TEXT} characters")
         _check_characters(text)
         label = request.get("label")
         if self.session.draft.replace(text, str(label)[:60] if label else "draw"):
-            self.session.changed()
+            await self.session.changed()
         else:
             self.session.reply(self.send, self.session.state())
 
@@ -153,7 +161,7 @@ class Connection:
         apply(text, [section_operation("analysis", shown)])
         self.session.show_analysis(shown)
 
-    def write_preview(self, request: dict[str, Any]) -> None:
+    async def write_preview(self, request: dict[str, Any]) -> None:
         """Write the analysis that is shown into the text."""
         preview = self.session.preview
         if preview.fields is None:
@@ -162,19 +170,19 @@ class Connection:
         preview.set(None)
         self.session.broadcast(preview.message())
         if self.session.draft.replace(text, "set analysis"):
-            self.session.changed()
+            await self.session.changed()
 
-    def undo(self, request: dict[str, Any]) -> None:
+    async def undo(self, request: dict[str, Any]) -> None:
         """Revert the last change."""
         if self.session.draft.undo():
-            self.session.changed()
+            await self.session.changed()
         else:
             self.session.reply(self.send, self.session.state())
 
-    def redo(self, request: dict[str, Any]) -> None:
+    async def redo(self, request: dict[str, Any]) -> None:
         """Repeat the change that was reverted."""
         if self.session.draft.redo():
-            self.session.changed()
+            await self.session.changed()
         else:
             self.session.reply(self.send, self.session.state())
 
@@ -198,10 +206,10 @@ class Connection:
         usable = isinstance(share, (int, float)) and 0 <= share <= 1
         self.session.export(str(to), float(share) if usable else 0.0, self.send)  # type: ignore[arg-type]
 
-    def reload(self, request: dict[str, Any]) -> None:
+    async def reload(self, request: dict[str, Any]) -> None:
         """Read the file again."""
         if self.session.draft.reload():
-            self.session.changed()
+            await self.session.changed()
 
     def open(self, request: dict[str, Any]) -> None:
         """Edit another file, an example, or a new model."""
@@ -214,6 +222,13 @@ class Connection:
             self.session.open(None, NEW[key])
         else:
             self.session.open(_path(request))
+
+
+async def _applied(text: str, operations: Any) -> str:
+    """The text after the operations of a change; that of a long one is found in a thread."""
+    if len(text) > LONG:
+        return await in_thread(lambda: apply(text, operations))
+    return apply(text, operations)
 
 
 def _path(request: dict[str, Any]) -> Path | None:

@@ -35,7 +35,7 @@ class PictureFeed:
     ):
         self._broadcast, self._in_text = broadcast, in_text
         self.pages: dict[int, str] = {}
-        """Number of a picture → its page."""
+        """Number of a picture → data of its page."""
         self.number = 0
         self._revision = 0
         self._latest: dict[str, dict[str, Any]] = {}
@@ -98,7 +98,7 @@ class PictureFeed:
             name = 2 * number + (kind == "live")
             kept = {k: v for k, v in self.pages.items() if k > name - KEPT}
             self.pages = kept | {name: picture.page}
-            message["page"] = f"picture/{name}"
+            message |= {"page": f"picture/{name}", "frame": f"frame/{picture.frame}"}
         self._latest[kind] = message
         self._broadcast(message)
         if kind == "still" and self._early is not None:

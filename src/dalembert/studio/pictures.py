@@ -15,7 +15,7 @@ from dalembert.io.model_file import ModelFile, check_model_data
 from dalembert.io.reading import parse_document
 from dalembert.io.report import live_responses, report_choices
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.report.page import render_page
+from dalembert.report.page import embedded, frame_of
 from dalembert.results.files.assembly_report import assembly_payload, position_payload
 from dalembert.results.result import Result
 from dalembert.results.status import Outcome, Warnings
@@ -25,23 +25,6 @@ from dalembert.studio.loose_nodes import parts_of, without_loose_nodes
 from dalembert.studio.problems import Problem, loose_notes, notes_of, problems_of
 from dalembert.studio.shown_motion import MotionLimit
 
-EMBEDDED = """header.top, #footer, #panels { display: none }
-body { padding: 8px } main, .single main { padding: 0 }
-.stage, .single .stage { height: auto; min-height: 0 }
-.view, .single .view { flex: none; height: max(280px, 100vh - 200px) }
-@media (min-width: 941px) { .board { min-height: 0 } }
-.toolbar { order: 1; border-bottom: 0; border-top: 1px solid var(--line) }
-.toolbar .menu-box { top: auto; bottom: calc(100% + 6px) }
-#ghosts { order: 99 }
-@media (max-width: 560px), (max-height: 430px) {
-  .view, .single .view { height: max(170px, calc(100dvh - 150px)) }
-  .toolbar { flex-wrap: nowrap; overflow-x: auto; padding: 5px 8px }
-  .toolbar > *, .toolbar .chips { flex: none; flex-wrap: nowrap; max-height: none }
-  .player { padding: 4px 8px } .player select { max-width: 72px }
-}"""
-"""Style of a page in the studio, which has its own heading. Legend and buttons are below the
-drawing, whose place and height depend on the window only: no row of them moves what is clicked. On
-a phone the tools are in one line."""
 DRAWN = 1_500_000
 """Upper limit of the size of a module that computes what is dragged [bytes]."""
 BLANK: dict[str, Any] = {"format": 1, "time": [], "scene": {}}
@@ -55,12 +38,13 @@ class Picture:
 
     Attributes
     ----------
-    page : HTML; empty if there is none
+    page : data of the page, as JSON; empty if there is none
     problems : errors and warnings
     summary : of the model in one line
     facts : numbers of the model, such as its degrees of freedom
     is_live : whether the page computes
     late : warnings of checks that take as long as the run, which only live pictures have
+    frame : name of the page without data, of ``picture_frames``
     """
 
     page: str = ""
@@ -69,6 +53,7 @@ class Picture:
     facts: dict[str, Any] = field(default_factory=dict)
     is_live: bool = False
     late: tuple[Problem, ...] = ()
+    frame: str = ""
 
 
 def picture_of(text: str, path: Path, live: bool) -> Picture:
@@ -83,8 +68,10 @@ def picture_of(text: str, path: Path, live: bool) -> Picture:
     try:
         return _picture_of(text, path, live)
     except AssemblyError as error:
-        page = "" if error.position is None else _render(assembly_payload(error))
-        return Picture(page, tuple(problems_of(error, text, path)))
+        reasons = tuple(problems_of(error, text, path))
+        if error.position is None:
+            return Picture(problems=reasons)
+        return _shown(assembly_payload(error), problems=reasons)
     except DalembertError as error:
         return Picture(problems=tuple(problems_of(error, text, path)))
 
@@ -94,7 +81,7 @@ def _picture_of(text: str, path: Path, live: bool) -> Picture:
     data, loose = without_loose_nodes(data)
     if not any(data.get(section) for section in parts_of(data)):
         blank = BLANK | {"title": path.stem} | (SPACE if _is_spatial(data) else {})
-        return Picture(_render(blank), summary="nothing is drawn yet")
+        return _shown(blank, summary="nothing is drawn yet")
     if not live:
         picture = _page_of(data, {}, text, path, live)
         return replace(picture, problems=(*picture.problems, *loose_notes(loose, text, path)))
@@ -135,7 +122,7 @@ def _page_of(
             still = position_payload(model)
         facts |= {"moving": list(getattr(error, "nodes", ()))}
         reasons = problems_of(_located(error), text, path)
-        return Picture(_render(still), (*notes, *reasons), summary, facts)
+        return _shown(still, problems=(*notes, *reasons), summary=summary, facts=facts)
     if live and result.status.outcome is Outcome.INTERRUPTED:
         return Picture()
     late = result.warnings.postpone() if isinstance(result.warnings, Warnings) else []
@@ -151,7 +138,7 @@ def _page_of(
         warnings.append(limit.problem(result))
     problems = (*notes, *warnings, *wrong_choices)
     if not live:
-        return Picture(_render(page), problems, summary, facts)
+        return _shown(page, problems=problems, summary=summary, facts=facts)
     for row in page.get("parameters", ()):
         if row["name"] in places:
             row["drawn"] = places[row["name"]]
@@ -159,9 +146,11 @@ def _page_of(
     stated = file.document.report.live
     size = DRAWN if places else None
     page = result.live_page(page, stated, responses, units=choices.get("units", ()), max_bytes=size)
-    is_live = "code" in page.get("live", {})
     checks = tuple(Problem("warning", str(warning)) for warning in late)
-    return Picture(_render(page) if is_live else "", problems, summary, facts, is_live, checks)
+    described: dict[str, Any] = {"problems": problems, "summary": summary, "facts": facts}
+    if "code" not in page.get("live", {}):
+        return Picture(late=checks, **described)
+    return _shown(page, is_live=True, late=checks, **described)
 
 
 def result_of(file: ModelFile, model: Any, limit: MotionLimit | None = None) -> Result:
@@ -206,5 +195,6 @@ def _diagnosis(model: Any) -> tuple[str, dict[str, Any]]:
     return diagnosis.summary, facts
 
 
-def _render(payload: dict[str, Any]) -> str:
-    return render_page(payload).replace("</head>", f"<style>{EMBEDDED}</style>\n</head>", 1)
+def _shown(payload: dict[str, Any], **described: Any) -> Picture:
+    """Picture with the page of a payload."""
+    return Picture(embedded(payload), frame=frame_of(payload).name, **described)

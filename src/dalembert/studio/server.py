@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import secrets
 import socket
 from collections.abc import Callable
@@ -16,6 +17,15 @@ from dalembert.studio.draft import Draft
 
 MAX_MESSAGE = 8_000_000
 """Upper limit of a message of a page [bytes]."""
+
+
+class QuietServer(uvicorn.Server):
+    """Server whose end is no error of the requests that it ends, such as an upload."""
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """End the requests and connections."""
+        logging.getLogger("uvicorn.error").setLevel(logging.CRITICAL)
+        await super().shutdown(sockets)
 
 
 def serve(
@@ -57,7 +67,7 @@ def serve(
     from dalembert.studio.session import Session
 
     session = Session(path)
-    server = uvicorn.Server(
+    server = QuietServer(
         uvicorn.Config(
             lambda: make_application(session, token, port, stop),
             factory=True,

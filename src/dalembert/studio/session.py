@@ -14,7 +14,7 @@ from dalembert.errors import DalembertError, FileError
 from dalembert.io.reading import parse_document
 from dalembert.studio.assembly_feed import AssemblyFeed
 from dalembert.studio.draft import Draft
-from dalembert.studio.event_loop import in_loop
+from dalembert.studio.event_loop import in_loop, in_thread
 from dalembert.studio.export_process import Exports
 from dalembert.studio.journal import Journal, Recovered, saving
 from dalembert.studio.listed_files import listed_files
@@ -37,6 +37,8 @@ UNTITLED_SPATIAL_STRUCTURE = UNTITLED_STRUCTURE + "gravity = [0.0, 0.0, 0.0]  # 
 RESTORED = "unsaved changes were restored; undo returns to the file"
 MAX_TEXT = 2_000_000
 """Upper limit of the length of a text [characters]."""
+LONG = 50_000
+"""Length of a text above which it is read and changed in a thread [characters]."""
 
 
 class Session:
@@ -210,16 +212,14 @@ class Session:
     def _document(self) -> dict[str, Any] | None:
         """Contents of the text for the drawing; None if it is not valid."""
         if self._parsed[0] != self.draft.text:
-            self._parsed = self.draft.text, self._parse()
+            self._parsed = self.draft.text, _contents(self.draft.name, self.draft.text)
         return self._parsed[1]
 
-    def _parse(self) -> dict[str, Any] | None:
-        try:
-            data: dict[str, Any] = parse_document(Path(self.draft.name), self.draft.text)
-            json.dumps(data, allow_nan=False)
-        except (DalembertError, TypeError, ValueError):  # dates, and numbers that are not finite
-            return None
-        return data
+    async def _read(self) -> None:
+        """Read the contents of a long text in a thread, while the loop goes on."""
+        name, text = self.draft.name, self.draft.text
+        if len(text) > LONG and self._parsed[0] != text:
+            self._parsed = text, await in_thread(lambda: _contents(name, text))
 
     async def attach(self, send: Send) -> None:
         """Show the draft on a page."""
@@ -247,7 +247,7 @@ class Session:
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
 
-    def changed(self, origin: Send | None = None) -> None:
+    async def changed(self, origin: Send | None = None) -> None:
         """Store and show the text after a change.
 
         Parameters
@@ -255,6 +255,7 @@ class Session:
         origin : page that has the new text already
         """
         self._store()
+        await self._read()
         self.broadcast(self.state(), origin)
         if origin is not None:
             self.confirm(origin)
@@ -300,6 +301,16 @@ class Session:
         remember(saved, self._journals)
         self.broadcast(self.state())
         return saved
+
+
+def _contents(name: str, text: str) -> dict[str, Any] | None:
+    """Contents of a text for the drawing; None if it is not valid."""
+    try:
+        data: dict[str, Any] = parse_document(Path(name), text)
+        json.dumps(data, allow_nan=False)
+    except (DalembertError, TypeError, ValueError):  # dates, and numbers that are not finite
+        return None
+    return data
 
 
 async def _delivery(send: Send, message: dict[str, Any]) -> None:

@@ -47,7 +47,14 @@ class TextEdits:
         except (tomllib.TOMLDecodeError, RecursionError) as error:
             raise ModelError(f"the text is not valid TOML ({error}); correct it first") from None
         self.text = text
-        self.places: dict[Keys, Place] = toml_places(text)
+        self._places: dict[Keys, Place] | None = None
+
+    @property
+    def places(self) -> dict[Keys, Place]:
+        """Places of the entries in the text, found when they are first needed."""
+        if self._places is None:
+            self._places = toml_places(self.text)
+        return self._places
 
     def names(self) -> set[str]:
         """Names of all elements, parameters and other entries."""

@@ -122,11 +122,12 @@ def _check_laws_of_states(d: Description) -> None:
     blocks = (element for element in d.elements.values() if isinstance(element, Sampled))
     sampled = _names(block.states.pose for block in blocks)
     positions: Formulas = [(c.name, c.equations) for c in d.constraints]
+    coordinates = d.coordinates
     positions += [
-        (gap.name, gap.distance) for gap in rigid_gaps([*d.elements.values()], d.coordinates)
+        (gap.name, gap.distance) for gap in rigid_gaps([*d.elements.values()], coordinates)
     ]
     for entity, formula in positions:
-        for group in foreign_states(formula, (), d.coordinates):
+        for group in foreign_states(formula, (), coordinates):
             rate = ca.jtimes(ca.densify(formula), group.pose, group.pose_rate)
             if held := sorted((_names([formula]) | _names([rate])) & sampled):
                 raise ModelError(

@@ -75,6 +75,9 @@ class MechanismParts:
         """The body (or the ground) of this name."""
         if name == "ground":
             return self.ground
+        added = self.elements.get(name)
+        if isinstance(added, BodyElement):
+            return added
         named = next((body for body in self.bodies if body.name == name), None)
         if named is None:
             names = ", ".join(b.name for b in self.bodies) or "none"

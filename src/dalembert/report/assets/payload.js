@@ -2,6 +2,7 @@
 
 /** @import { Head, Payload } from "./types.d.ts" */
 
+import { byId } from "./dom.js";
 import { bytesOf, inflated } from "./inflate.js";
 import { clamp, list } from "./numbers.js";
 
@@ -53,4 +54,14 @@ function withSelectedDesign(data) {
   return { ...data, ...alternatives[data.designs.chosen] };
 }
 
-export const payload = withSelectedDesign(await unpacked(JSON.parse(document.getElementById("data")?.textContent ?? "{}")));
+/** Data of the page; a page without them waits until the page around it calls `receiveData`. @returns {Promise<Payload>} */
+async function pageData() {
+  const node = document.getElementById("data");
+  if (!node || node.textContent) return JSON.parse(node?.textContent ?? "{}");
+  node.textContent = await new Promise((resolve) => { Object.assign(window, { receiveData: resolve }); });
+  const data = JSON.parse(node.textContent ?? "{}");
+  document.title = byId("title").textContent = data.title || "Report";
+  return data;
+}
+
+export const payload = withSelectedDesign(await unpacked(await pageData()));

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -101,10 +102,18 @@ class Contents:
     def at(self, name: str, **labels: str) -> np.ndarray:
         """Values of a variable at labels of some of its dimensions."""
         index = [
-            self.labels(dimension).index(labels[dimension]) if dimension in labels else slice(None)
+            self._places[dimension][labels[dimension]] if dimension in labels else slice(None)
             for dimension in self.dimensions(name)
         ]
         return self[name][tuple(index)]
+
+    @cached_property
+    def _places(self) -> dict[str, dict[str, int]]:
+        """Dimension → label → its first place along the dimension."""
+        return {
+            dimension: {str(label): k for k, label in reversed([*enumerate(labels)])}
+            for dimension, (_, labels, _) in self.coordinates.items()
+        }
 
 
 def _labelled(name: str, entry: Any) -> Labelled:

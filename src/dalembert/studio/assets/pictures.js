@@ -2,21 +2,28 @@
 
 /** @import { PictureMessage } from "./types.d.ts" */
 
-import { el } from "./dom.js";
+import { PictureFrames, fill } from "./picture_frames.js";
 
 /** Time without a press of a key or a button after which a picture is replaced [ms]: a press during the replacement would be lost. */
 const CALM = 150;
 
 /** Parts of a page of the report. @typedef {{ player: any, motion: any, scene: any, design?: any }} Page */
 
+/** A picture, the addresses of its data and of its frame. @typedef {{ number: number, live: boolean, page: string, address: string }} Wanted */
+
 export class Pictures {
   /** @param {HTMLElement} stage */
   constructor(stage) {
     this.stage = stage;
+    this.frames = new PictureFrames(stage);
     /** The shown frame. @type {HTMLIFrameElement | null} */
     this.frame = null;
     /** The frame that loads. @type {HTMLIFrameElement | null} */
     this.next = null;
+    /** Whether it has data. */
+    this.filled = false;
+    /** The picture that is loaded. @type {Wanted | null} */
+    this.wanted = null;
     /** Listeners to a new picture. @type {((page: Page) => void)[]} */
     this.onShow = [];
     this.shown = -1;
@@ -54,24 +61,35 @@ export class Pictures {
   get page() { return partsOf(this.frame); }
 
   /** @param {PictureMessage} message */
-  receive({ number, page, live, revision }) {
+  receive({ number, page, frame, live, revision }) {
     if (revision === this.own) {
       this.shown = number;
       this.stage.classList.remove("outdated");
       return;
     }
     if (page || !live) this.stage.classList.toggle("outdated", !page && (this.frame ?? this.next) !== null);
-    if (!page || number < this.shown || (number === this.shown && this.live)) return;
-    this.next?.remove();
-    const frame = el("iframe", { src: page, class: "loading", title: "Picture of the model" });
-    this.next = frame;
-    frame.addEventListener("load", () => this.replace(frame, number, live));
-    this.stage.append(frame);
+    if (!page || !frame || number < this.shown || (number === this.shown && this.live)) return;
+    const wanted = this.wanted = { number, live, page, address: frame };
+    if (!this.next || this.filled || this.next.getAttribute("src") !== frame) {
+      this.next?.remove();
+      [this.next, this.filled] = [this.frames.take(frame), false];
+    }
+    void this.load(this.next, wanted);
+  }
+
+  /** Load the data of a page, and show it in a frame unless another one is wanted by then. @param {HTMLIFrameElement} frame @param {Wanted} wanted */
+  async load(frame, wanted) {
+    const { page, address, number, live } = wanted;
+    const text = await fetch(page).then((reply) => (reply.ok ? reply.text() : "")).catch(() => "");
+    if (wanted !== this.wanted || !text) return;
+    this.filled = true;
+    await fill(frame, text, document.documentElement.dataset.theme ?? "light");
+    this.frames.prepare(address);
+    await this.replace(frame, number, live);
   }
 
   /** @param {HTMLIFrameElement} frame @param {number} number @param {boolean} live */
   async replace(frame, number, live) {
-    for (let k = 0; k < 500 && frame.isConnected && !partsOf(frame); k++) await new Promise((resolve) => setTimeout(resolve, 10));
     while (this.busy && frame === this.next) await new Promise((resolve) => setTimeout(resolve, 20));
     const page = partsOf(frame);
     if (frame !== this.next || !page) return;

@@ -7,8 +7,8 @@ export interface Problem { fixes: Fix[]; level: "error" | "warning" | "info" | "
 export interface TextMessage { kind: "text"; revision: number; opened: number; text: string | null; name: string; path: string; changed: boolean; undo: string; redo: string; document: Document | null }
 /** Contents of the file: section → name → entry. */
 export type Document = Record<string, Record<string, any> | undefined>;
-/** A picture; `page` is its address, empty if there is none. */
-export interface PictureMessage { kind: "picture"; number: number; revision: number; live: boolean; page: string; problems?: Problem[]; summary?: string; facts?: Facts }
+/** A picture; `page` is the address of its data, empty if there is none, and `frame` that of a page without data. */
+export interface PictureMessage { kind: "picture"; number: number; revision: number; live: boolean; page: string; frame?: string; problems?: Problem[]; summary?: string; facts?: Facts }
 export interface Facts { moving?: string[]; degrees_of_freedom?: number; free?: number; redundant?: number; redundancies?: string[] }
 /** A notice; a failure has the kind of the request that was not carried out. */
 export interface NoticeMessage { kind: "notice" | "failure"; text: string; request?: string }
