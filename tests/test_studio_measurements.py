@@ -12,6 +12,7 @@ from test_studio_photos import request
 
 import dalembert as da
 from dalembert.studio.application import make_application
+from dalembert.studio.companions import Companions
 from dalembert.studio.measurements import columns_of, store_measurements
 from dalembert.studio.session import Session
 
@@ -71,6 +72,30 @@ def test_measurements_need_a_saved_model(tmp_path: Path) -> None:
     assert (status, b"no such file" in body) == (400, True)
     foreign = own | {"origin": "http://example.com"}
     assert request(application, "GET", "/t/measurements", "none.csv", foreign)[0] == 403
+    session.journal.close()
+
+
+def test_measurements_go_with_a_model_that_is_saved_elsewhere(tmp_path: Path) -> None:
+    """Files that the text names are copied; those of the other folder are never replaced."""
+    old, new = tmp_path / "old", tmp_path / "new"
+    (old / "runs").mkdir(parents=True)
+    new.mkdir()
+    for name in ("run.csv", "runs/2.csv", "mine.csv", "other.csv"):
+        (old / name).write_text(table("t,x"))
+    (new / "mine.csv").write_text("t,x\n0,1\n")
+    names = ["run.csv", "runs/2.csv", "mine.csv", "../old/other.csv", "none.csv"]
+    rows = "".join(f'[[identify.experiments]]\ndata = "{name}"\n' for name in names)
+    (old / "m.toml").write_text(OSCILLATOR + rows)
+    session = Session(old / "m.toml", tmp_path / "state")
+    saved, companions = session.save(new / "m.toml", False)
+    assert saved == new / "m.toml"
+    refused = [
+        "mine.csv was not copied: another file has this name there, which the model reads now"
+    ]
+    assert companions == Companions(["run.csv", "runs/2.csv"], refused)
+    assert (new / "runs/2.csv").read_text() == (old / "runs/2.csv").read_text()
+    assert sorted(path.name for path in new.iterdir()) == ["m.toml", "mine.csv", "run.csv", "runs"]
+    assert session.save(old / "m.toml", True)[1] == Companions([], refused)
     session.journal.close()
 
 
