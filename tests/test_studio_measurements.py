@@ -62,6 +62,20 @@ def test_a_table_never_replaces_another_one(tmp_path: Path) -> None:
             store_measurements(tmp_path, name, first)
 
 
+def test_headings_belong_to_their_columns(tmp_path: Path) -> None:
+    """Rows longer than the heading shifted its names; text below a unit was an internal error."""
+    path = tmp_path / "run.csv"
+    path.write_text("t,x [mm]\n0,1000,\n1,2000,\n")  # rows end with a separator
+    ranges = [(column["name"], column["range"]) for column in columns_of(path)]
+    assert ranges == [("t", [0.0, 1.0]), ("x", [1.0, 2.0])]
+    path.write_text("t,note [mm]\n0,a\n1,b\n")
+    assert [column["name"] for column in columns_of(path)] == ["t"]
+    for row in ("0,1,2", "0,1,a", "0,1,2,3"):
+        path.write_text(f"t,x [mm]\n{row}\n")
+        with pytest.raises(da.AnalysisError, match="name all columns in the first line"):
+            columns_of(path)
+
+
 def test_measurements_need_a_saved_model(tmp_path: Path) -> None:
     session = Session(None, tmp_path)
     application = make_application(session, "t", 0, lambda: None)

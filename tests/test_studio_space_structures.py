@@ -2,33 +2,17 @@
 
 from __future__ import annotations
 
-import json
-import shutil
-import subprocess
 import tomllib
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from browser import missing
+from studio_scripts import drawn_by
 
 import dalembert as da
 from dalembert.io import load_model_file
 from dalembert.studio.drawing_edits import apply
 from dalembert.studio.session import UNTITLED_SPATIAL, UNTITLED_SPATIAL_STRUCTURE
-
-HERE = Path(__file__).parent
-ASSETS = HERE.parent / "src/dalembert/studio/assets"
-
-
-def drawn_by(script: str, folder: Path) -> Any:
-    """What a script prints that draws with the scripts of the studio."""
-    node = shutil.which("node") or missing("node")
-    shutil.copytree(ASSETS, folder / "assets", ignore=shutil.ignore_patterns("*.png", "vendor"))
-    (folder / "assets" / "package.json").write_text('{"type": "module"}')
-    command = [str(node), str(HERE / script), (folder / "assets").as_uri()]
-    return json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
 
 
 def test_a_cardan_shaft(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import { el } from "./dom.js";
 /** Time without a press of a key or a button after which a picture is replaced [ms]: a press during the replacement would be lost. */
 const CALM = 150;
 
-/** Parts of a page of the report. @typedef {{ player: any, motion: any, scene: any, design?: any }} Page */
+/** Parts of a page of the report, and the contents of the file that it shows. @typedef {{ player: any, motion: any, scene: any, design?: any, document?: import("./types.d.ts").Document | null }} Page */
 
 export class Pictures {
   /** @param {HTMLElement} stage */
