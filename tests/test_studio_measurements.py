@@ -70,6 +70,9 @@ def test_headings_belong_to_their_columns(tmp_path: Path) -> None:
     assert ranges == [("t", [0.0, 1.0]), ("x", [1.0, 2.0])]
     path.write_text("t,note [mm]\n0,a\n1,b\n")
     assert [column["name"] for column in columns_of(path)] == ["t"]
+    with pytest.raises(da.AnalysisError, match="name all columns"):
+        store_measurements(tmp_path, "short.csv", b"t,x\n0,1,2\n")
+    assert not (tmp_path / "short.csv").exists()
     for row in ("0,1,2", "0,1,a", "0,1,2,3"):
         path.write_text(f"t,x [mm]\n{row}\n")
         with pytest.raises(da.AnalysisError, match="name all columns in the first line"):
