@@ -84,6 +84,18 @@ def test_a_disc_in_the_middle_of_a_smaller_bore_names_both_radii():
         da.solve_nonsmooth(system.build(), 0.01, step=1e-3)
 
 
+def test_a_disc_passes_a_smaller_bore_of_a_group_that_it_does_not_touch():
+    system, contact = da.System("journal", gravity=(0.0, -9.81)), planar.contact
+    body = system.add(planar.Body("body", mass=1.0, inertia=0.01, position=(0.0, 0.0)))
+    bore, floor = contact.Bore(system.ground.point(0, 0), 0.05), system.ground.point(0, -0.1)
+    groups = {"disc": [contact.Circle(body, 0.1)], "bore": [bore]}
+    groups |= {"floor": [contact.HalfPlane(floor)]}
+    system.add(
+        planar.Collisions("touch", groups, pairs=[contact.Pair(("disc", "bore"), touching=False)])
+    )
+    assert da.solve_nonsmooth(system.build(), 0.01, step=1e-3).status.success
+
+
 @pytest.mark.parametrize(
     "wall",
     [

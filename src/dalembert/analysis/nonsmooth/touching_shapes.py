@@ -114,9 +114,11 @@ def refuse_filled_bores(step: ContactStep, t: float, y: np.ndarray) -> None:
         discs = [shape for shape in element.members if isinstance(shape, Circle) and bores]
         holes = [_place_and_size(bore, step, t, y) for bore in bores]
         sizes = [_place_and_size(disc, step, t, y) for disc in discs]
-        for bore, (middle, radius) in zip(bores, holes, strict=True):
-            for disc, (centre, size) in zip(discs, sizes, strict=True):
+        laws = element.laws[element.group_of(bores)[:, None], element.group_of(discs)]
+        for i, (bore, (middle, radius)) in enumerate(zip(bores, holes, strict=True)):
+            for j, (disc, (centre, size)) in enumerate(zip(discs, sizes, strict=True)):
                 near = np.linalg.norm(centre - middle) < SAME_CENTRE * radius
+                near &= laws[i, j] != APART
                 if near and size > radius and disc.carrier is not bore.carrier:
                     raise AnalysisError(
                         f"{element.name}: the disc of {disc.carrier.name} has the radius "
