@@ -34,7 +34,7 @@ def ring(relaxed: bool) -> da.System:
 
 
 def test_a_closed_ring_of_relaxed_beams_names_the_remedy():
-    with pytest.raises(da.ModelError, match=r"3 of the conditions on speeds .*relaxed=False"):
+    with pytest.raises(da.ModelError, match=r"but 3 follow from joints .*relaxed=False"):
         ring(relaxed=True).build()
 
 

@@ -122,25 +122,17 @@ class Closure(CacheOwner):
         if left_out and ca.depends_on(e.constraints, e.t):
             check_contradiction(e, self.owners, self.independence, left_out, self.start, p)
 
-    def _raise_conditions(self, count: int, freedom: int) -> None:
-        """Raise the error for more conditions on speeds than degrees of freedom."""
-        raise ModelError(
-            f"{count} conditions on speeds are prescribed at the start, but joints and drivers "
-            f"leave {freedom} degrees of freedom; remove some, or give relaxed=False to a beam, "
-            "which otherwise starts free of strain",
-            self.description.name,
-        )
-
-    def _refuse_dependent_conditions(self, jacobian) -> None:
-        """Raise the error for conditions on speeds that depend on joints and on each other."""
-        if not self.recipe.speed_conditions.numel():
-            return
-        dependent = jacobian.shape[0] - len(rows_of(jacobian).pivots)
-        if dependent:
+    def _check_conditions(self, jacobian) -> None:
+        """Refuse more conditions on speeds than degrees of freedom, and dependent ones."""
+        (count, n), used = jacobian.shape, len(self.rows)
+        rank = len(rows_of(jacobian).pivots) if used < count <= n else min(count, n)
+        if rank < count:
+            text = f"joints and drivers leave {n - used} degrees of freedom; remove some, or give"
+            if count <= n:
+                text = f"{count - rank} follow from joints and the others; remove these, or give"
             raise ModelError(
-                f"{dependent} of the conditions on speeds at the start follow from the joints and "
-                "the others; remove them, or give relaxed=False to a beam of each closed loop, "
-                "which otherwise starts free of strain",
+                f"{count - used} conditions on speeds are prescribed at the start, but {text} "
+                "relaxed=False to a beam, which otherwise starts free of strain",
                 self.description.name,
             )
 
@@ -220,9 +212,7 @@ class Closure(CacheOwner):
         p, y = self.anchor
         given, n = self.guesses.twist, self.all_equations.speed_count
         jacobian = self.recipe.scaled_speed_jacobian(0.0, y, p)
-        if jacobian.shape[0] > n:
-            self._raise_conditions(jacobian.shape[0] - len(self.rows), n - len(self.rows))
-        self._refuse_dependent_conditions(jacobian)
+        self._check_conditions(jacobian)
         is_given = [speed is not None for speed in given]
         chosen = free_columns(jacobian, self.guesses.priority(is_given))
         self.recipe = replace(self.recipe, speeds=FixedSpeeds.of(chosen, given, np.zeros(n)))
