@@ -30,9 +30,9 @@ type("0, 0, 0");
 type("2");  // along the normal of the plane
 type("1, 0, 2");
 structure.choose("clamp");
-click([0, 0, 0]);
+type("0, 0, 0");
 structure.choose("force");
-click([1, 0, 2]);
+type("1, 0, 2");
 structure.now = { p: [1, 0, 2], names: [] };
 type("0, 1 kN, 0");
 click([0.4, 0, 2]);  // on the arm

@@ -100,3 +100,21 @@ def test_the_impact_of_a_corner_dissipates_what_restitution_states(restitution):
     loss = effective * (1 - restitution**2) * speed**2 / 2
     rounding = 1e-9 * MASS * speed**2 / 2  # tolerance of the impulses
     assert record.loss[record.step[0]] == pytest.approx(loss, abs=rounding)
+
+
+@pytest.mark.parametrize("step", [2e-3, 5e-3])
+def test_a_heavy_ball_stays_on_a_light_box(step):
+    """At rest, 500,000 times as heavy: where impulses miss the tolerance, the run ends there."""
+    system = da.System("press", gravity=(0, 0, -9.81))
+    crate = box(system, "crate", (0.2, 0.2, 0.2), position=(0, 0, 0.1))
+    weight = spatial.Sphere("weight", mass=1e6, radius=0.1, position=(0, 0, 0.3))
+    shapes = [
+        spatial.contact.Box(crate.center, (0.2, 0.2, 0.2)),
+        spatial.contact.Sphere(system.add(weight).center, 0.1),
+        spatial.contact.HalfSpace(system.ground.frame()),
+    ]
+    system.add(spatial.Collisions("contacts", shapes, friction=0.3))
+    motion = da.solve_nonsmooth(system.build(), 0.4, step=step, integrator=da.MoreauJean())
+    assert motion.time[-1] > 0.1
+    assert abs(motion["crate.x"]).max() < 1e-6
+    assert abs(motion["weight.z"] - 0.3).max() < 1e-6

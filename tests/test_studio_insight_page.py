@@ -84,6 +84,8 @@ def test_an_analysis_is_shown_and_written(desk: tuple[Desk, Studio]) -> None:
     visit.page.keyboard.press("Control+z")
     visit.until("!studio.file.document.analysis", 10)
     assert visit.text == text
+    visit.page.click(".analysis [role=tab]:has-text('Modes')")
+    visit.until("document.querySelector('.obstacle')?.innerText.includes('no modes')", 20)
     visit.page.fill(".analysis [name=law-motor]", "pi*t")
     visit.page.keyboard.press("Enter")
     visit.until("studio.file.document.drivers.motor.law === 'pi*t'", 10)
@@ -145,6 +147,8 @@ def test_overlays_are_the_kinematics_of_the_mechanism(
     # limits: coupler and crank are in line, so that the distance O B is b + a or b - a
     distances = sorted(abs(places(time)[1]) for _, time in seen["limits"])
     assert distances == pytest.approx([b - a, b + a], abs=2e-4)
+    visit.page.keyboard.press("8")
+    assert "This analysis has no reactions" in visit.page.inner_text("#notice")
 
 
 def test_targets_are_clicked_and_a_candidate_is_inserted(desk: tuple[Desk, Studio]) -> None:

@@ -12,6 +12,7 @@ from test_studio_photos import request
 
 import dalembert as da
 from dalembert.studio.application import make_application
+from dalembert.studio.companions import Companions
 from dalembert.studio.measurements import columns_of, store_measurements
 from dalembert.studio.session import Session
 
@@ -61,6 +62,23 @@ def test_a_table_never_replaces_another_one(tmp_path: Path) -> None:
             store_measurements(tmp_path, name, first)
 
 
+def test_headings_belong_to_their_columns(tmp_path: Path) -> None:
+    """Rows longer than the heading shifted its names; text below a unit was an internal error."""
+    path = tmp_path / "run.csv"
+    path.write_text("t,x [mm]\n0,1000,\n1,2000,\n")  # rows end with a separator
+    ranges = [(column["name"], column["range"]) for column in columns_of(path)]
+    assert ranges == [("t", [0.0, 1.0]), ("x", [1.0, 2.0])]
+    path.write_text("t,note [mm]\n0,a\n1,b\n")
+    assert [column["name"] for column in columns_of(path)] == ["t"]
+    with pytest.raises(da.AnalysisError, match="name all columns"):
+        store_measurements(tmp_path, "short.csv", b"t,x\n0,1,2\n")
+    assert not (tmp_path / "short.csv").exists()
+    for row in ("0,1,2", "0,1,a", "0,1,2,3"):
+        path.write_text(f"t,x [mm]\n{row}\n")
+        with pytest.raises(da.AnalysisError, match="name all columns in the first line"):
+            columns_of(path)
+
+
 def test_measurements_need_a_saved_model(tmp_path: Path) -> None:
     session = Session(None, tmp_path)
     application = make_application(session, "t", 0, lambda: None)
@@ -71,6 +89,30 @@ def test_measurements_need_a_saved_model(tmp_path: Path) -> None:
     assert (status, b"no such file" in body) == (400, True)
     foreign = own | {"origin": "http://example.com"}
     assert request(application, "GET", "/t/measurements", "none.csv", foreign)[0] == 403
+    session.journal.close()
+
+
+def test_measurements_go_with_a_model_that_is_saved_elsewhere(tmp_path: Path) -> None:
+    """Files that the text names are copied; those of the other folder are never replaced."""
+    old, new = tmp_path / "old", tmp_path / "new"
+    (old / "runs").mkdir(parents=True)
+    new.mkdir()
+    for name in ("run.csv", "runs/2.csv", "mine.csv", "other.csv"):
+        (old / name).write_text(table("t,x"))
+    (new / "mine.csv").write_text("t,x\n0,1\n")
+    names = ["run.csv", "runs/2.csv", "mine.csv", "../old/other.csv", "none.csv"]
+    rows = "".join(f'[[identify.experiments]]\ndata = "{name}"\n' for name in names)
+    (old / "m.toml").write_text(OSCILLATOR + rows)
+    session = Session(old / "m.toml", tmp_path / "state")
+    saved, companions = session.save(new / "m.toml", False)
+    assert saved == new / "m.toml"
+    refused = [
+        "mine.csv was not copied: another file has this name there, which the model reads now"
+    ]
+    assert companions == Companions(["run.csv", "runs/2.csv"], refused)
+    assert (new / "runs/2.csv").read_text() == (old / "runs/2.csv").read_text()
+    assert sorted(path.name for path in new.iterdir()) == ["m.toml", "mine.csv", "run.csv", "runs"]
+    assert session.save(old / "m.toml", True)[1] == Companions([], refused)
     session.journal.close()
 
 

@@ -2,22 +2,38 @@
 
 from __future__ import annotations
 
-import json
-import shutil
-import subprocess
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
-from browser import missing
+from studio_scripts import drawn_by
 
 import dalembert as da
 from dalembert.io import load_model_file
 from dalembert.studio.drawing_edits import apply
-from dalembert.studio.session import UNTITLED_SPATIAL_STRUCTURE
+from dalembert.studio.session import UNTITLED_SPATIAL, UNTITLED_SPATIAL_STRUCTURE
 
-HERE = Path(__file__).parent
-ASSETS = HERE.parent / "src/dalembert/studio/assets"
+
+def test_a_cardan_shaft(tmp_path: Path) -> None:
+    """The cross of a drawn universal joint is perpendicular to both shafts.
+
+    At an angle β between them the ratio of their speeds is cos β/(1 − sin² β sin² φ), where φ is
+    the angle of the first shaft from the position in which its axis of the cross is normal to both.
+    """
+    text = UNTITLED_SPATIAL
+    for operations in drawn_by("studio_shaft.mjs", tmp_path):
+        text = apply(text, operations)
+    text += '[drivers]\nmotor = { type = "RotationalDriver", joint = "B", law = "t" }\n'
+    path = tmp_path / "shaft.toml"
+    path.write_text(text, encoding="utf-8")
+    model = load_model_file(path).model()
+    motion = da.solve_kinematics(model, np.pi, outputs=13)
+    shaft = np.array([3.0, 2.0, 0.0]) / np.sqrt(13.0)
+    speed = motion["bar2.angular_velocity"].values @ shaft
+    cosine, angle = shaft[0], motion.time
+    expected = cosine / (1 - (1 - cosine**2) * np.sin(angle) ** 2)
+    assert speed == pytest.approx(expected, abs=1e-8)
 
 
 def test_a_bent_cantilever(tmp_path: Path) -> None:
@@ -25,12 +41,7 @@ def test_a_bent_cantilever(tmp_path: Path) -> None:
 
     Both bend, and the column twists: u = P a³/(3 E I) + P h³/(3 E I') + P a² h/(G J).
     """
-    node = shutil.which("node") or missing("node")
-    shutil.copytree(ASSETS, tmp_path / "assets", ignore=shutil.ignore_patterns("*.png", "vendor"))
-    (tmp_path / "assets" / "package.json").write_text('{"type": "module"}')
-    command = [str(node), str(HERE / "studio_space_structure.mjs"), (tmp_path / "assets").as_uri()]
-    run = subprocess.run(command, capture_output=True, text=True, check=True)
-    drawn = json.loads(run.stdout)
+    drawn = drawn_by("studio_space_structure.mjs", tmp_path)
     assert drawn["refused"] == []
     text = UNTITLED_SPATIAL_STRUCTURE
     for operations in drawn["changes"]:

@@ -95,8 +95,19 @@ def test_types_and_sections_of_beams(desk: Desk, tmp_path: Path) -> None:
 def test_heat_and_typed_moments(desk: Desk, tmp_path: Path) -> None:
     """A bar between two pins: σ = −E α ΔT. A typed moment keeps its sign."""
     use(desk, "e", [(0, 0.5), (2, 0.5)], "", "Escape", shown=False)
-    use(desk, "o", [(0, 0.5)], shown=False)
-    use(desk, "o", [(2, 0.5)], shown=False)
+    use(desk, "o", [], "0,0.5", "Enter", shown=False)  # the palette has the focus
+    desk.page.locator("#canvas").focus()
+    revision = desk.js("studio.file.revision")
+    desk.page.keyboard.type("2,0.5")
+    desk.page.keyboard.press("Enter")
+    desk.until(f"studio.file.revision > {revision} && !studio.pending", 20)
+    desk.page.keyboard.press("f")
+    for typed in ("2,0.5", "5 kN<-90"):  # a space is no click
+        desk.page.keyboard.type(typed)
+        desk.page.keyboard.press("Enter")
+    desk.until("studio.file.document.loads && !studio.pending", 20)
+    assert data(desk)["loads"] == [{"nodes": "n2", "fx": 0, "fy": -5000}]
+    desk.press("Control+z")
     use(desk, "t", [(1, 0.5)], "40 K", "Enter", shown=False)
     model = data(desk)
     beam = model["elements"]["beam1"]

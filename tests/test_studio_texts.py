@@ -18,7 +18,7 @@ from hypothesis import given, settings, strategies as st
 import dalembert as da
 from dalembert.io.model_file import check_model_data
 from dalembert.io.toml_places import line_and_column, parse_keys, toml_places
-from dalembert.studio.draft import PAUSE, Draft
+from dalembert.studio.draft import PAUSE, Draft, Unconfirmed
 from dalembert.studio.drawing_edits import apply
 from dalembert.studio.drawn_numbers import with_drawn_parameters
 from dalembert.studio.journal import Journal
@@ -247,9 +247,9 @@ def test_a_file_that_another_program_changed_is_not_replaced(tmp_path: Path) -> 
     draft = Draft(path)
     draft.replace("a = 2\n", "edit")
     path.write_text("a = 3\n")
-    with pytest.raises(da.FileError, match="another program"):
+    with pytest.raises(Unconfirmed, match="another program"):
         draft.save()
-    with pytest.raises(da.FileError, match="exists already"):
+    with pytest.raises(Unconfirmed, match="exists already"):
         draft.save(other)
     with pytest.raises(da.FileError, match=r"end the name with \.toml"):
         draft.save(tmp_path / "x.py")

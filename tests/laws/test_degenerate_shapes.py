@@ -75,6 +75,15 @@ def test_a_disc_larger_than_its_bore_names_the_overlap():
     assert "body and a fixed shape of touch overlap by 0.06 m at the start" in status.message
 
 
+def test_a_disc_in_the_middle_of_a_smaller_bore_names_both_radii():
+    system = da.System("journal", gravity=(0.0, -9.81))
+    body = system.add(planar.Body("body", mass=1.0, inertia=0.01, position=(0.0, 0.0)))
+    bore = planar.contact.Bore(system.ground.point(0, 0), 0.05)
+    system.add(planar.Collisions("touch", [planar.contact.Circle(body, 0.1), bore]))
+    with pytest.raises(da.AnalysisError, match=r"touch: .*body.* 0\.1 m .*ground.* 0\.05 m"):
+        da.solve_nonsmooth(system.build(), 0.01, step=1e-3)
+
+
 @pytest.mark.parametrize(
     "wall",
     [

@@ -15,6 +15,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from dalembert.errors import DalembertError, FileError
 from dalembert.files import read_text
 from dalembert.io.example_files import example_folder
+from dalembert.studio.draft import Unconfirmed
 from dalembert.studio.drawing_edits import apply
 from dalembert.studio.event_loop import in_thread
 from dalembert.studio.preview import analysis_fields, section_operation
@@ -35,8 +36,6 @@ NEW = {
     (True, True): UNTITLED_SPATIAL_STRUCTURE,
 }
 """Texts of new models: whether it is a structure, whether it is spatial."""
-CONFIRMED = ("exists already", "by another program", "write-protected")
-"""Ends of messages about files that are replaced after confirmation."""
 MEANWHILE = "the model has changed meanwhile; draw it once more"
 OUTDATED = "another page has changed the model; its text is shown now"
 
@@ -105,8 +104,9 @@ class Connection:
             work = self.requests[kind](request)
             if work is not None:
                 await work
-        except Conflict as conflict:
-            await self.send({"kind": "conflict", "text": str(conflict), "path": conflict.path})
+        except Unconfirmed as conflict:
+            path = str(_path(request) or "")
+            await self.send({"kind": "conflict", "text": str(conflict), "path": path})
         except DalembertError as error:
             await self.send(failure(error) | {"request": kind})
         except (ValueError, RecursionError):
@@ -191,14 +191,11 @@ class Connection:
         target = _path(request)
         if target is not None and not str(target).isprintable():
             raise FileError(f"{str(target)!r}: contains hidden characters; use another name")
-        replace = request.get("replace") is True
-        try:
-            saved = self.session.save(target, replace)
-        except FileError as error:
-            if not replace and str(error).endswith(CONFIRMED):
-                raise Conflict(str(error), str(target or "")) from None
-            raise
-        self.session.broadcast({"kind": "notice", "text": f"saved {saved}"})
+        saved, companions = self.session.save(target, request.get("replace") is True)
+        also = f", with {', '.join(companions.copied)}" if companions.copied else ""
+        self.session.broadcast({"kind": "notice", "text": f"saved {saved}{also}"})
+        if companions.refused:
+            self.session.broadcast({"kind": "failure", "text": "; ".join(companions.refused)})
 
     def export(self, request: dict[str, Any]) -> None:
         """Write a file of another kind for download."""
@@ -251,17 +248,3 @@ def _check_characters(text: str) -> None:
         text.encode()
     except UnicodeEncodeError as error:
         raise FileError(f"character {error.start} of the text is no character; remove it") from None
-
-
-class Conflict(DalembertError):
-    """A file that is not replaced without confirmation.
-
-    Parameters
-    ----------
-    message : text
-    path : of the file, as it was entered
-    """
-
-    def __init__(self, message: str, path: str):
-        super().__init__(message)
-        self.path = path

@@ -157,9 +157,10 @@ class Draft:
 
         Raises
         ------
+        Unconfirmed
+            The file has been changed by another program, is write-protected or exists already.
         FileError
-            The file has been changed by another program, is write-protected, exists already, or
-            cannot be written.
+            It cannot be written.
         """
         target = self.path if path is None else path.resolve()
         if target is None:
@@ -168,11 +169,11 @@ class Draft:
             raise FileError(f"{target.name}: end the name with .toml")
         if not replace:
             if target != self.path and target.exists():
-                raise FileError(f"{target}: exists already")
+                raise Unconfirmed(f"{target}: exists already")
             if target == self.path and target.exists() and self.is_replaced:
-                raise FileError(f"{target}: has been changed by another program")
+                raise Unconfirmed(f"{target}: has been changed by another program")
             if target.exists() and not target.stat().st_mode & 0o222:
-                raise FileError(f"{target}: is write-protected")
+                raise Unconfirmed(f"{target}: is write-protected")
         data = self.encoded()
         with atomic_path(target) as temporary:
             temporary.write_bytes(data)
@@ -201,6 +202,10 @@ class Draft:
             return data if data or not text else text.encode()
         mark = BOM if data.startswith(BOM) else b""
         return mark + self.text.replace("\n", self._newline).encode()
+
+
+class Unconfirmed(FileError):
+    """A file that is not replaced without confirmation."""
 
 
 def _read(path: Path) -> bytes:

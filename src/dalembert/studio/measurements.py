@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.errors import FileError
+from dalembert.errors import DalembertError, FileError
 from dalembert.files import atomic_path, readable
 
 MAX_DATA = 30_000_000
@@ -35,6 +35,8 @@ def store_measurements(folder: Path, name: str, contents: bytes) -> str:
     ------
     FileError
         No name of a CSV file, too large, or the folder cannot be written.
+    AnalysisError
+        It is no table; the file is not kept.
     """
     stem, suffix = Path(name).stem, Path(name).suffix
     valid = re.fullmatch(r"\w[\w .()+-]{0,99}", name) and suffix.lower() in SUFFIXES
@@ -50,6 +52,11 @@ def store_measurements(folder: Path, name: str, contents: bytes) -> str:
         target = folder / f"{stem}_{number}{suffix}"
     with atomic_path(target) as temporary:
         temporary.write_bytes(contents)
+    try:
+        columns_of(target)
+    except DalembertError:
+        target.unlink()
+        raise
     return target.name
 
 

@@ -13,6 +13,7 @@ from typing import Any
 from dalembert.errors import DalembertError, FileError
 from dalembert.io.reading import parse_document
 from dalembert.studio.assembly_feed import AssemblyFeed
+from dalembert.studio.companions import Companions, copy_companions
 from dalembert.studio.draft import Draft
 from dalembert.studio.event_loop import in_loop, in_thread
 from dalembert.studio.export_process import Exports
@@ -279,15 +280,20 @@ class Session:
         """Send a page the state of the file, without the text that it has."""
         self.reply(origin, self.state() | {"text": None})
 
-    def save(self, path: Path | None, replace: bool) -> Path:
-        """Write the draft to its file, or to another one.
+    def save(self, path: Path | None, replace: bool) -> tuple[Path, Companions]:
+        """Write the draft to its file, or to another one; files that it names go with it.
+
+        Returns
+        -------
+        tuple of Path and Companions
+            File, and the files that it names.
 
         Raises
         ------
         FileError
             As ``Draft.save``.
         """
-        former, name = self.journal, self.photo_name
+        former, name, source = self.journal, self.photo_name, self.place.parent
         target = self.draft.path if path is None else path.resolve()
         with saving(target or Path.cwd(), self._journals):
             saved = self.draft.save(path, replace)
@@ -299,8 +305,9 @@ class Session:
         else:
             former.clear()
         remember(saved, self._journals)
+        companions = copy_companions(self._document(), source, saved.parent)
         self.broadcast(self.state())
-        return saved
+        return saved, companions
 
 
 def _contents(name: str, text: str) -> dict[str, Any] | None:

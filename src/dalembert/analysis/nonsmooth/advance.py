@@ -23,6 +23,9 @@ SETTLED = 0.5
 """Ratio of penetrations of consecutive repetitions above which these reduce it no further [-]."""
 SMALL = 100.0
 """Penetration by inexact impulses that remains, relative to the one that counts as rounding [-]."""
+UNSOLVED = 1e-2
+"""Distance that the residual of impulses closes in a step, relative to a penetration, below which
+these belong to the solution without the penetration [-]."""
 INEXACT = 10.0
 """Upper limit of errors of relative velocities by the tolerance of the impulses [-]."""
 
@@ -37,7 +40,8 @@ def advance(
     """
     smooth = step.smooth.step(t, y, v, step.p, h, step.scheme.theta)
     start = StepStart(smooth, smooth.free, before is None)
-    contacts = step.near(step.at(t, y), AHEAD * h * np.column_stack([v, start.free]))
+    near = step.near(step.at(t, y), AHEAD * h * np.column_stack([v, start.free]))
+    contacts = step.turned(v, h, near)
     result = _advanced(step, start, contacts, before)
     for _ in range(PATHS if step.force_laws.elements else 0):
         if not result.impulses.accepted or not np.isfinite(result.y).all():
@@ -92,7 +96,7 @@ def _closed(
         keys = keys[~np.isin(keys, contacts.key)]
         added = near.some(np.isin(near.key, keys))
         if not added.count:
-            added = step.selected(step.at(start.t, start.y), keys)
+            added = step.starting(start, keys)
         joined = start.approach(Contacts.joined([contacts, added]), step.rounding)
         if joined.is_impact:
             added = added.some(joined.slow[contacts.count :])
@@ -100,8 +104,10 @@ def _closed(
             break
         contacts = Contacts.joined([contacts, added])
         again = step.solved(step.struck(start, contacts), contacts, result.last)
-        gains = again.loss < min(result.loss, -_inexact_work(start, again))
-        if gains or not again.impulses.accepted:
+        if not again.impulses.accepted:
+            short = again.impulses.residual * start.h < UNSOLVED * -step.deepest(at_end)
+            return again if short else result
+        if again.loss < min(result.loss, -_inexact_work(start, again)):
             break
         result = again
     return result
@@ -185,14 +191,14 @@ def _added(step: ContactStep, start: StepStart, end: Configuration, contacts: Co
     Features may change within the step. The gaps that are closed at its start are replaced by
     those that separate the shapes there, or, without any, count if forces can open them.
     """
-    keys, at = step.closed(end).key, step.at(start.t, start.y)
-    gaps = step.selected(at, keys[~np.isin(keys, contacts.key)])
+    keys = step.closed(end).key
+    gaps = step.starting(start, keys[~np.isin(keys, contacts.key)])
     closed = gaps.distance < -step.rounding
-    separating = step.separating(at, end, gaps.key[closed])
+    separating = step.separating(step.at(start.t, start.y), end, gaps.key[closed])
     if not separating.size:
         approach = start.approach(Contacts.joined([contacts, gaps]), step.rounding)
         closed &= gaps.distance < -start.h * approach.forced / 2
-    joined = Contacts.joined([gaps.some(~closed), step.selected(at, separating)])
+    joined = Contacts.joined([gaps.some(~closed), step.starting(start, separating)])
     return joined.some(~np.isin(joined.key, contacts.key))
 
 

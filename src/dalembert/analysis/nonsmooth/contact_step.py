@@ -16,6 +16,7 @@ from dalembert.analysis.nonsmooth.impact_stage import impact_stage
 from dalembert.analysis.nonsmooth.mobility import delassus
 from dalembert.analysis.nonsmooth.smooth_motion import FreeMotion, SmoothMotion
 from dalembert.analysis.nonsmooth.step_state import LastImpulses, StepResult, StepStart, warm_start
+from dalembert.analysis.nonsmooth.turned_speeds import turned
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.contact.approach import Approach
@@ -122,6 +123,14 @@ class ContactStep:
         gaps = selected_of(self.sources, APART, configuration, keys)
         elements = np.cumsum([0, *(len(source.elements) for source in self.sources)])
         return replace(gaps, owner=gaps.owner + elements[keys // APART])
+
+    def turned(self, v: np.ndarray, h: float, contacts: Contacts) -> Contacts:
+        """Gaps at the start of a step of length ``h`` with the directions ``W E`` of its end."""
+        return turned(self.model.equations.manifold, (1 - self.scheme.theta) * h * v, contacts)
+
+    def starting(self, start: StepStart, keys: np.ndarray) -> Contacts:
+        """Gaps with some keys in a step from ``start``."""
+        return self.turned(start.v, start.h, self.selected(self.at(start.t, start.y), keys))
 
     def separating(self, start: Configuration, end: Configuration, keys: np.ndarray) -> np.ndarray:
         """Keys of gaps between the shapes of the gaps ``keys`` that separate them at ``start`` and

@@ -109,7 +109,7 @@ def _rebounds(step: ContactStep, record: ContactRecord, k: int) -> Rebounds | No
     h = float(record.t[k + 1]) - t
     if not keys.size:
         return None
-    contacts = step.rigid(step.selected(step.at(t, y), keys))
+    contacts = step.rigid(step.turned(v, h, step.selected(step.at(t, y), keys)))
     contacts = contacts.some(contacts.laws.restitution > 0)
     if not contacts.count:
         return None

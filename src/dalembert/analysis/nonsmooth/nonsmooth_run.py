@@ -25,7 +25,9 @@ from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
 from dalembert.analysis.nonsmooth.step_log import StepLog
 from dalembert.analysis.nonsmooth.step_state import StepResult
 from dalembert.analysis.nonsmooth.touching_shapes import (
+    bodies_of,
     refuse_concentric,
+    refuse_filled_bores,
     refuse_lonely_shapes,
     refuse_moving_places,
 )
@@ -84,6 +86,7 @@ class NonsmoothRun:
     def execute(self, progress) -> NonsmoothMotion:
         state = self.model.assemble(self.p, self.start)
         refuse_concentric(self.step, self.start, state.y)
+        refuse_filled_bores(self.step, self.start, state.y)
         log = StepLog(self.step, self.start, state.y, state.v)
         grid = uniform_grid(self.start, self.end, self.h)
         begin = clock.perf_counter()
@@ -164,12 +167,22 @@ class NonsmoothRun:
         if not impulses.accepted:
             text = (
                 f"the impulses of {result.contacts.count} contacts at t = {t:.9g} s did not "
-                f"converge (residual {impulses.residual:.3g} m/s after {impulses.rounds} rounds); "
-                "with much friction there may be no solution, else give ContactSolver more "
-                "max_iterations"
+                f"converge (residual {impulses.residual:.3g} m/s after {impulses.rounds} rounds), "
+                f"the largest of {self.largest_impulse(result)}; use a shorter step{self.other()}; "
+                "with much friction there may be no solution"
             )
             return Status(Outcome.NOT_CONVERGED, text, t, impulses.residual)
         return None
+
+    def largest_impulse(self, result: StepResult) -> str:
+        """Names of the bodies of the contact with the largest normal impulse."""
+        row = int(np.argmax(np.nan_to_num(np.abs(result.impulses.impulses[:, 0]))))
+        return bodies_of(self.model, result.contacts, row)
+
+    def other(self) -> str:
+        """Remedies besides a shorter step where impulses do not converge."""
+        scheme = ", integrator=MoreauJean()" if self.analysis.integrator.anticipates else ""
+        return f"{scheme} or ContactSolver with more max_iterations"
 
     def statistics(self, record: ContactRecord, log: StepLog, elapsed: float) -> dict[str, Any]:
         count = max(record.loss.size, 1)

@@ -1,9 +1,11 @@
 """Warning about bodies that spin fast in contact.
 
-Impulses of a step act in the attitude at its start, in the axes of the body, which turn by ``h ω``
-in the step. The direction of a change ``ΔL`` of the angular momentum of a free body is therefore
-wrong by half of this turn, an error ``h ω × ΔL/2``. It is zero for a ball that rolls, for example,
-and not for one that slides with a spin about the vertical.
+Impulses ``P`` of a step have the levers ``ρ`` about the mass centre at its start, which change with
+the attitude by ``Δρ``. The change of the angular momentum is therefore wrong by ``½ Σ Δρ × P``. It
+is right for a ball about its middle, and not for a body with corners or an offset mass centre.
+
+These errors drive the nutation of a body that rolls or spins in contact, which grows by about
+``exp(½ Σ (h ω)²)`` over the steps, of first order in the step.
 """
 
 from __future__ import annotations
@@ -13,50 +15,96 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import APART, ContactStep
 from dalembert.elements.spatial.body import Body
-from dalembert.elements.spatial.inertia_tensor import tensor
 from dalembert.results.nonsmooth_motion import ContactRecord
 from dalembert.symbolic.formulas.expression import Expression
 
-SHARE, LEAST = 0.05, 0.01
-"""Sum of the errors relative to the sum of the changes that causes a warning, unless it is below
-the other share of the largest angular momentum [-]."""
+SHARE, LEAST = 0.05, 1e-4
+"""Sums of the errors, relative to the sum of the torques, that cause a warning, and below which
+levers do not change [-]."""
+GROWTH = 1.0
+"""Sum ``Σ (h ω)²`` over the steps in contact that causes a warning [-]."""
+SAMPLES = 200
+"""Upper limit of the number of steps whose errors are evaluated for a body."""
 
 
 def spin_warnings(step: ContactStep, record: ContactRecord) -> list[str]:
-    """Warning about a run in which the angular momentum of a body changes in a wrong direction."""
+    """Warning about a run in which the angular momentum of a body changes by wrong torques."""
     bodies = [body for body in step.model.bodies if isinstance(body, Body) and body.rotates]
     if not bodies or not record.key.size:
         return []
     h = np.diff(record.t)
-    local = _values(step, record, [body.spin for body in bodies])
-    turns = (h * np.linalg.norm(local[..., :-1], axis=1)).max(axis=1)
-    bodies = [body for body, turn in zip(bodies, turns, strict=True) if turn / 2 > SHARE]
-    if not bodies:  # no error can exceed half of the turn
+    spins = _values(step, record, [body.spin for body in bodies])[..., :-1]
+    turns = h * np.linalg.norm(spins, axis=1)
+    fast = np.flatnonzero((turns**2).sum(axis=1) > GROWTH)
+    fast = np.union1d(fast, np.flatnonzero(turns.max(axis=1) / 2 > SHARE))
+    if not fast.size:  # no error can exceed half of the turn
         return []
-    spin = _values(step, record, [ca.mtimes(body.axes, body.spin) for body in bodies])
-    momentum = _values(step, record, [_momentum(body) for body in bodies])
-    pressed = _pressed(step, record, [body.name for body in bodies])
-    change = np.diff(momentum, axis=-1)
-    error = h / 2 * np.linalg.norm(np.cross(spin[..., :-1], change, axis=1), axis=1)
-    changes = np.where(pressed, np.linalg.norm(change, axis=1), 0.0).sum(axis=1)
-    sums = np.where(pressed, error, 0.0).sum(axis=1)
-    sums[sums < LEAST * np.linalg.norm(momentum, axis=1).max(axis=1)] = 0.0
-    shares = np.divide(sums, changes, out=np.zeros_like(sums), where=changes > 0)
-    worst = int(np.argmax(shares))
-    if not shares[worst] > SHARE:
+    names = [bodies[k].name for k in fast]
+    centers = _values(step, record, [bodies[k].origin for k in fast])
+    errors, torques, pressed = _torques(step, record, names, centers)
+    shares = np.divide(errors, torques, out=np.zeros_like(errors), where=torques > 0)
+    repeats = np.unique(record.step).size / max(int(pressed.any(axis=0).sum()), 1)
+    growth = repeats * np.where(pressed, turns[fast] ** 2, 0.0).sum(axis=1)
+    growth[shares < LEAST] = 0.0
+    excess = np.maximum(shares / SHARE, growth / GROWTH)
+    worst = int(np.argmax(excess))
+    if not excess[worst] > 1:
         return []
-    turn = float((h * np.linalg.norm(spin[worst, :, :-1], axis=0))[pressed[worst]].max())
-    shorter = 0.95 * float(h.max()) * SHARE / float(shares[worst])
+    turn = float(turns[fast[worst], pressed[worst]].max())
+    shorter = 0.95 * float(h.max()) / float(excess[worst])
     return [
-        f"{bodies[worst].name} turns by up to {turn:.2g} rad per step in contact: the changes of "
-        f"its angular momentum have directions that are wrong by {shares[worst]:.2g} rad in the "
-        f"mean; use step={shorter:.2g} or shorter"
+        f"{names[worst]} turns by up to {turn:.2g} rad per step in contact, whose levers are those "
+        f"at the start of a step: torques are wrong by {100 * shares[worst]:.2g} % in the mean, "
+        f"and nutation grows by a factor of about {np.exp(min(growth[worst], 200) / 2):.2g}; use "
+        f"step={shorter:.2g} or shorter"
     ]
 
 
-def _momentum(body: Body) -> ca.SX:
-    """Angular momentum of a body about its mass centre, in inertial axes."""
-    return ca.mtimes(body.axes, ca.mtimes(tensor(body.inertia.sx), body.spin))
+def _torques(
+    step: ContactStep, record: ContactRecord, names: list[str], centers: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(b,) sums of the errors and of the torques of some bodies over some steps, and (b, K) mask of
+    those of the steps in which their contacts press."""
+    errors, torques = np.zeros((2, len(names)))
+    pressed = np.zeros((len(names), record.loss.size), dtype=bool)
+    used = np.unique(record.step)
+    if used.size > SAMPLES:
+        used = used[np.linspace(0, used.size - 1, SAMPLES).astype(int)]
+    for k in used:
+        rows = slice(*np.searchsorted(record.step, [k, k + 1]))
+        bodies, points, push = _acting(step, record, int(k), rows)
+        for b, name in enumerate(names):
+            side = (bodies == name) @ [-1.0, 1.0]
+            if not side.any():
+                continue
+            arms = points - centers[b, :, k : k + 2].T[:, None]
+            own = np.cross(arms, side[:, None] * push).sum(axis=1)
+            pressed[b, k] = True
+            errors[b] += np.linalg.norm(own[1] - own[0]) / 2
+            torques[b] += np.linalg.norm(own[0])
+    return errors, torques, pressed
+
+
+def _acting(
+    step: ContactStep, record: ContactRecord, k: int, rows: slice
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(n, 2) bodies of the contacts of a step, (2, n, 3) their points at its start and at its end,
+    and (n, 3) impulses on the second bodies."""
+    keys, impulses = record.key[rows], record.impulse[rows]
+    bodies = np.full((keys.size, 2), "", dtype=object)
+    points, push = np.zeros((2, keys.size, 3)), np.zeros((keys.size, 3))
+    for number, source in enumerate(step.sources):
+        own = keys // APART == number
+        if not own.any():
+            continue
+        bodies[own] = source.bodies(keys[own] % APART)
+        for end in (1, 0):
+            at = step.at(float(record.t[k + end]), record.ends.y[:, k + end])
+            points[end, own], axes = source.points(at, keys[own] % APART)
+        push[own] = (axes @ impulses[own, : axes.shape[2], None])[..., 0]
+    unknown = ~np.isfinite(points).all(axis=(0, 2))
+    points[:, unknown], push[unknown] = 0.0, 0.0
+    return bodies, points, push
 
 
 def _values(step: ContactStep, record: ContactRecord, vectors: list[ca.SX]) -> np.ndarray:
@@ -66,18 +114,3 @@ def _values(step: ContactStep, record: ContactRecord, vectors: list[ca.SX]) -> n
     forces = s.forces(function.size1_in(4))
     values = np.asarray(function.map(s.t.size)(s.t[None], s.y, s.v, s.a, forces, p))
     return values.reshape(len(vectors), 3, s.t.size)
-
-
-def _pressed(step: ContactStep, record: ContactRecord, names: list[str]) -> np.ndarray:
-    """(b, K) mask of the steps in which a contact of a body presses."""
-    mask = np.zeros((len(names), record.loss.size), dtype=bool)
-    place = {name: row for row, name in enumerate(names)}
-    keys, rows = np.unique(record.key, return_inverse=True)
-    for number, source in enumerate(step.sources):
-        own = np.flatnonzero(keys // APART == number)
-        if not own.size:
-            continue
-        for k, pair in zip(own, source.bodies(keys[own] % APART), strict=True):
-            for name in set(pair) & place.keys():
-                mask[place[name], record.step[rows == k]] = True
-    return mask

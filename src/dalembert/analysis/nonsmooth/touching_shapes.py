@@ -13,11 +13,15 @@ from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.pairs import APART
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.frame import Frame
+from dalembert.elements.planar.contact.shapes import Bore, Circle
 from dalembert.elements.point import Point
 from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.formulas.expression import t
+
+SAME_CENTRE = 1e-6
+"""Distance of centres, relative to the radius of a bore, below which circles are concentric."""
 
 
 def refuse_lonely_shapes(elements: list[Element]) -> None:
@@ -91,6 +95,44 @@ def refuse_concentric(step: ContactStep, t: float, y: np.ndarray) -> None:
             f"{source.elements[0].name}: {bodies} have the same centre at the start, and their "
             "contact has no direction; move one of them"
         )
+
+
+def refuse_filled_bores(step: ContactStep, t: float, y: np.ndarray) -> None:
+    """Refuse discs larger than a bore with the same centre at the start.
+
+    All distances of the circles are equal there, so that no gap is a local minimum.
+
+    Raises
+    ------
+    AnalysisError
+        Names the element and both bodies.
+    """
+    for element in (element for source in step.sources for element in source.elements):
+        if not isinstance(element, Collisions):
+            continue
+        bores = [shape for shape in element.members if isinstance(shape, Bore)]
+        discs = [shape for shape in element.members if isinstance(shape, Circle) and bores]
+        holes = [_place_and_size(bore, step, t, y) for bore in bores]
+        sizes = [_place_and_size(disc, step, t, y) for disc in discs]
+        for bore, (middle, radius) in zip(bores, holes, strict=True):
+            for disc, (centre, size) in zip(discs, sizes, strict=True):
+                near = np.linalg.norm(centre - middle) < SAME_CENTRE * radius
+                if near and size > radius and disc.carrier is not bore.carrier:
+                    raise AnalysisError(
+                        f"{element.name}: the disc of {disc.carrier.name} has the radius "
+                        f"{size:.6g} m and is in a bore of {bore.carrier.name} with the radius "
+                        f"{radius:.6g} m at the start; reduce the disc, or move it out of the bore"
+                    )
+
+
+def _place_and_size(
+    shape: Bore | Circle, step: ContactStep, t: float, y: np.ndarray
+) -> tuple[np.ndarray, float]:
+    """Centre and radius of a circle [m]."""
+    e = step.model.all_equations
+    formulas = [step.model.at_ground(f) for f in (shape.point.position.sx, shape.radius.sx)]
+    place, radius = ca.Function("circle", [e.t, e.y, e.p], formulas)(t, y, step.p)
+    return place.full().ravel(), float(radius)
 
 
 def _can_touch(element: Collisions) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -40,18 +41,18 @@ def read_table(source: Any) -> dict[str, np.ndarray]:
     if hasattr(source, "to_pandas"):
         source = source.to_pandas()
     if isinstance(source, Mapping):
-        columns = dict(_in_si(str(name), values) for name, values in source.items())
+        columns = [_in_si(str(name), values) for name, values in source.items()]
     elif hasattr(source, "columns"):
         if source.index.name is not None and source.index.name not in source.columns:
             source = source.reset_index()
-        columns = dict(_in_si(str(name), source[name]) for name in source.columns)
+        columns = [_in_si(str(name), source[name]) for name in source.columns]
     else:
         type_name = type(source).__name__
         raise AnalysisError(
             f"data is a {type_name}; give a DataFrame, a mapping of columns, or a .csv or .parquet "
             "file"
         )
-    numbers = {name: _numbers(values) for name, values in columns.items()}
+    numbers = dict(columns)
     numeric = {name: values for name, values in numbers.items() if values is not None}
     sizes = {values.size for values in numeric.values()}
     if len(sizes) > 1:
@@ -62,16 +63,19 @@ def read_table(source: Any) -> dict[str, np.ndarray]:
     return numeric
 
 
-def _in_si(heading: str, values: ArrayLike) -> tuple[str, ArrayLike]:
-    """Name and values of a column in SI units; headings may have units, ``crank.angle [deg]``."""
-    match = re.fullmatch(r"(.*\S)\s+\[(.+)\]", heading)
+def _in_si(heading: str, values: ArrayLike) -> tuple[str, np.ndarray | None]:
+    """Name and numbers of a column in SI units, None if it holds other data.
+
+    Headings may have units, ``crank.angle [deg]``.
+    """
+    match, numbers = re.fullmatch(r"(.*\S)\s+\[(.+)\]", heading), _numbers(values)
     if match is None:
-        return heading, values
+        return heading, numbers
     try:
         factor = unit(match[2]).factor
     except ModelError as error:
         raise AnalysisError(f"column {heading!r}: {error.message}") from None
-    return match[1], values if factor == 1.0 else np.asarray(values) * factor
+    return match[1], numbers if numbers is None or factor == 1.0 else numbers * factor
 
 
 def _read_file(path: Path) -> Any:
@@ -89,7 +93,7 @@ def _read_file(path: Path) -> Any:
         optional_package("pyarrow", f"reading {path}", "convert it to CSV")
     try:
         if reader == "read_csv":
-            return pd.read_csv(path, **_dialect(path))
+            return _read_rows(path)
         return pd.read_parquet(path)
     except UnicodeDecodeError as error:
         raise AnalysisError(
@@ -97,6 +101,28 @@ def _read_file(path: Path) -> Any:
         ) from None
     except (ValueError, OSError) as error:  # parser errors of pandas are ValueErrors
         raise AnalysisError(f"{path}: cannot be read as a table ({error})") from None
+
+
+def _read_rows(path: Path) -> Any:
+    """Table of a CSV file; rows that end with a separator have no column there.
+
+    Raises
+    ------
+    AnalysisError
+        Rows have more columns than the heading, so that names would belong to other columns.
+    """
+    import pandas as pd
+    from pandas.errors import ParserWarning
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", ParserWarning)
+        try:
+            return pd.read_csv(path, index_col=False, **_dialect(path))
+        except ParserWarning:
+            raise AnalysisError(
+                f"{path}: rows have more columns than the heading; name all columns in the first "
+                "line"
+            ) from None
 
 
 def _dialect(path: Path) -> dict[str, str]:

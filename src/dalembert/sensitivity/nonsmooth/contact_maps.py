@@ -77,6 +77,10 @@ class ContactMaps:
                 parts.append(path_gaps(source, state, path, *arguments))
         return Gaps.of(parts)
 
+    def lead(self, h: float | np.ndarray) -> float | np.ndarray:
+        """``(1−θ) h`` of steps."""
+        return (1 - self.contact_step.scheme.theta) * h
+
     def gaps_at(self, x: np.ndarray, t: float, keys: np.ndarray) -> Gaps:
         """Gaps and their velocities at a state."""
         y, v = self._split(x)
@@ -115,7 +119,7 @@ class ContactMaps:
             value, (by_z, by_q), following, slopes = self.equations.step(smooth, y, v, t, self.p, h)
             right, matrix, contacts = value, [(0, 0, by_z)], None
             if pressing.keys.size:
-                state = StepState(t, y, self.p, v, smooth[:n])
+                state = StepState(t, y, self.p, v, smooth[:n], lead=self.lead(h))
                 own = pressing.keys, pressing.impulses, pressing.curved
                 gaps = self.gaps(state, *own, path)
                 inertia = np.maximum(np.abs(by_z.diagonal()[:n]), np.finfo(float).tiny)
@@ -155,18 +159,18 @@ class ContactMaps:
         state: tuple[np.ndarray, np.ndarray, float, np.ndarray, float],
     ) -> ImpactSlopes:
         """Impacts at the start ``y``, ``v``, ``t``, ``p``, ``h`` of a step."""
-        (y, v, t, p, _), n = state, self.speeds
+        (y, v, t, p, _), n, lead = state, self.speeds, self.lead(state[-1])
         start = np.concatenate([v, np.zeros(self.smooth - n)])
 
         def slopes(change: np.ndarray) -> list[Sparse]:
             return self.equations.linear(start + change, *state)[1]
 
         def gaps(own: np.ndarray, impulses: np.ndarray, change: np.ndarray) -> Gaps:
-            return self.gaps(StepState(t, y, p, v, v + change), own, impulses)
+            return self.gaps(StepState(t, y, p, v, v + change, lead=lead), own, impulses)
 
         def means(change: np.ndarray) -> Gaps:
             own = active.keys, np.zeros_like(active.impulses), active.curved, path
-            return self.gaps(StepState(t, y, p, v, v + change), *own)
+            return self.gaps(StepState(t, y, p, v, v + change, lead=lead), *own)
 
         by_z, by_q = slopes(0 * start)
         factors = ProximalFactors.of([(0, 0, by_z)], self._weight(0))
@@ -191,7 +195,8 @@ class ContactMaps:
         z = -factors.solve(value)
         _, (_, by_q), following, slopes = self.equations.linear(z, *state)
         free = z[: self.speeds]
-        contacts = step.near(step.at(t, y), AHEAD * h * np.column_stack([v, free]))
+        near = step.near(step.at(t, y), AHEAD * h * np.column_stack([v, free]))
+        contacts = step.turned(v, h, near)
         changes = (contacts.speeds(free) - contacts.speeds(v))[:, 0]
         row = int(np.argmax(np.abs(changes)))
         if not np.allclose(offsets[:, 0], abs(changes[row]), rtol=SOLVED, atol=0):
@@ -201,7 +206,7 @@ class ContactMaps:
             )
         own = contacts.key[row : row + 1]
         none = np.zeros((1, 1 + sum(step.groups)))
-        gaps = self.gaps(StepState(t, y, self.p, v, free), own, none)
+        gaps = self.gaps(StepState(t, y, self.p, v, free, lead=self.lead(h)), own, none)
         free_map = MapAt(z, following, factors, by_q, *slopes)
         return ForcedChange(free_map, gaps, float(np.sign(changes[row])))
 

@@ -240,7 +240,7 @@ class ContactSteps:
         after, mobility = free.speeds, free.mobility
         alone = np.asarray((after - v) / h)
         if lasting.keys.size:
-            contacts = step.selected(step.at(t, y), lasting.keys)
+            contacts = step.turned(v, h, step.selected(step.at(t, y), lasting.keys))
             before = contacts.speeds(v)
             offsets = Approach(contacts, before, contacts.speeds(after), h).newton()
             offsets[:, 0] = -before[:, 0]

@@ -14,6 +14,7 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapKind, GapSource
+from dalembert.analysis.nonsmooth.turned_speeds import turned_speeds
 from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.model import Model
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
@@ -38,6 +39,7 @@ class StepState:
     t, y, p : position
     before, after : speeds at the start and at the end
     drift : 1 for velocities, 0 for displacements in their place
+    lead : ``(1−θ) h``, by which bodies turn with the speeds ``before`` for the directions ``W E``
     """
 
     t: float | np.ndarray
@@ -46,6 +48,7 @@ class StepState:
     before: np.ndarray
     after: np.ndarray
     drift: float = 1.0
+    lead: float | np.ndarray = 0.0
 
     @property
     def count(self) -> int:
@@ -65,18 +68,24 @@ class SourceSlopes:
     def __init__(self, source: GapSource, e: Equations):
         self.source, self._e = source, e
         formulas = source.formulas
-        moving = ca.sparsify(ca.jacobian(formulas.velocities, e.v))
         q = ca.vertcat(e.y, e.v, e.t, e.p)
         still = ca.substitute(formulas.velocities, e.v, ca.SX.zeros(e.v.numel()))
         share, wrench = ca.SX.sym("share"), ca.SX.sym("f", formulas.velocities.numel())
+        start, lead = ca.SX.sym("start", e.v.numel()), ca.SX.sym("lead")
+        turned = turned_speeds(e.manifold, lead * start, e.v)
+        moving = ca.mtimes(ca.jacobian(formulas.velocities, e.v), ca.jacobian(turned, e.v))
+        moving = ca.sparsify(moving)
         velocities = ca.mtimes(moving, e.v) + share * still
-        elsewhere = ca.vertcat(e.y, ca.SX.sym("none", e.v.numel()), e.t, e.p)
+        elsewhere = ca.vertcat(e.y, start, e.t, e.p)
         self._geometry = SlopeFunction("geometry", [e.t, e.y, e.p], formulas.geometry, [q])
         self._velocities = SlopeFunction(
-            "velocities", [e.t, e.y, e.v, e.p, share], velocities, [elsewhere, e.v]
+            "velocities", [e.t, e.y, e.v, e.p, share, start, lead], velocities, [elsewhere, e.v]
         )
         self._momenta = SlopeFunction(
-            "momenta", [e.t, e.y, e.p, wrench], ca.mtimes(moving.T, wrench), [elsewhere]
+            "momenta",
+            [e.t, e.y, e.p, wrench, start, lead],
+            ca.mtimes(moving.T, wrench),
+            [elsewhere],
         )
         self._kernels: dict[tuple[ca.Function, int, int], Kernel] = {}
 
@@ -100,9 +109,9 @@ class SourceSlopes:
         """
         t, y, p, share, count = state.t, state.y, state.p, state.drift, state.count
         geometry, (by_q,) = self._geometry(t, y, p, count=count)
-        velocities = partial(self._velocities, count=count)
-        before, (before_by_q, moving) = velocities(t, y, state.before, p, share)
-        after, (after_by_q, _) = velocities(t, y, state.after, p, share)
+        velocities, turn = partial(self._velocities, count=count), (state.before, state.lead)
+        before, (before_by_q, moving) = velocities(t, y, state.before, p, share, *turn)
+        after, (after_by_q, _) = velocities(t, y, state.after, p, share, *turn)
         features = self.source.kinds(keys)
         if owner is not None:
             sizes = geometry.size // count, before.size // count
@@ -114,7 +123,7 @@ class SourceSlopes:
         for part in kinds:
             scatter(wrench, part.kind.velocities, part.wrench[..., None])
         columns = wrench.reshape(count, -1).T
-        momenta = self._momenta(t, y, p, columns, count=count)[1][0]
+        momenta = self._momenta(t, y, p, columns, *turn, count=count)[1][0]
         slopes = [before_by_q, after_by_q]
         first, n, width = self._e.y.numel(), self._e.v.numel(), by_q.shape[1] // count
         speeds = (width * np.arange(count)[:, None] + first + np.arange(n)).ravel()

@@ -153,7 +153,7 @@ class StackedImpacts:
         has = np.bincount(self._step_of, minlength=steps.count) > 0
         t, end = (steps.t + steps.h)[None], steps.end
         y, v = np.split(end, [maps.maps.size])
-        state = StepState(t, y, maps.maps.p, v, v)
+        state = StepState(t, y, maps.maps.p, v, v, lead=maps.maps.lead(steps.h[None]))
         lasting = steps.lasting(np.flatnonzero(has[steps.owner] & self._closed))
         keys, owner = steps.active.keys[lasting.rows], lasting.owner
         gaps = maps.maps.gaps(state, keys, lasting.impulses, owner=owner)

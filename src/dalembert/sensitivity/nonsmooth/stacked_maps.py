@@ -99,7 +99,7 @@ class StackedMaps:
         self.following = following.reshape(steps.count, -1).T
         self._by_z, self._by_q, self._next = by_z, by_q, slopes
         active, owner = steps.active, steps.owner
-        self.state = StepState(t, y, maps.p, v, after)
+        self.state = StepState(t, y, maps.p, v, after, lead=maps.lead(h))
         gaps = maps.gaps(self.state, active.keys, active.impulses, owner=owner)
         inertia = np.maximum(np.abs(by_z.diagonal()), np.finfo(float).tiny)
         step, width = maps.contact_step, active.impulses.shape[1]

@@ -51,7 +51,7 @@ export class AnalysisSheet {
     /** @type {Problem[]} */
     this.problems = [];
     /** Freedoms that no driver prescribes. */
-    this.free = 0;
+    this.free = /** @type {number | null} */ (null);
     this.tabs = el("div", { class: "picks", role: "tablist", "aria-label": "Analysis of the picture" });
     this.form = el("div", { class: "form" });
     this.node = el("section", { class: "sheet analysis" }, this.tabs, this.form, ...below);
@@ -74,7 +74,7 @@ export class AnalysisSheet {
   describe({ live, problems, facts }) {
     if (live) return;
     this.problems = (problems ?? []).filter(({ level }) => level === "error");
-    this.free = facts?.free ?? 0;
+    this.free = facts?.free ?? null;
     this.render();
   }
 
@@ -115,9 +115,10 @@ export class AnalysisSheet {
   /** Errors of the picture, with remedies. */
   problemList() {
     const { problems, free, shown } = this;
+    if (shown.type === "Modal" && free === 0) return el("p", { class: "obstacle", role: "status" }, "No degree of freedom is free, so that there are no modes; remove a driver or a joint.");
     if (!problems.length) return "";
     const driven = shown.type === "Kinematics" || shown.type === "InverseDynamics";
     return el("div", { class: "obstacle", role: "status" }, el("strong", {}, "The picture shows the drawn position."), problems.map(({ message }) => el("p", {}, message)),
-      driven && free > 0 && el("div", { class: "chips" }, button("Draw a motor", () => this.actions.draw("motor")), button("Show the dynamics", () => this.preview("Dynamics"))));
+      driven && free !== null && free > 0 && el("div", { class: "chips" }, button("Draw a motor", () => this.actions.draw("motor")), button("Show the dynamics", () => this.preview("Dynamics"))));
   }
 }

@@ -12,7 +12,7 @@ const FINE = 0.1;
 const MARGIN = 24;
 
 /** What is drawn on: a planar mechanism or structure.
- * @typedef {{ possible: boolean, page: Page | null, snapPage: Page | null, pictures: Pictures, tool: { name: string, clicks: number }, places: { x: number, y: number }[], drag: unknown, rest: () => void, finish: () => void }} Surface */
+ * @typedef {{ possible: boolean, page: Page | null, snapPage: Page | null, pictures: Pictures, tool: { name: string, clicks: number }, places: { x: number, y: number }[], drag: unknown, typed: string, rest: () => void, finish: () => void }} Surface */
 
 export class Crosshair {
   /** @param {HTMLElement} stage @param {Surface[]} surfaces of which at most one is possible */
@@ -44,6 +44,7 @@ export class Crosshair {
     if (event.target !== this.stage || event.ctrlKey || event.metaKey || event.altKey || !drawing) return;
     const { key } = event, step = STEPS[key], page = /** @type {Page} */ (drawing.page), { view } = page.scene;
     if (key === "Tab" || (!step && key !== "Enter" && key !== " ")) return;
+    if (key === " " && drawing.typed) return;  // before a unit
     event.preventDefault();
     event.stopPropagation();
     if (drawing.tool.name === "select") drawing.rest();

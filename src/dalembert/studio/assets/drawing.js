@@ -55,6 +55,7 @@ export class Drawing {
   /** The contents of the last text; what was pasted is selected. @param {Document | null} document */
   show(document) {
     this.document = document;
+    if (this.page) this.page.document = document;
     const { before } = this, added = before && document ? namesIn(document).filter((name) => !before.has(name)) : [];
     if (added.length) this.select(added);
   }
@@ -93,6 +94,7 @@ export class Drawing {
 
   /** @param {Page} page */
   bind(page) {
+    page.document = this.document;
     const view = /** @type {Window} */ (this.pictures.frame?.contentWindow);
     takePointer(page, view, () => this.possible, () => this.drag !== null, {
       pointerdown: (event, at) => this.down(event, at), pointermove: (event, at) => this.over(event, at), pointerup: (event, at) => this.up(event, at),

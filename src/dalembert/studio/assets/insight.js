@@ -24,7 +24,7 @@ export function addInsight(studio) {
     revision: () => studio.file.revision,
     selects: () => studio.drawing.tool.name === "select",
   });
-  const overlays = new OverlayBar(studio.pictures, ghosts, () => studio.drawing.selection, () => studio.drawing.possible && studio.drawing.tool.name !== "select");
+  const overlays = new OverlayBar(studio.pictures, ghosts, () => studio.drawing.selection, () => studio.drawing.possible && studio.drawing.tool.name !== "select", (text) => studio.say(text));
   const drag = new TargetDrag(studio.pictures, { edit: (label, operations) => studio.change({ label, operations }), document: () => studio.known, selects: () => studio.drawing.tool.name === "select" });
   let marked = -1;
   const result = new ResultPanel((task, values) => studio.change({ label: `adopt ${task.section}`, operations: Object.entries(values).map(([name, value]) => ({ op: "parameter", name, value })) }));

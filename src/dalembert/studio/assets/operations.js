@@ -5,7 +5,7 @@
 /** @import { Document } from "./types.d.ts" */
 
 import { neat } from "./neat.js";
-import { FINE, inBody, onOutline, placeOf, rounded } from "./snapping.js";
+import { inBody, namedPlaces, onOutline, placeOf, poseOf } from "./snapping.js";
 
 /** Mass of a new bar per length [kg/m], and of a new plate per area [kg/m²]. */
 const BAR = 1, PLATE = 10;
@@ -96,7 +96,7 @@ export function bodiesAt(page, joint) {
 }
 
 /** @param {Page} page @param {string | null} name */
-export const angleOf = ({ motion }, name) => motion.pose(motion.bodies.find((/** @type {any} */ body) => body.name === name) ?? motion.ground)?.a ?? 0;
+export const angleOf = (page, name) => poseOf(page, page.motion.bodies.find((/** @type {any} */ body) => body.name === name) ?? page.motion.ground)?.a ?? 0;
 
 /** Motor at a joint. @param {Place} place @param {Page} page @param {Document} document @returns {Change | null} */
 export function motor(place, page, document) {
@@ -148,9 +148,7 @@ export function movedPoints(page, document, moves, done = new Set()) {
 }
 
 /** World coordinates of the other end of a bar. @param {Page} page @param {string} body @param {string} point */
-export function otherEnd({ motion, scene }, body, point) {
-  const other = motion.points.find((/** @type {any} */ item) => item.name === `${body}.${point === "start" ? "end" : "start"}`), pose = other && motion.pose(other.body);
-  if (!pose) return null;
-  const [x, y] = motion.placed(pose, other.point);
-  return { x: rounded(x, FINE * scene.view.s), y: rounded(y, FINE * scene.view.s) };
+export function otherEnd(page, body, point) {
+  const name = `${body}.${point === "start" ? "end" : "start"}`, place = namedPlaces(page).find(({ names }) => names.includes(name));
+  return place ? { x: place.x, y: place.y } : null;
 }

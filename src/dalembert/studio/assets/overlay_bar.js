@@ -10,8 +10,9 @@ import { OVERLAYS, drawOverlays } from "./overlays.js";
 const PLOTS = { Power: /\.power$|^input_power$/, Energies: /^(kinetic_energy|potential_energy|energy|input_energy|dissipated_energy)$/ };
 
 export class OverlayBar {
-  /** @param {Pictures} pictures @param {Ghosts} ghosts @param {() => Set<string>} selected @param {() => boolean} draws whether digits belong to what is drawn */
-  constructor(pictures, ghosts, selected, draws) {
+  /** @param {Pictures} pictures @param {Ghosts} ghosts @param {() => Set<string>} selected @param {() => boolean} draws whether digits belong to what is drawn @param {(text: string) => void} say shows a text below the drawing */
+  constructor(pictures, ghosts, selected, draws, say) {
+    this.say = say;
     this.selected = selected;
     this.draws = draws;
     this.pictures = pictures;
@@ -47,7 +48,10 @@ export class OverlayBar {
     if (typing || this.draws() || event.ctrlKey || event.metaKey || event.altKey) return;
     const overlay = OVERLAYS.find(({ key }) => key === event.key);
     if (overlay) this.toggle(overlay.name);
-    else if (event.key === "8") this.toggleReactions();
+    else if (event.key === "8") {
+      this.toggleReactions();
+      if (this.values.textContent) this.say(this.values.textContent);  // its sheet may be hidden
+    }
     else if (event.key === "9") this.ghosts.toggle();
     else return;
     event.preventDefault();

@@ -202,7 +202,7 @@ export const OVERLAYS = [
       ctx.arc(x, y, 30, from, from + sweep, sweep < 0);
       [ctx.strokeStyle, ctx.lineWidth] = [colour, 2.4];
       ctx.stroke();
-      pen.text(`${degrees(angle)}, least ${degrees(leastTransmission(pen.motion, body.name))}`, [x + 36 * Math.cos(from + sweep / 2), y + 36 * Math.sin(from + sweep / 2)], colour);
+      pen.text(`${degrees(angle)}, minimum ${degrees(leastTransmission(pen.motion, body.name))}`, [x + 36 * Math.cos(from + sweep / 2), y + 36 * Math.sin(from + sweep / 2)], colour);
     }
   } },
 ];

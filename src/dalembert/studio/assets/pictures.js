@@ -7,7 +7,7 @@ import { PictureFrames, fill } from "./picture_frames.js";
 /** Time without a press of a key or a button after which a picture is replaced [ms]: a press during the replacement would be lost. */
 const CALM = 150;
 
-/** Parts of a page of the report. @typedef {{ player: any, motion: any, scene: any, design?: any }} Page */
+/** Parts of a page of the report, and the contents of the file that it shows. @typedef {{ player: any, motion: any, scene: any, design?: any, document?: import("./types.d.ts").Document | null }} Page */
 
 /** A picture, the addresses of its data and of its frame. @typedef {{ number: number, live: boolean, page: string, address: string }} Wanted */
 

@@ -68,10 +68,25 @@ export function limitPositions(motion) {
     moving.slice(1).forEach((i, k) => {
       const before = moving[k];
       if (signs[i] === signs[before]) return;
-      limits.push({ body, cursor: i === before + 1 ? { i: before, f: speeds[before] / (speeds[before] - speeds[i]) } : { i: before + 1, f: 0 } });
+      limits.push({ body, cursor: i === before + 1 ? { i: before, f: zeroAfter(speeds, before) } : { i: before + 1, f: 0 } });
     });
     return limits;
   });
+}
+
+/** Part of a step after which samples change their sign, on the cubic through the four around it; on a line at the ends and where one is missing.
+ * @param {number[]} samples @param {number} i */
+export function zeroAfter(samples, i) {
+  const [a, b, c, d] = [-1, 0, 1, 2].map((k) => samples[i + k]);
+  if (![a, d].every(Number.isFinite)) return b / (b - c);
+  const at = (/** @type {number} */ f) => (-a * f * (f - 1) * (f - 2)) / 6 + (b * (f + 1) * (f - 1) * (f - 2)) / 2 - (c * (f + 1) * f * (f - 2)) / 2 + (d * (f + 1) * f * (f - 1)) / 6;
+  let [low, high] = [0, 1];
+  for (let k = 0; k < 40; k++) {
+    const middle = (low + high) / 2;
+    if (Math.sign(at(middle)) === Math.sign(b)) low = middle;
+    else high = middle;
+  }
+  return low;
 }
 
 /** Whether a body ends where it begins. @param {any} motion @param {any} body */

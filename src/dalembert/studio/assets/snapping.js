@@ -11,6 +11,8 @@ const CELL = 26;
 /** Directions to which lines snap [rad], and within which angle. */
 const DIRECTION = Math.PI / 12, TURN = 0.03;
 
+/** Difference of cosines and sines up to which two directions are the same. */
+const SAME_ANGLE = 1e-5;
 /** Points of the picture have at least this many places in a pixel. */
 export const FINE = 100;
 
@@ -30,17 +32,31 @@ export function rounded(value, scale) {
   return Number(value.toFixed(digits)) || 0;
 }
 
+/** Pose of a body; that of the file, which has all digits, where the picture shows the body there and it is stated in numbers.
+ * @param {Page} page @param {any} body @returns {any} */
+export function poseOf({ motion, scene, document }, body) {
+  const pose = motion.pose(body), { position = [0, 0], angle = 0 } = document?.bodies?.[body.name] ?? {};
+  if (!pose) return null;
+  if (body.fixed) return { ...pose, exact: true };
+  if (!document?.bodies?.[body.name] || ![...position, angle].every(Number.isFinite)) return pose;
+  const [x, y] = position, turns = Math.round((pose.a - angle) / (2 * Math.PI)), own = { ...pose, x, y, a: angle + 2 * Math.PI * turns, c: Math.cos(angle), s: Math.sin(angle), exact: true };
+  const isThere = Math.hypot(x - pose.x, y - pose.y) * scene.view.s * FINE < 1 && Math.hypot(own.c - pose.c, own.s - pose.s) < SAME_ANGLE;
+  return isThere ? own : pose;
+}
+
 /** Points of the drawing with a name, grouped by place. @param {Page} page */
-export function namedPlaces({ motion, scene }) {
-  const places = /** @type {{ x: number, y: number, names: string[], bodies: string[], locals: number[][] }[]} */ ([]);
+export function namedPlaces(page) {
+  const { motion, scene: { view: { s: scale } } } = page;
+  const places = /** @type {{ x: number, y: number, exact: boolean, names: string[], bodies: string[], locals: number[][] }[]} */ ([]);
   for (const point of motion.points) {
-    const pose = motion.pose(point.body);
+    const pose = poseOf(page, point.body);
     if (!pose) continue;
-    const [x, y] = motion.placed(pose, point.point);
-    const near = places.find((place) => Math.hypot(place.x - x, place.y - y) * scene.view.s < 1);
+    const exact = Boolean(pose.exact), spot = motion.placed(pose, point.point), [x, y] = exact ? neatSpot(spot) : spot.map((/** @type {number} */ v) => rounded(v, FINE * scale));
+    const near = places.find((place) => Math.hypot(place.x - x, place.y - y) * scale < 1);
     /** @type {typeof places[number]} */
-    const place = near ?? { x, y, names: [], bodies: [], locals: [] };
+    const place = near ?? { x, y, exact, names: [], bodies: [], locals: [] };
     if (!near) places.push(place);
+    else if (exact && !near.exact) Object.assign(near, { x, y, exact });
     place.names.push(point.name);
     place.bodies.push(point.body.name);
     place.locals.push(point.point);
@@ -49,8 +65,8 @@ export function namedPlaces({ motion, scene }) {
 }
 
 /** Coordinates in the frame of a body. @param {Page} page @param {string} name @param {number} x @param {number} y */
-export function inBody({ motion }, name, x, y) {
-  const body = motion.bodies.find((/** @type {any} */ part) => part.name === name), pose = body && motion.pose(body);
+export function inBody(page, name, x, y) {
+  const body = page.motion.bodies.find((/** @type {any} */ part) => part.name === name), pose = body && poseOf(page, body);
   if (!pose) return null;
   const [u, v] = [x - pose.x, y - pose.y];
   return neatSpot([pose.c * u + pose.s * v, pose.c * v - pose.s * u], [x, y, pose.x, pose.y]);
@@ -64,7 +80,7 @@ export function typedAt(page, { x, y }) {
   const { s: scale } = page.scene.view, near = namedPlaces(page).find((place) => Math.hypot(place.x - x, place.y - y) * scale < 0.5);
   if (!near) return { ...placed(x, y), how: "typed" };
   const joint = page.motion.joints.find((/** @type {any} */ item) => { const at = placeOf(page, item); return at && Math.hypot(at[0] - x, at[1] - y) * scale < 0.5; })?.name ?? null;
-  return { ...placed(rounded(near.x, FINE * scale), rounded(near.y, FINE * scale)), names: near.names, body: near.bodies[0], local: near.locals[0], joint, how: near.names[0] };
+  return { ...placed(near.x, near.y), names: near.names, body: near.bodies[0], local: near.locals[0], joint, how: near.names[0] };
 }
 
 /** Place under the pointer. @param {Page} page @param {[number, number]} pixel @param {{ from?: { x: number, y: number } | null, free?: boolean, ignore?: string[] }} options
@@ -75,7 +91,7 @@ export function snap(page, pixel, { from = null, free = false, ignore = [] } = {
   if (free) return { ...placed(x, y), joint };
   const others = namedPlaces(page).map((place) => ({ ...place, names: place.names.filter((name) => !ignore.includes(name)), away: Math.hypot(place.x - x, place.y - y) * scale })).filter(({ names }) => names.length);
   const near = others.filter(({ away }) => away < CATCH).sort((a, b) => a.away - b.away)[0];
-  if (near) return { ...placed(rounded(near.x, FINE * scale), rounded(near.y, FINE * scale)), names: near.names, body: near.bodies[0], local: near.locals[0], joint, how: near.names[0] };
+  if (near) return { ...placed(near.x, near.y), names: near.names, body: near.bodies[0], local: near.locals[0], joint, how: near.names[0] };
   const step = gridStep(scale), [gx, gy] = [x, y].map((v) => Number((Math.round(v / step) * step).toPrecision(9)));
   if (Math.hypot(gx - x, gy - y) * scale < CATCH * 0.7) return { ...placed(gx, gy), joint, how: "grid" };
   const found = (from && alongDirection(page, from, x, y, step)) ?? equalLength(page, from, x, y) ?? aligned(others, x, y, scale) ?? onOutline(page, x, y);
@@ -110,7 +126,7 @@ function aligned(points, x, y, scale) {
   const nearest = (/** @type {"x" | "y"} */ axis, /** @type {number} */ value) => points.map((point) => ({ point, away: Math.abs(point[axis] - value) * scale })).filter(({ away }) => away < CATCH / 2).sort((a, b) => a.away - b.away)[0]?.point;
   const above = nearest("x", x), beside = nearest("y", y);
   if (!above && !beside) return null;
-  const place = placed(rounded(above?.x ?? x, above ? FINE * scale : scale), rounded(beside?.y ?? y, beside ? FINE * scale : scale));
+  const place = placed(above?.x ?? rounded(x, scale), beside?.y ?? rounded(y, scale));
   const how = [above && `x of ${above.names[0]}`, beside && `y of ${beside.names[0]}`].filter(Boolean).join(", ");
   return { ...place, how, guides: [above, beside].flatMap((point) => (point ? [[point, { x: place.x, y: place.y }]] : [])) };
 }

@@ -7,7 +7,7 @@
 /** @import { Vec } from "./space_math.js" */
 
 import { neat } from "./neat.js";
-import { axisAngle, across, between, dot, inverse, minus, plus, size, times, turned, unit } from "./space_math.js";
+import { axisAngle, across, between, cross, dot, inverse, minus, plus, size, times, turned, unit } from "./space_math.js";
 
 /** Density of new solids [kg/m³]; mass [kg] and moments of inertia [kg m²] of a new body without a shape. */
 const DENSITY = 1000, MASS = 1, INERTIA = 0.01;
@@ -86,11 +86,18 @@ function reference(poses, p, name, names = [], axes = {}) {
 /** @param {SpacePlace} place */
 const owner = ({ body: name }) => name ?? "ground";
 
+/** Second axis of a universal joint: perpendicular to the first and, as in a shaft, to the line from the joint to the mass centre of the second body.
+ * @param {Vec} z @param {Vec} p @param {import("./space_poses.js").Pose | null} pose @returns {Vec} */
+function crossAxis(z, p, pose) {
+  const line = pose ? minus(pose.p, p) : z, axis = cross(z, line);
+  return size(axis) > 1e-6 * size(line) ? unit(axis) : across(z)[0];
+}
+
 /** Joint at the first place between the bodies of both. @param {SpacePlace[]} places @param {Poses} poses @param {string} type @param {Vec} axis @returns {Change | null} */
 export function joint([first, second], poses, type, axis) {
   if (owner(first) === owner(second)) return null;
   const { p } = first, z = unit(axis), ends = [first, second].sort((a, b) => Number(b.body === null) - Number(a.body === null));  // the ground comes first
-  const axes = (/** @type {number} */ k) => (type === "Spherical" ? undefined : { axis: type === "Universal" && k ? across(z)[0] : z });
+  const axes = (/** @type {number} */ k) => (type === "Spherical" ? undefined : { axis: type === "Universal" && k ? crossAxis(z, p, poses.of(owner(ends[1]))) : z });
   const names = [...first.names, ...(size(minus(second.p, p)) < 1e-9 ? second.names : [])];
   const connect = ends.map((end, k) => reference(poses, p, owner(end), names, axes(k)));
   const fields = { type, connect, ...(type === "Screw" ? { pitch: PITCH } : {}) };

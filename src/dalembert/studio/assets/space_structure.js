@@ -200,9 +200,10 @@ export class SpaceStructure {
     const { tool, plan, boundPage } = this;
     if (!place || !plan || !boundPage) return;
     if (tool.target && !this.places.length) {
-      this.target = at ? plan.targetAt(boundPage, at, REACH, tool.target) : null;
+      const pixel = at ?? boundPage.scene.view.screen(place.p);
+      this.target = pixel ? plan.targetAt(boundPage, pixel, REACH, tool.target) : null;
       if (!this.target) return this.actions.refuse(`${tool.title}: ${tool.hint[0]}`);
-      if (this.target.kind === "element" && at) place = { ...place, p: this.middle(this.target) };
+      if (this.target.kind === "element") place = { ...place, p: this.middle(this.target) };
       else place = { ...place, p: this.target.spots[0] };
     }
     this.places.push(place);

@@ -45,7 +45,7 @@ function whileHeld(structure, key) {
 /** Keys of coordinates and values. @param {SpaceStructure} structure @param {string} key */
 function typing(structure, key) {
   const { tool, typed } = structure;
-  if (tool.clicks < 1 || (tool.target && !structure.places.length)) return false;
+  if (tool.clicks < 1) return false;
   if (key === "Enter" && typed) place(structure);
   else if (key === "Backspace" && typed) structure.typed = typed.slice(0, -1);
   else if (key === "Escape" && typed) structure.typed = "";

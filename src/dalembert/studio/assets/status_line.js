@@ -37,7 +37,7 @@ export class StatusLine {
   summarise({ summary = "", facts = {} }) {
     byId("summary").textContent = summary;
     const redundant = facts.redundant ? `${facts.redundant} redundant constraint${facts.redundant > 1 ? "s" : ""} (${(facts.redundancies ?? []).join("; ")})` : "";
-    byId("freedom").textContent = redundant;
+    Object.assign(byId("freedom"), { textContent: redundant, title: redundant });  // a long one is cut off
     return [summary, redundant].filter(Boolean).join("; ");
   }
 }

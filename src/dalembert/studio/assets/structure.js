@@ -151,7 +151,7 @@ export class Structure {
     const page = /** @type {Page} */ (this.page), plan = /** @type {Plan} */ (this.plan), from = this.places.at(-1) ?? null;
     const ignore = this.drag?.kind === "handle" ? this.drag.handles.map(({ name }) => name) : [];
     const place = snap(plan.asPage(page), pixel, { from: this.tool.units ? null : from, free: event.altKey, ignore });
-    const typed = this.typed && !this.tool.units ? typedPlace(this.typed, from, place) : null;
+    const typed = this.typed && !(this.tool.units && from) ? typedPlace(this.typed, from, place) : null;
     return typed ? { ...placed(typed.x, typed.y), how: "typed" } : place;
   }
 
@@ -165,7 +165,8 @@ export class Structure {
   down(event, pixel) {
     if (event.button !== 0) return false;
     if (this.tool.name === "select") return grasp(this, event, pixel);
-    this.put(this.placeAt(event, pixel), this.world(pixel));
+    const place = this.placeAt(event, pixel);
+    this.put(place, place.how === "typed" ? [place.x, place.y] : this.world(pixel));
     return true;
   }
 

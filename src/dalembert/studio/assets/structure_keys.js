@@ -45,17 +45,17 @@ export function answer(structure, { key, shiftKey }) {
 
 /** Keys of numbers that are typed while drawing. @param {Structure} structure @param {string} key */
 function typing(structure, key) {
-  const { tool, now } = structure, from = structure.places.at(-1) ?? null;
-  if (tool.name === "select" || !structure.page || (tool.target && !structure.places.length)) return false;
+  const { tool, now } = structure, from = structure.places.at(-1) ?? null, isLoad = Boolean(tool.units && from);
+  if (tool.name === "select" || !structure.page) return false;
   if (key === "Enter" && structure.typed) {
-    const place = tool.units ? typedTarget(structure) : typedPlace(structure.typed, from, now);
+    const place = isLoad ? typedTarget(structure) : typedPlace(structure.typed, from, now);
     if (place) structure.put({ ...placed(place.x, place.y), how: "typed" });
-    else structure.actions.refuse(`${structure.typed}: ${tool.units ? "type a value 5 kN, with an angle 5 kN<-90, or components 0, -5000" : "type a length 0.3, a length and an angle 0.3<45, or coordinates 0.1,0.2"}`);
+    else structure.actions.refuse(`${structure.typed}: ${isLoad ? "type a value 5 kN, with an angle 5 kN<-90, or components 0, -5000" : "type a length 0.3, a length and an angle 0.3<45, or coordinates 0.1,0.2"}`);
   } else if (key === "Backspace" && structure.typed) structure.typed = structure.typed.slice(0, -1);
   else if (key === "Escape" && structure.typed) structure.typed = "";
   else if (structure.typed ? TYPED.test(key) : BEGINS.test(key)) structure.typed += key;
   else return false;
-  const place = structure.typed && !tool.units ? typedPlace(structure.typed, from, now) : null;
+  const place = structure.typed && !isLoad ? typedPlace(structure.typed, from, now) : null;
   if (place) structure.now = { ...placed(place.x, place.y), how: "typed" };
   return true;
 }

@@ -30,6 +30,7 @@ from dalembert.analysis.nonsmooth.free_bodies.step_outcome import (
 )
 from dalembert.analysis.nonsmooth.step_log import StepEntries, StepLog
 from dalembert.analysis.nonsmooth.step_state import LastImpulses
+from dalembert.integrators.contact.schemes import AnticipatedImpacts
 from dalembert.symbolic.evaluation.fixed_call import FixedCalls
 
 REPORTED = 16
@@ -51,7 +52,7 @@ class FreeBodyMarch:
 
     def __init__(self, step: ContactStep, motion: FreeBodyMotion, steps: FreeBodySteps):
         self._step, self._motion, self._steps = step, motion, steps
-        self._t, self._h = np.zeros(1), np.zeros(1)
+        self._t, self._h, self._lead = np.zeros(1), np.zeros(1), np.zeros(1)
         self._y = np.zeros(step.model.equations.coordinate_count)
         self._next, self._still = np.zeros_like(self._y), np.zeros_like(steps.v)
         self._ys, self._vs = np.zeros((CHUNK, self._y.size)), np.zeros((CHUNK, steps.v.size))
@@ -59,15 +60,15 @@ class FreeBodyMarch:
         geometry = steps.corners, steps.references, steps.normals, steps.velocities
         forces = FixedCalls(motion.forces, compiled=False)
         self._forces = forces.on([t, self._y, v, p, self._h], [steps.force, steps.inertia])
-        move = [t, self._y, steps.displacement, p], [self._next, *geometry]
+        move = [t, self._y, steps.displacement, p, v, self._lead], [self._next, *geometry]
         self._move = places.on(*([flat(a) for a in part] for part in move))
         self._part = np.zeros_like(steps.v)
-        part = [t, self._y, self._part, p], [self._next, *geometry]
+        part = [t, self._y, self._part, p, v, self._lead], [self._next, *geometry]
         self._place_part = places.on(*([flat(a) for a in group] for group in part))
         self._repeats = PathRepeats(steps, step.model.equations.manifold, step.rounding)
         self._curved: dict[int, np.ndarray] = {}
         self._inexact: dict[int, float] = {}
-        place = [t, self._y, self._still, p], [self._next, *geometry]
+        place = [t, self._y, self._still, p, v, self._lead], [self._next, *geometry]
         self._place = places.on(*([flat(a) for a in part] for part in place))
 
     @classmethod
@@ -92,6 +93,7 @@ class FreeBodyMarch:
         Returns the number of the instant reached, and the last impulses.
         """
         steps, span, self._last = self._steps, grid[-1] - grid[0], last
+        self._turn(grid, k)
         self._load(log)
         begin = k
         try:
@@ -109,6 +111,7 @@ class FreeBodyMarch:
                 if outcome is not StepOutcome.DONE:
                     break
                 self._t[0] = grid[k + 1]
+                self._turn(grid, k + 1)
                 if not self._move():
                     break
                 self._y[:] = self._next
@@ -126,6 +129,11 @@ class FreeBodyMarch:
             self._transfer(grid, begin, k, log)
             steps.counts[[STEPS, PRESSING]] = 0
         return k, self._last
+
+    def _turn(self, grid: np.ndarray, k: int) -> None:
+        """Select the directions of gaps in the step that begins at instant ``k``."""
+        if k < grid.size - 1:
+            self._lead[0] = (1 - AnticipatedImpacts.theta) * (grid[k + 1] - grid[k])
 
     def _settled(self, k: int) -> bool:
         """Whether the step that ended at instant ``k`` is not repeated for its gaps, which are as
@@ -163,14 +171,17 @@ class FreeBodyMarch:
         steps.v[:] = self._vs[row - 1] if row else log.v
         self._h[0] = steps.limits[0] = length
         steps.limits[2] = self._limit(k - 1)
+        self._lead[0] = 0.0
         if not repeats.select(place, self._forces, displacement):
             steps.leave_path()
             return False
         repeats.average(place, displacement)
+        self._turn(grid, k - 1)
         place(0.0, displacement)
         outcome = self._attempt()
         steps.leave_path()
         self._t[0] = grid[k]
+        self._turn(grid, k)
         if outcome is not StepOutcome.DONE or steps.lists > lists or not self._move():
             return False
         self._y[:] = self._next

@@ -131,6 +131,19 @@ class Closure(CacheOwner):
             self.description.name,
         )
 
+    def _refuse_dependent_conditions(self, jacobian) -> None:
+        """Raise the error for conditions on speeds that depend on joints and on each other."""
+        if not self.recipe.speed_conditions.numel():
+            return
+        dependent = jacobian.shape[0] - len(rows_of(jacobian).pivots)
+        if dependent:
+            raise ModelError(
+                f"{dependent} of the conditions on speeds at the start follow from the joints and "
+                "the others; remove them, or give relaxed=False to a beam of each closed loop, "
+                "which otherwise starts free of strain",
+                self.description.name,
+            )
+
     def _projected(self) -> np.ndarray:
         """The guesses, projected onto all constraints."""
         solution = self.assembler.project(0.0, self.nominal)
@@ -209,6 +222,7 @@ class Closure(CacheOwner):
         jacobian = self.recipe.scaled_speed_jacobian(0.0, y, p)
         if jacobian.shape[0] > n:
             self._raise_conditions(jacobian.shape[0] - len(self.rows), n - len(self.rows))
+        self._refuse_dependent_conditions(jacobian)
         is_given = [speed is not None for speed in given]
         chosen = free_columns(jacobian, self.guesses.priority(is_given))
         self.recipe = replace(self.recipe, speeds=FixedSpeeds.of(chosen, given, np.zeros(n)))
