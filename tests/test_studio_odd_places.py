@@ -11,7 +11,7 @@ from studio_scripts import drawn_by
 
 from dalembert.io import load_model_file
 from dalembert.studio.drawing_edits import apply
-from dalembert.studio.session import UNTITLED
+from dalembert.studio.new_models import UNTITLED
 
 
 def test_three_parallel_cranks_at_odd_places(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from studio_scripts import drawn_by
 import dalembert as da
 from dalembert.io import load_model_file
 from dalembert.studio.drawing_edits import apply
-from dalembert.studio.session import UNTITLED_SPATIAL, UNTITLED_SPATIAL_STRUCTURE
+from dalembert.studio.new_models import UNTITLED_SPATIAL, UNTITLED_SPATIAL_STRUCTURE
 
 
 def test_a_cardan_shaft(tmp_path: Path) -> None:

@@ -17,25 +17,17 @@ from dalembert.files import read_text
 from dalembert.io.example_files import example_folder
 from dalembert.studio.draft import Unconfirmed
 from dalembert.studio.drawing_edits import apply
+from dalembert.studio.drawn_document import LONG
 from dalembert.studio.event_loop import in_thread
+from dalembert.studio.new_models import NEW
 from dalembert.studio.preview import analysis_fields, section_operation
 from dalembert.studio.session import (
-    LONG,
     MAX_TEXT,
-    UNTITLED_SPATIAL,
-    UNTITLED_SPATIAL_STRUCTURE,
-    UNTITLED_STRUCTURE,
     Session,
     failure,
 )
 from dalembert.studio.text_edits import TextEdits
 
-NEW = {
-    (False, True): UNTITLED_SPATIAL,
-    (True, False): UNTITLED_STRUCTURE,
-    (True, True): UNTITLED_SPATIAL_STRUCTURE,
-}
-"""Texts of new models: whether it is a structure, whether it is spatial."""
 MEANWHILE = "the model has changed meanwhile; draw it once more"
 OUTDATED = "another page has changed the model; its text is shown now"
 
@@ -222,7 +214,7 @@ class Connection:
 
 
 async def _applied(text: str, operations: Any) -> str:
-    """The text after the operations of a change; that of a long one is found in a thread."""
+    """The text after the operations of a change; that of a long one is computed in a thread."""
     if len(text) > LONG:
         return await in_thread(lambda: apply(text, operations))
     return apply(text, operations)

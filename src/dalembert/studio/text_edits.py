@@ -12,7 +12,8 @@ from typing import Any
 
 from dalembert.errors import ModelError
 from dalembert.io.messages import key_path
-from dalembert.io.toml_places import Keys, Place, toml_places
+from dalembert.io.toml_places import Keys, Place
+from dalembert.studio.toml_text import TomlText
 from dalembert.studio.toml_values import NAME, as_toml, in_unit, is_number, with_unit
 from dalembert.studio.uses import VALUES, uses_of
 
@@ -24,7 +25,7 @@ ORDER = (
 """Order of the sections of a file, for new ones."""
 
 
-class TextEdits:
+class TextEdits(TomlText):
     """Changes of a TOML text, one after the other.
 
     Parameters
@@ -36,25 +37,6 @@ class TextEdits:
     ModelError
         It is not valid.
     """
-
-    def __init__(self, text: str):
-        self.set_text(text)
-
-    def set_text(self, text: str) -> None:
-        """Replace the whole text, which is valid TOML."""
-        try:
-            self.data: dict[str, Any] = tomllib.loads(text)
-        except (tomllib.TOMLDecodeError, RecursionError) as error:
-            raise ModelError(f"the text is not valid TOML ({error}); correct it first") from None
-        self.text = text
-        self._places: dict[Keys, Place] | None = None
-
-    @property
-    def places(self) -> dict[Keys, Place]:
-        """Places of the entries in the text, found when they are first needed."""
-        if self._places is None:
-            self._places = toml_places(self.text)
-        return self._places
 
     def names(self) -> set[str]:
         """Names of all elements, parameters and other entries."""
