@@ -20,7 +20,6 @@ from dalembert.studio.drawing_edits import apply
 from dalembert.studio.event_loop import in_thread
 from dalembert.studio.preview import analysis_fields, section_operation
 from dalembert.studio.session import (
-    LONG,
     MAX_TEXT,
     UNTITLED_SPATIAL,
     UNTITLED_SPATIAL_STRUCTURE,
@@ -28,6 +27,7 @@ from dalembert.studio.session import (
     Session,
     failure,
 )
+from dalembert.studio.text_contents import LONG
 from dalembert.studio.text_edits import TextEdits
 
 NEW = {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from functools import partial
@@ -11,11 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from dalembert.errors import DalembertError, FileError
-from dalembert.io.reading import parse_document
 from dalembert.studio.assembly_feed import AssemblyFeed
 from dalembert.studio.companions import Companions, copy_companions
 from dalembert.studio.draft import Draft
-from dalembert.studio.event_loop import in_loop, in_thread
+from dalembert.studio.event_loop import in_loop
 from dalembert.studio.export_process import Exports
 from dalembert.studio.journal import Journal, Recovered, saving
 from dalembert.studio.listed_files import listed_files
@@ -24,6 +22,7 @@ from dalembert.studio.picture_feed import PictureFeed
 from dalembert.studio.preview import Preview
 from dalembert.studio.recent_files import remember
 from dalembert.studio.tasks import Tasks
+from dalembert.studio.text_contents import TextContents
 
 Send = Callable[[dict[str, Any]], Awaitable[None]]
 
@@ -38,8 +37,6 @@ UNTITLED_SPATIAL_STRUCTURE = UNTITLED_STRUCTURE + "gravity = [0.0, 0.0, 0.0]  # 
 RESTORED = "unsaved changes were restored; undo returns to the file"
 MAX_TEXT = 2_000_000
 """Upper limit of the length of a text [characters]."""
-LONG = 50_000
-"""Length of a text above which it is read and changed in a thread [characters]."""
 
 
 class Session:
@@ -65,7 +62,7 @@ class Session:
         self._is_stored = True
         self._folder: Path | None = None
         self.opened = 0  # files after the first one
-        self._parsed: tuple[str, dict[str, Any] | None] = ("", None)
+        self._contents = TextContents()
         self._clients: list[Send] = []
         self._tasks: set[asyncio.Task[None]] = set()
         self.tasks = Tasks()
@@ -202,25 +199,13 @@ class Session:
             "changed": draft.is_changed,
             "undo": draft.undo_label,
             "redo": draft.redo_label,
-            "document": self._document(),
+            "document": self._contents.of(draft),
         }
 
     @property
     def photo_name(self) -> str:
         """Name under which the photo of the draft is stored."""
         return str(self.draft.path or self.draft.name)
-
-    def _document(self) -> dict[str, Any] | None:
-        """Contents of the text for the drawing; None if it is not valid."""
-        if self._parsed[0] != self.draft.text:
-            self._parsed = self.draft.text, _contents(self.draft.name, self.draft.text)
-        return self._parsed[1]
-
-    async def _read(self) -> None:
-        """Read the contents of a long text in a thread, while the loop goes on."""
-        name, text = self.draft.name, self.draft.text
-        if len(text) > LONG and self._parsed[0] != text:
-            self._parsed = text, await in_thread(lambda: _contents(name, text))
 
     async def attach(self, send: Send) -> None:
         """Show the draft on a page."""
@@ -256,7 +241,7 @@ class Session:
         origin : page that has the new text already
         """
         self._store()
-        await self._read()
+        await self._contents.read(self.draft)
         self.broadcast(self.state(), origin)
         if origin is not None:
             self.confirm(origin)
@@ -305,19 +290,9 @@ class Session:
         else:
             former.clear()
         remember(saved, self._journals)
-        companions = copy_companions(self._document(), source, saved.parent)
+        companions = copy_companions(self._contents.of(self.draft), source, saved.parent)
         self.broadcast(self.state())
         return saved, companions
-
-
-def _contents(name: str, text: str) -> dict[str, Any] | None:
-    """Contents of a text for the drawing; None if it is not valid."""
-    try:
-        data: dict[str, Any] = parse_document(Path(name), text)
-        json.dumps(data, allow_nan=False)
-    except (DalembertError, TypeError, ValueError):  # dates, and numbers that are not finite
-        return None
-    return data
 
 
 async def _delivery(send: Send, message: dict[str, Any]) -> None:
