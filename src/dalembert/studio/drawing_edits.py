@@ -9,7 +9,7 @@ from typing import Any
 from dalembert.errors import ModelError
 from dalembert.studio.array_edits import append_item, remove_item
 from dalembert.studio.contact_edits import remove_group, without_shapes_of
-from dalembert.studio.key_edits import drop_key, keys_at
+from dalembert.studio.key_edits import drop_key
 from dalembert.studio.list_edits import append_entry, remove_entry, remove_from_lists
 from dalembert.studio.loose_nodes import loose_nodes
 from dalembert.studio.section_edits import set_section
@@ -121,7 +121,7 @@ def _parameter(edits: TextEdits, operation: dict[str, Any], names: dict[str, str
 def _extract(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
     keys, at = operation.get("keys"), operation.get("at")
     if isinstance(at, int):
-        keys = keys_at(edits, at)
+        keys = edits.keys_at(at)
     if not (
         isinstance(keys, (list, tuple)) and keys and all(isinstance(k, (str, int)) for k in keys)
     ):

@@ -1,4 +1,4 @@
-"""Keys of values in the text of a model file: found at a character, removed with the value."""
+"""Keys of tables in the text of a model file, removed with their values."""
 
 from __future__ import annotations
 
@@ -10,16 +10,6 @@ from dalembert.io.messages import key_path
 if TYPE_CHECKING:
     from dalembert.io.toml_places import Keys
     from dalembert.studio.text_edits import TextEdits
-
-
-def keys_at(edits: TextEdits, at: int) -> Keys:
-    """Keys of the innermost value at a character; empty if there is none."""
-    inside = [
-        (place.end - place.value, keys)
-        for keys, place in edits.places.items()
-        if place.start <= at <= place.end and keys
-    ]
-    return min(inside, default=(0, ()))[1]
 
 
 def drop_key(edits: TextEdits, keys: Keys) -> None:

@@ -43,6 +43,15 @@ class TextEdits(TomlText):
         tables = (self.data.get(section) for section in ORDER)
         return {name for table in tables if isinstance(table, dict) for name in table}
 
+    def keys_at(self, at: int) -> Keys:
+        """Keys of the innermost value at a character; empty if there is none."""
+        inside = [
+            (place.end - place.value, keys)
+            for keys, place in self.places.items()
+            if place.start <= at <= place.end and keys
+        ]
+        return min(inside, default=(0, ()))[1]
+
     def free_name(self, base: str, first: str = "") -> str:
         """A name that no entry has.
 
