@@ -1,8 +1,8 @@
 """Warning about bodies that spin fast in contact.
 
 Impulses ``P`` of a step have the levers ``ρ`` about the mass centre at its start, which change with
-the attitude by ``Δρ``. The change of the angular momentum is therefore wrong by ``½ Σ Δρ × P``. It
-is right for a ball about its middle, and not for a body with corners or an offset mass centre.
+the attitude by ``Δρ``. The change of the angular momentum is therefore wrong by ``½ Σ Δρ × P``,
+which is zero for a ball about its middle, and by ``((1−θ) h ω)²/2`` of a torque normal to the spin.
 
 These errors drive the nutation of a body that rolls or spins in contact, which grows by about
 ``exp(½ Σ (h ω)²)`` over the steps, of first order in the step.
@@ -41,11 +41,12 @@ def spin_warnings(step: ContactStep, record: ContactRecord) -> list[str]:
         return []
     names = [bodies[k].name for k in fast]
     centers = _values(step, record, [bodies[k].origin for k in fast])
-    errors, torques, pressed = _torques(step, record, names, centers)
-    shares = np.divide(errors, torques, out=np.zeros_like(errors), where=torques > 0)
+    levers, turned, torques, pressed = _torques(step, record, names, centers, turns[fast])
+    errors = np.stack([levers, levers + turned * (1 - step.scheme.theta) ** 2 / 2])
+    levers, shares = np.divide(errors, torques, out=np.zeros_like(errors), where=torques > 0)
     repeats = np.unique(record.step).size / max(int(pressed.any(axis=0).sum()), 1)
     growth = repeats * np.where(pressed, turns[fast] ** 2, 0.0).sum(axis=1)
-    growth[shares < LEAST] = 0.0
+    growth[levers < LEAST] = 0.0
     excess = np.maximum(shares / SHARE, growth / GROWTH)
     worst = int(np.argmax(excess))
     if not excess[worst] > 1:
@@ -53,19 +54,22 @@ def spin_warnings(step: ContactStep, record: ContactRecord) -> list[str]:
     turn = float(turns[fast[worst], pressed[worst]].max())
     shorter = 0.95 * float(h.max()) / float(excess[worst])
     return [
-        f"{names[worst]} turns by up to {turn:.2g} rad per step in contact, whose levers are those "
-        f"at the start of a step: torques are wrong by {100 * shares[worst]:.2g} % in the mean, "
-        f"and nutation grows by a factor of about {np.exp(min(growth[worst], 200) / 2):.2g}; use "
-        f"step={shorter:.2g} or shorter"
+        f"{names[worst]} turns by up to {turn:.2g} rad per step in contact: torques are wrong by "
+        f"{100 * shares[worst]:.2g} % in the mean, and nutation grows by a factor of about "
+        f"{np.exp(min(growth[worst], 200) / 2):.2g}; use step={shorter:.2g} or shorter"
     ]
 
 
 def _torques(
-    step: ContactStep, record: ContactRecord, names: list[str], centers: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(b,) sums of the errors and of the torques of some bodies over some steps, and (b, K) mask of
-    those of the steps in which their contacts press."""
-    errors, torques = np.zeros((2, len(names)))
+    step: ContactStep,
+    record: ContactRecord,
+    names: list[str],
+    centers: np.ndarray,
+    turns: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """(b,) sums of the errors by levers, of the torques times ``(h ω)²``, and of the torques over
+    some steps, and (b, K) mask of those of these steps in which contacts of a body press."""
+    levers, turned, torques = np.zeros((3, len(names)))
     pressed = np.zeros((len(names), record.loss.size), dtype=bool)
     used = np.unique(record.step)
     if used.size > SAMPLES:
@@ -80,9 +84,11 @@ def _torques(
             arms = points - centers[b, :, k : k + 2].T[:, None]
             own = np.cross(arms, side[:, None] * push).sum(axis=1)
             pressed[b, k] = True
-            errors[b] += np.linalg.norm(own[1] - own[0]) / 2
-            torques[b] += np.linalg.norm(own[0])
-    return errors, torques, pressed
+            size = np.linalg.norm(own[0])
+            levers[b] += np.linalg.norm(own[1] - own[0]) / 2
+            turned[b] += turns[b, k] ** 2 * size
+            torques[b] += size
+    return levers, turned, torques, pressed
 
 
 def _acting(

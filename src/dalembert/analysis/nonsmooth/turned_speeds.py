@@ -2,20 +2,18 @@
 
 Angular velocities of bodies in space are in axes of the body. In the axes at the start of a step
 ``y⁺ = y ⊕ h (θ v⁺ + (1−θ) v)``, the speeds at its end are ``E v⁺`` to second order in the turn,
+where ``E`` rotates each angular velocity ω about itself,
 
-    E = 1 + (1−θ) h ω×   for each angular velocity ω of v,   E v = v
+    E = 1 + c×/s + c× c×/(s (s + 1)),     c = (1−θ) h ω,     s² = 1 + c²,     E v = v
 
 Gaps and impulses have the directions ``W E``,
 
     u⁺ = W(y) E v⁺ + w,      M (v⁺ − v) = h F + (W(y) E)ᵀ P
 
 With ``W(y)`` alone, the direction of the change of the angular momentum would be wrong by half of
-the turn for ``θ = ½``. For a ball with ``θ = ½`` and the attitude ``e ⊗ (1, h (ω⁺ + ω)/4)`` at the
-end, normalised, this change is
-
-    ΔL = T τ,      T = (1 − h/4 (ω⁺ + ω)×)⁻¹ (1 − h/2 ω×)
-
-of an impulsive torque ``τ``: exact but for the change ``ω⁺ − ω`` within the step.
+the turn for ``θ = ½``. For a ball and small impulses, the change in a step with the attitude
+``e ⊗ (1, h (ω⁺ + ω)/4)`` at the end, normalised, is ``(1 − c×)⁻¹ Eᵀ τ = τ/s`` of a torque normal to
+the spin; impacts are those of a ball that does not turn, as ``E`` is a rotation.
 """
 
 from __future__ import annotations
@@ -36,7 +34,9 @@ def turned_speeds(manifold: Manifold, turn: ca.SX, v: ca.SX) -> ca.SX:
     turned = ca.SX(v)
     for _, first in manifold.attitudes:
         own = slice(first, first + 3)
-        turned[own] += ca.cross(turn[own], v[own])
+        root = ca.sqrt(1 + ca.sumsqr(turn[own]))
+        across = ca.cross(turn[own], v[own])
+        turned[own] += across / root + ca.cross(turn[own], across) / (root * (root + 1))
     return turned
 
 
@@ -46,7 +46,7 @@ def turned(manifold: Manifold, turn: np.ndarray, contacts: Contacts) -> Contacts
     own = first[:, None] + np.arange(3)
     if not (first.size and contacts.count and turn[own].any()):
         return contacts
-    matrices = _matrices(turn[own])
+    matrices = _rotations(turn[own])
     rows = contacts.directions
     if not scipy.sparse.issparse(rows):
         directions = np.array(rows)
@@ -77,9 +77,10 @@ def _turned_rows(rows: Matrix, own: np.ndarray, matrices: np.ndarray) -> Matrix:
     return product
 
 
-def _matrices(turns: np.ndarray) -> np.ndarray:
-    """(m, 3, 3) ``1 + δ×``."""
-    matrices = np.tile(np.eye(3), (len(turns), 1, 1))
-    matrices[:, [2, 0, 1], [1, 2, 0]] = turns
-    matrices[:, [1, 2, 0], [2, 0, 1]] = -turns
-    return matrices
+def _rotations(turns: np.ndarray) -> np.ndarray:
+    """(m, 3, 3) ``E`` of angular velocities times ``(1−θ) h``."""
+    cross = np.zeros((len(turns), 3, 3))
+    cross[:, [2, 0, 1], [1, 2, 0]] = turns
+    cross[:, [1, 2, 0], [2, 0, 1]] = -turns
+    root = np.sqrt(1 + (turns**2).sum(axis=1))[:, None, None]
+    return np.eye(3) + cross / root + cross @ cross / (root * (root + 1))
