@@ -182,9 +182,13 @@ def contact_changes(
 
 
 def _persistent(steps: ContactSteps, k: int) -> ActiveContacts:
-    """Contacts that press in step ``k`` and in the step before."""
-    active = steps.active(k)
-    return active.some(np.isin(active.keys, steps.active(k - 1).keys))
+    """Contacts that press before step ``k``: in the step before, and in step ``k`` or in the one
+    before both, so that those that an impact opens count."""
+    last = steps.active(k - 1)
+    lasting = np.isin(last.keys, steps.active(k).keys)
+    if k > 1:
+        lasting |= np.isin(last.keys, steps.active(k - 2).keys)
+    return last.some(lasting)
 
 
 def _closing(
