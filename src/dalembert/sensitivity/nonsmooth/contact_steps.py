@@ -141,7 +141,7 @@ class ContactSteps:
         ended = lasted[~np.isin(lasted, contacts.follows)]
         mask[0, contacts.owner[ended] + 1] = True
         mask[1, contacts.owner[contacts.follows < 0]] = True
-        return np.asarray(mask.all(axis=0)[:-1])
+        return np.logical_and(*mask)[:-1]
 
     def split(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """``y`` and ``v`` at the start of step ``k``."""
