@@ -130,18 +130,7 @@ class ContactSteps:
     def stacked_impacts(self, k: int) -> tuple[StackedImpacts, int] | None:
         """Impacts that contain those of a step, and its number among them; None for steps that are
         linearised one by one."""
-        return None if k in self.breaks or self._opens[k] else self.stacks.impacts_at(k)
-
-    @cached_property
-    def _opens(self) -> np.ndarray:
-        """(K,) mask of the steps with a contact that begins, in which one of the two steps before
-        has ended: it carries a body until the impact opens it."""
-        contacts, mask = self.contacts, np.zeros((2, self.count + 1), dtype=bool)
-        lasted = np.flatnonzero(contacts.follows >= 0)
-        ended = lasted[~np.isin(lasted, contacts.follows)]
-        mask[0, contacts.owner[ended] + 1] = True
-        mask[1, contacts.owner[contacts.follows < 0]] = True
-        return np.logical_and(*mask)[:-1]
+        return None if k in self.breaks else self.stacks.impacts_at(k)
 
     def split(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """``y`` and ``v`` at the start of step ``k``."""

@@ -44,3 +44,10 @@ class RecordedContacts:
         same = (keys[own] == keys[last]) & (owner[own] == owner[last] + 1)
         before[own[same]] = last[same]
         return before
+
+    @cached_property
+    def ended(self) -> np.ndarray:
+        """Numbers of the contacts that press in two steps, the second of which is theirs, and not
+        in the next one."""
+        lasted = np.flatnonzero(self.follows >= 0)
+        return lasted[~np.isin(lasted, self.follows)]

@@ -15,6 +15,7 @@ from dalembert.sensitivity.nonsmooth.connected_contacts import (
 )
 from dalembert.sensitivity.nonsmooth.contact_changes import MARGIN, ContactChanges
 from dalembert.sensitivity.nonsmooth.free_steps import FreeSteps, LastingContacts, mobility_of
+from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
 from dalembert.sensitivity.nonsmooth.instant_shifts import InstantShifts
 from dalembert.sensitivity.nonsmooth.proximal_factors import diagonal_block
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
@@ -63,9 +64,8 @@ class StackedImpacts:
         steps, values, rows, maps = self._steps, self._values, self._rows, self._maps
         owner, width = self._owner(rows), values.before.shape[1]
         has = np.bincount(owner, minlength=steps.count) > 0
-        lasting = steps.lasting(np.flatnonzero(has[steps.owner] & ~steps.begins))
         free = FreeSteps(maps.maps, maps.state, steps.h)
-        before = free.with_contacts(maps.contacts.gaps, lasting)
+        before = free.with_contacts(*self._carrying(has))
         normals, h = maps.contacts.gaps.directions[rows * width], steps.h[owner]
         changes = [np.abs(normals @ a.T.ravel()) for a in (before, free.accelerations)]
         forced = h * np.maximum(*changes)
@@ -74,6 +74,28 @@ class StackedImpacts:
         margin = np.abs(speed - SLOW * forced)
         self._near = np.bincount(owner, margin <= MARGIN * speed, steps.count) > 0
         return rows[speed > SLOW * forced], before
+
+    def _carrying(self, has: np.ndarray) -> tuple[Gaps, LastingContacts]:
+        """Gaps of the contacts that carry bodies before the impacts of some steps, also those that
+        the impacts open."""
+        steps, maps = self._steps, self._maps
+        rows = np.flatnonzero(has[steps.owner] & ~steps.begins)
+        ended = np.flatnonzero(has[steps.ended_owner])
+        if not ended.size:
+            return maps.contacts.gaps, steps.lasting(rows)
+        owner, keys, impulses, sticks = (
+            np.concatenate([values[rows], others[ended]])
+            for values, others in (
+                (steps.owner, steps.ended_owner),
+                (steps.active.keys, steps.ended.keys),
+                (steps.active.impulses, steps.ended.impulses),
+                (steps.sticks, steps.ended_sticks),
+            )
+        )
+        order = np.argsort(owner, kind="stable")
+        owner, keys, impulses = owner[order], keys[order], impulses[order]
+        gaps = maps.maps.gaps(maps.state, keys, impulses, owner=owner)
+        return gaps, LastingContacts(np.arange(keys.size), owner, impulses, sticks[order])
 
     def _parts(self) -> tuple[np.ndarray, np.ndarray]:
         """Contacts of moving impacts, in the order of these, and (m, n_x) masks of the entries of

@@ -42,6 +42,8 @@ class StepColumns:
     begins : (n,) mask of the contacts that do not press in the step before
     sticks : (n,) mask of the contacts that do not slide
     earlier, earlier_t, earlier_h : states at the starts of the steps before, starts, and lengths
+    ended, ended_owner, ended_sticks : contacts that press in the two steps before, but not in the
+        step, which may be opened by its impacts, as ``active``, ``owner`` and ``sticks``
     """
 
     t: np.ndarray
@@ -55,6 +57,9 @@ class StepColumns:
     earlier: np.ndarray
     earlier_t: np.ndarray
     earlier_h: np.ndarray
+    ended: ActiveContacts
+    ended_owner: np.ndarray
+    ended_sticks: np.ndarray
 
     @property
     def count(self) -> int:

@@ -78,6 +78,9 @@ class StepStacks:
         rows = np.flatnonzero(place[self._contacts.owner] >= 0)
         contacts, owner = self._contacts.all.some(rows), place[self._contacts.owner[rows]]
         h, last = np.diff(t), np.maximum(numbers - 1, 0)
+        ended = self._contacts.ended
+        ended = ended[self._contacts.owner[ended] + 1 < place.size]
+        ended = ended[place[self._contacts.owner[ended] + 1] >= 0]
         columns = StepColumns(
             t[numbers],
             h[numbers],
@@ -90,6 +93,9 @@ class StepStacks:
             earlier=self._x[:, last],
             earlier_t=t[last],
             earlier_h=h[last],
+            ended=self._contacts.all.some(ended),
+            ended_owner=place[self._contacts.owner[ended] + 1],
+            ended_sticks=self._sticks[ended],
         )
         try:
             maps = StackedMaps(self._maps, columns)
