@@ -105,3 +105,12 @@ def test_the_distance_is_requested_when_the_second_click_is_released(tmp_path: P
     """While the button is pressed, the browser moves the focus to the picture."""
     scaled = drawn_by("studio_photo_scale.mjs", tmp_path)
     assert scaled == {"requested": ["pointerup 3,4"], "marks": [[0, 0], [3, 4]]}
+
+
+def test_the_photo_of_a_new_model_moves_to_its_file(tmp_path: Path) -> None:
+    session = Session(None, tmp_path / "state")
+    new = session.photo_name
+    session.photos.write(new, json.dumps(PLACE), IMAGE)
+    session.save(tmp_path / "traced.toml", False)
+    assert session.photos.read(new) is None
+    assert session.photos.read(session.photo_name) is not None
