@@ -15,14 +15,17 @@ import pytest
 from studio_runs import Studio, running_studio
 from test_studio_server import get, page, receive, send
 
+from dalembert.errors import FileError, UnsupportedError
 from dalembert.io.example_files import example_folder
 from dalembert.io.exports.registry import FORMATS
 from dalembert.report.exports import FORMATS as MODULES
+from dalembert.studio import listed_files
 from dalembert.studio.building import BuildingProcess, Request
 from dalembert.studio.export_process import KEPT, Exports
 from dalembert.studio.exporting import CHOICES, ExportRequest, write_export
 from dalembert.studio.pictures import Picture
 from dalembert.studio.recent_files import LIMIT, recent_files, remember
+from dalembert.studio.server import start_processes
 from dalembert.studio.session import Session
 
 BAR = """\
@@ -138,6 +141,30 @@ def test_files_are_listed_and_exports_downloaded(studio: Studio) -> None:
         assert receive(socket, "export", state="stopped")
         beside = Path(listed["folder"])
         assert {p.name for p in beside.iterdir()} == {"model.toml", "other.toml", "state"}
+
+
+def test_files_are_listed_without_installed_examples(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def missing() -> Path:
+        raise FileError("the example files are missing")
+
+    (tmp_path / "own.toml").touch()
+    monkeypatch.setattr(listed_files, "example_folder", missing)
+    listed_files.example_texts.cache_clear()
+    files = listed_files.listed_files(tmp_path, tmp_path)
+    listed_files.example_texts.cache_clear()
+    assert files["examples"] == [] and files["files"] == [str(tmp_path / "own.toml")]
+
+
+def test_a_refused_thread_is_one_message(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused() -> None:
+        raise RuntimeError("can't start new thread")
+
+    session = Session(None, tmp_path)
+    monkeypatch.setattr(session, "start", refused)
+    with pytest.raises(UnsupportedError, match=r"can't start new thread.*ulimit -v"):
+        start_processes(session)
 
 
 def test_recent_files(tmp_path: Path) -> None:

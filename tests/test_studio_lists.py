@@ -156,3 +156,22 @@ def test_nodes_without_elements_are_left_out() -> None:
     assert loose == ["d"]
     assert kept["supports"] == [{"nodes": ["a", "c"]}]
     assert without_loose_nodes(kept) == (kept, [])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '[responses.a]\ntype = "Final" # last\nmeasure = "q"\n\n# search\n[optimize]\nvary = []\n',
+        'responses.a = { type = "Final", measure = "q" }\n\n# search\n[optimize]\nvary = []\n',
+        '[[optimize.subject_to]]\nresponse = "b"\n\n[responses.a]\ntype = "Final"\nmeasure = "q"',
+    ],
+    ids=["tables", "dotted", "at the end"],
+)
+def test_a_section_without_a_header_of_its_own_gets_entries(text: str) -> None:
+    added = {"type": "Maximum", "measure": "p"}
+    change = {"op": "section", "section": "responses", "fields": {"b": added}}
+    aim = {"op": "section", "section": "optimize", "fields": {"minimize": "b"}}
+    after, before = tomllib.loads(apply(text, [change, aim])), tomllib.loads(text)
+    before["responses"]["b"], before["optimize"]["minimize"] = added, "b"
+    assert after == before
+    assert set(text.split("\n")) <= set(apply(text, [change, aim]).split("\n"))

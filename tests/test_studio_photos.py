@@ -9,6 +9,7 @@ from typing import Any
 from urllib.parse import urlencode
 
 import pytest
+from studio_scripts import drawn_by
 
 import dalembert as da
 from dalembert.studio.application import make_application
@@ -98,3 +99,18 @@ def test_a_photo_survives_another_address(tmp_path: Path) -> None:
     assert request(second, "GET", "/t1/photo", name, other)[0] == 204
     for session in sessions:
         session.journal.close()
+
+
+def test_the_distance_is_requested_when_the_second_click_is_released(tmp_path: Path) -> None:
+    """While the button is pressed, the browser moves the focus to the picture."""
+    scaled = drawn_by("studio_photo_scale.mjs", tmp_path)
+    assert scaled == {"requested": ["pointerup 3,4"], "marks": [[0, 0], [3, 4]]}
+
+
+def test_the_photo_of_a_new_model_moves_to_its_file(tmp_path: Path) -> None:
+    session = Session(None, tmp_path / "state")
+    new = session.photo_name
+    session.photos.write(new, json.dumps(PLACE), IMAGE)
+    session.save(tmp_path / "traced.toml", False)
+    assert session.photos.read(new) is None
+    assert session.photos.read(session.photo_name) is not None

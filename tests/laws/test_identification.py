@@ -142,6 +142,7 @@ def test_a_step_to_where_nothing_can_be_is_shortened(oscillator):
     data = measured(model, analysis, {"m": 5.0}, x="mass.x")
     identification = da.identify(model, data, {"x": "mass.x"}, ["m"], analysis=analysis)
     assert identification.x["m"] == pytest.approx(5.0, rel=1e-8)
+    assert identification.sentence.startswith("1 unknown from ")
 
 
 def test_robust_losses_forgive_outliers(crank):

@@ -7,6 +7,7 @@ import pytest
 from design_problems import parametric
 
 import dalembert as da
+from dalembert.design.pareto.pareto_result import distinct
 from dalembert.errors import AnalysisError, UnsupportedError
 
 BOX = {"x": (0.5, -1.0, 3.0), "y": (0.3, -1.0, 3.0)}
@@ -15,6 +16,12 @@ NEAR, FAR = "x**2 + y**2", "(x - 1)**2 + (y - 1)**2"
 
 def aims():
     return da.final(NEAR, name="near"), da.final(FAR, name="far")
+
+
+def test_designs_that_differ_by_round_off_are_one():
+    values = np.array([[1.0, 8.0], [1.0 + 1e-7, 8.0 - 1e-6], [1.0, 7.0], [5.0, 2.0], [5.0, 2.0]])
+    assert distinct(values).tolist() == [0, 2, 3]
+    assert distinct(values[3:]).tolist() == [0]
 
 
 @pytest.mark.parametrize("method", ["normal-constraint", "epsilon-constraint"])

@@ -11,6 +11,7 @@ from scipy.special import ndtr
 
 import dalembert as da
 from dalembert import planar, structures
+from dalembert.design.reliability.design_points import PointSearches, _PointCheck, _ranked
 from dalembert.design.reliability.distribution import normal_points
 from dalembert.design.reliability.nataf import Nataf
 
@@ -176,6 +177,20 @@ def test_a_median_on_an_axis_of_symmetry():
     assert result.success and result.beta == pytest.approx(np.sqrt(5), rel=1e-8)
     disc = da.reliability(None, "9 - x**2 - 2*y**2", normal, starts=1)
     assert disc.success and disc.beta == pytest.approx(np.sqrt(4.5), rel=1e-6)
+
+
+def test_the_far_boundary_of_a_failure_region_is_no_design_point():
+    """Failure between 3 and 3.2: a search from behind ends at 3.2, although the median is safe."""
+    result = da.reliability(None, "(3 - a)*(3.2 - a)", {"a": N}, starts=1)
+    far = result.searches[0].solve(np.array([4.5]), 9.6)
+    assert far.beta == pytest.approx(-3.2)
+    near = _PointCheck(result.searches[0], 9.6, 1.0).nearest(far)
+    assert near.converged and near.beta == pytest.approx(3.0, rel=1e-7)
+    outcome = PointSearches([far], 1)
+    (point,) = _ranked(outcome, 1.0)
+    assert far.converged and not point.converged
+    outcome.points = [point]
+    assert "far boundary" in outcome.warning
 
 
 def test_failure_at_the_means_has_a_negative_index():

@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from dalembert.errors import DalembertError
+from dalembert.errors import DalembertError, FileError
 from dalembert.files import read_text
 from dalembert.io.example_files import example_folder
 from dalembert.io.reading import parse_document
@@ -33,9 +33,13 @@ def listed_files(folder: Path, state: Path | None = None) -> dict[str, Any]:
 
 @cache
 def example_texts() -> list[dict[str, str]]:
-    """Name, title and description of the examples."""
-    listed = []
-    for path in sorted(example_folder().glob("*.toml")):
+    """Name, title and description of the examples; none where they are not installed."""
+    listed: list[dict[str, str]] = []
+    try:
+        folder = example_folder()
+    except FileError:
+        return listed
+    for path in sorted(folder.glob("*.toml")):
         with suppress(DalembertError):
             data = parse_document(path, read_text(path))
             texts = {key: str(data.get(key, "")) for key in ("name", "description")}

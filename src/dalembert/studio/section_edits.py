@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from dalembert.errors import ModelError
-from dalembert.io.messages import key_path
 from dalembert.studio.toml_values import NAME, as_toml
 
 if TYPE_CHECKING:
@@ -70,7 +69,15 @@ def _is_inline(edits: TextEdits, section: str) -> bool:
 
 
 def _add(edits: TextEdits, section: str, key: str, value: Any) -> None:
-    if (section,) not in edits.places:  # only tables below the section, or dotted keys
-        where = key_path(section, key)
-        raise ModelError("add the header of its section to the text first", where)
-    edits.set_value((section, key), value)
+    if (section,) in edits.places:
+        edits.set_value((section, key), value)
+        return
+    own = [place for keys, place in edits.places.items() if keys[0] == section]
+    headers = any(place.value == place.start for place in own)
+    if own and not headers:  # dotted keys
+        edits.insert(section, False, f"{section}.{key} = {as_toml(value)}\n", "\n")
+    elif own and isinstance(value, Mapping):  # tables below the section
+        rows = "".join(f"{name} = {as_toml(item)}\n" for name, item in value.items())
+        edits.insert(section, False, f"[{section}.{key}]\n{rows}", "\n\n")
+    else:
+        edits.append(f"[{section}]\n{key} = {as_toml(value)}\n")

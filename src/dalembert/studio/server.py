@@ -8,12 +8,16 @@ import secrets
 import socket
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import uvicorn
 
-from dalembert.errors import FileError
+from dalembert.errors import FileError, UnsupportedError
 from dalembert.studio.child import prepare_children
 from dalembert.studio.draft import Draft
+
+if TYPE_CHECKING:
+    from dalembert.studio.session import Session
 
 MAX_MESSAGE = 8_000_000
 """Upper limit of a message of a page [bytes]."""
@@ -49,6 +53,8 @@ def serve(
     ------
     FileError
         The file cannot be read, or the port is in use.
+    UnsupportedError
+        The system refuses a process or thread.
     """
     Draft(path, "")  # a file that cannot be read is reported before the page is opened
     listener = socket.socket()
@@ -82,11 +88,29 @@ def serve(
         server.should_exit = True
 
     async def run() -> None:
-        session.start()
         try:
+            start_processes(session)
             ready(address)
             await server.serve(sockets=[listener])
         finally:
             session.close()
 
     asyncio.run(run())
+
+
+def start_processes(session: Session) -> None:
+    """Start the processes and threads of a session.
+
+    Raises
+    ------
+    UnsupportedError
+        The system refuses one, such as for lack of memory.
+    """
+    try:
+        session.start()
+    except (RuntimeError, MemoryError, OSError) as error:  # threads raise a RuntimeError
+        reason = str(error) or type(error).__name__
+        raise UnsupportedError(
+            f"the studio cannot start its processes ({reason}); raise the limit of memory "
+            "(ulimit -v) or of processes (ulimit -u)"
+        ) from None

@@ -280,6 +280,8 @@ class Session:
             former.clear()
             former.close()
             self.photos.copy(name, self.photo_name)
+            if former.path is None:  # the next new model begins without it
+                self.photos.remove(name)
         else:
             former.clear()
         remember(saved, self._journals)

@@ -18,6 +18,7 @@ from dalembert.design.identification.information import (
 )
 from dalembert.design.identification.misfit import Misfit
 from dalembert.results.result import Result
+from dalembert.text.wording import counted
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -213,7 +214,7 @@ class IdentificationResult(Decision):
     @property
     def sentence(self) -> str:
         state = "converged" if self.success else self.message
-        return f"{len(self.x)} unknowns from {self.samples} samples, {state}"
+        return f"{counted(len(self.x), 'unknown')} from {counted(self.samples, 'sample')}, {state}"
 
     def findings(self) -> dict[str, Any]:
         return {

@@ -13,7 +13,7 @@ from dalembert.design.methods.base import Optimizer, Stop
 from dalembert.design.optimize.optimality import OPTIMAL, multipliers, solve_to_stationarity
 from dalembert.design.optimize.program import FEASIBLE, Program
 from dalembert.design.optimize.verified_optimum import violated_limits
-from dalembert.design.pareto.pareto_result import ParetoResult, make_front, nondominated
+from dalembert.design.pareto.pareto_result import ParetoResult, distinct, make_front, nondominated
 from dalembert.design.quantity import CaseResponse, Quantity, split_terms
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import searching
@@ -265,7 +265,11 @@ class FrontSearch:
     def result(self, method: str, note: str) -> ParetoResult:
         values = np.array([self.values(x) for x in self.solutions])
         designs = np.array(self.solutions)
+        single = distinct(values)
         remarks = f"; {len(self.failures)} searches failed" if self.failures else ""
+        if len(single) < len(values):
+            remarks += f"; {len(values) - len(single)} of {len(values)} designs were repeated"
+        values, designs = values[single], designs[single]
         dominated = len(values) - len(nondominated(values))
         if dominated:
             remarks += f"; {dominated} of {len(values)} designs were dominated and left out"

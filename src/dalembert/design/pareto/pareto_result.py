@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from dalembert.design.quantity import Quantity
 
 
+REPEATED = 1e-6
+"""Difference of two designs of a front that is round-off of the searches [range of each aim]."""
+
+
 def nondominated(values: np.ndarray) -> np.ndarray:
     """Indices of the rows that no other row dominates; repeated rows count once."""
     indices = []
@@ -28,6 +32,17 @@ def nondominated(values: np.ndarray) -> np.ndarray:
         dominated = np.all(values <= row, axis=1) & np.any(values < row, axis=1)
         repeated = np.all(values[:k] == row, axis=1)
         if not dominated.any() and not repeated.any():
+            indices.append(k)
+    return np.array(indices, dtype=int)
+
+
+def distinct(values: np.ndarray) -> np.ndarray:
+    """Indices of the rows that differ from all rows before by more than ``REPEATED``."""
+    span = np.ptp(values, axis=0)
+    indices: list[int] = []
+    for k, row in enumerate(values):
+        differences = np.abs(values[indices] - row) > REPEATED * span
+        if np.all(differences.any(axis=1)):
             indices.append(k)
     return np.array(indices, dtype=int)
 

@@ -18,6 +18,8 @@ OFFSET = 0.1
 """Distance for checking a surface that curves back, as fraction of the reliability index."""
 RAY_FRACTIONS = (0.2, 0.4, 0.6, 0.8, 0.9)
 """Positions on the ray from the median to a point at which the limit state is checked."""
+BISECTIONS = 12
+"""Number of bisections between the median and a point on the far boundary of a failure region."""
 ROUNDS = 5
 """Upper limit of consecutive searches from a point to nearer ones."""
 SCAN = 2000
@@ -117,7 +119,10 @@ def _ranked(outcome: PointSearches, side: float) -> list[DesignPoint]:
             outcome.beyond += 1
         elif not any(_close(point, other) for other in distinct):
             distinct.append(point)
-    matching = [p for p in distinct if not p.beta * side < 0] or distinct
+    matching = [p for p in distinct if not p.beta * side < 0]
+    if not matching:  # none on the near boundary
+        outcome.beyond += len(distinct)
+        return [replace(point, converged=False) for point in distinct]
     outcome.beyond += len(distinct) - len(matching)
     matching.sort(key=lambda p: abs(p.beta))
     threshold = NEGLIGIBLE * _tail_probability(matching[0])
@@ -185,7 +190,13 @@ class _PointCheck:
         shares = RAY_FRACTIONS if point.beta * self.side >= 0 else (*RAY_FRACTIONS, 1 - 1e-3)
         crossed = (s for s in shares if self._separated(s * point.u))
         share = next(crossed, None)
-        return None if share is None else share * point.u
+        if share is None or point.beta * self.side >= 0:
+            return None if share is None else share * point.u
+        safe = max((s for s in shares if s < share), default=0.0)
+        for _ in range(BISECTIONS):  # to the near boundary, from which the search starts
+            middle = (safe + share) / 2
+            safe, share = (safe, middle) if self._separated(middle * point.u) else (middle, share)
+        return share * point.u
 
     def _separated(self, u: np.ndarray) -> bool:
         """Whether the surface separates a point from the median."""

@@ -3,6 +3,7 @@
 /** @import { Document, PictureMessage, Problem } from "./types.d.ts" */
 
 import { button, el } from "./dom.js";
+import { entered } from "./field_values.js";
 
 /** A key of an analysis: its label and the kind of its value. @typedef {{ key: string, label: string, unit?: string, whole?: boolean, text?: boolean, empty?: string }} Field */
 /** A type of analysis. @typedef {{ type: string, title: string, note: string, fields: Field[] }} Kind */
@@ -31,11 +32,13 @@ const KINDS = {
 
 /** Number field; `act` receives its value, null for an empty one. @param {Field} field @param {unknown} value @param {(value: unknown) => void} act */
 export function numberField({ key, label, unit = "", whole = false, text = false, empty = "default" }, value, act) {
-  const input = el("input", { type: "text", name: key, value: value === undefined || typeof value === "object" ? "" : String(value), inputmode: text ? "text" : "decimal", spellcheck: "false", autocomplete: "off", placeholder: empty,
+  const input = el("input", { type: "text", name: key, value: value === undefined || typeof value === "object" ? "" : String(value), inputmode: whole ? "numeric" : "text", spellcheck: "false", autocomplete: "off", placeholder: empty,
     onchange: () => {
-      const shown = input.value.trim(), number = Number(shown), valid = text || !shown || (Number.isFinite(number) && (!whole || Number.isInteger(number)));
-      input.setAttribute("aria-invalid", String(!valid));
-      if (valid) act(!shown ? null : text ? shown : number);
+      const typed = entered(input.value, { whole, text }), problem = "problem" in typed ? typed.problem : "";
+      input.setAttribute("aria-invalid", String(Boolean(problem)));
+      input.setCustomValidity(problem);
+      if ("value" in typed) act(typed.value);
+      else input.reportValidity();
     } });
   return el("label", { class: "field" }, el("span", {}, label, unit && el("small", {}, ` [${unit}]`)), input);
 }

@@ -12,7 +12,7 @@ import { taskCard } from "./tasks.js";
 /** @type {Task[]} */
 const TASKS = [
   { section: "optimize", title: "Optimise", note: "Parameter values with the least or greatest response, within limits.", aims: true, limits: true, ranges: true, fields: [{ key: "method", label: "Method", text: true }, { key: "max_iterations", label: "Iterations at most", whole: true }] },
-  { section: "pareto", title: "Pareto", note: "Designs of which no aim improves without another one getting worse.", aims: true, limits: true, ranges: true, fields: [{ key: "method", label: "Method", text: true }, { key: "points", label: "Points", whole: true }] },
+  { section: "pareto", title: "Pareto", note: "Designs of which no aim improves without another one getting worse.", aims: true, limits: true, ranges: true, fields: [{ key: "method", label: "Method", text: true }, { key: "points", label: "Points", whole: true }, { key: "starts", label: "Starts per point", whole: true }] },
   { section: "tolerance", title: "Tolerance", note: "Scatter of a response within the tolerances of dimensions.", response: true, tolerances: true, fields: [{ key: "samples", label: "Samples", whole: true }] },
   { section: "reliability", title: "Reliability", note: "Probability that random parameters, [[random]] in the text, violate a limit.", limits: true, fields: [{ key: "samples", label: "Samples", whole: true }] },
   { section: "identify", title: "Identify", note: "Parameter values that explain measured time series.", data: true, ranges: true, fields: [{ key: "max_iterations", label: "Iterations at most", whole: true }] },

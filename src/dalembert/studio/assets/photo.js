@@ -147,10 +147,8 @@ export class Photo {
       const last = this.marks[0];
       if (kind === "pointermove" && last && buttons) this.change({ x: placed.x + at[0] - last[0], y: placed.y + at[1] - last[1] });
       this.marks = kind === "pointerup" ? [] : [at];
-    } else if (kind === "pointerdown") {
-      this.marks.push(at);
-      if (this.marks.length === 2) void this.scale();
-    }
+    } else if (kind === "pointerdown") this.marks = [...this.marks, at].slice(0, 2);
+    else if (kind === "pointerup" && this.marks.length === 2) void this.scale();  // the press itself moves the focus to the picture
     this.pictures.page?.scene.invalidate();
   }
 
