@@ -12,13 +12,16 @@ from dalembert.analysis.nonsmooth.mobility import Mobility, delassus
 from dalembert.integrators.contact.contact_laws import ContactLaws
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
-from dalembert.integrators.contact.impulses import BLOCK_ITERATIONS
 from dalembert.integrators.contact.semismooth_newton import semismooth_newton
 from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
 from dalembert.sensitivity.nonsmooth.proximal_factors import diagonal_block
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.source_slopes import StepState
+
+TOGETHER = 8
+"""Upper limit of the Newton iterations for all steps together; the remaining steps, which would
+shorten the iterations of all, are solved one by one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +107,7 @@ class FreeSteps:
         scale = np.repeat(scales, np.diff(first)[used])[:, None]
         relative = replace(problem, velocity=problem.velocity / scale)
         together = semismooth_newton(
-            relative, lasting.impulses / scale, solver.newton_tolerance, BLOCK_ITERATIONS
+            relative, lasting.impulses / scale, solver.newton_tolerance, TOGETHER
         )
         residual = np.abs(together - relative.project(together, relative.speeds(together)))
         residual = np.maximum.reduceat((residual * relative.weights).max(axis=1), first[used])
