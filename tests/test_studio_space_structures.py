@@ -71,3 +71,14 @@ def test_a_bent_cantilever(tmp_path: Path) -> None:
     shrinks = beam["expansion"] * 30 * height
     down = weight * height / (beam["modulus"] * beam["area"]) + shrinks
     assert float(result["n2.uz"]) == pytest.approx(-down, rel=1e-6)
+
+
+def test_typed_places_join_what_is_there(tmp_path: Path) -> None:
+    """A spring from the ground to the centre of a sphere, both typed."""
+    drawn = drawn_by("studio_typed_places.mjs", tmp_path)
+    ground, centre, point = drawn["places"]
+    assert (ground["body"], ground["names"], centre["body"]) == (None, [], "bob")
+    assert (point["body"], point["names"], point["joint"]) == ("plate", ["plate.top"], "pin")
+    (on_ground, on_bob), length = drawn["spring"]["connect"], drawn["spring"]["free_length"]
+    assert "bob" in str(on_bob) and "bob" not in str(on_ground)
+    assert length == pytest.approx(np.hypot(0.3, 0.1), rel=1e-11)

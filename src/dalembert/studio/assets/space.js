@@ -240,7 +240,7 @@ export class Space {
     this.actions.commands.do(() => {
       const change = tool.make(places, { ...this.setting, axis });
       if (change) this.send(change, fits);
-      else this.actions.refuse(`${tool.title}: ${tool.hint.join("; then ")}`);
+      else this.actions.refuse(`${tool.title}: ${tool.onBody && !places.some(({ body }) => body) ? "no body is there; " : ""}${tool.hint.join("; then ")}`);
     }, false);
     this.places = [];
   }

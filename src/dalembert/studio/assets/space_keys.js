@@ -4,7 +4,7 @@
 /** @import { Space } from "./space.js" */
 
 import { pulled, withTyped } from "./space_gizmo.js";
-import { COORDINATES, typedSpacePlace } from "./space_places.js";
+import { COORDINATES, joinedPlace, typedSpacePlace } from "./space_places.js";
 import { SPACE_TOOLS } from "./space_tools.js";
 
 /** Carry out a key; returns whether it has a meaning. @param {Space} space @param {string} key */
@@ -46,6 +46,6 @@ function type(space, character) {
 function put(space) {
   const place = typedSpacePlace(space.typed, space.palette.plane, space.places.at(-1)?.p ?? null);
   space.typed = "";
-  if (place) space.add(place);
+  if (place) space.add(joinedPlace(/** @type {Page} */ (space.boundPage), place));
   else space.actions.refuse(COORDINATES);
 }

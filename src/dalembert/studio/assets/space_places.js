@@ -54,6 +54,14 @@ export function namedPoints({ motion, scene }) {
   return places;
 }
 
+/** A typed place with the points and the joint that are there, or with the body whose mass centre is there. @param {Page} page @param {SpacePlace} place @returns {SpacePlace} */
+export function joinedPlace(page, place) {
+  const { motion, scene } = page, isNear = (/** @type {Vec | null | undefined} */ p) => Boolean(p) && Math.hypot(...minus(/** @type {Vec} */ (p), place.p)) * scene.view.scaleAt(place.p) < 1;
+  const points = namedPoints(page).find(({ p }) => isNear(p)), joint = motion.joints.find((/** @type {any} */ item) => isNear(motion.placeOf(item)));
+  const centre = motion.bodies.find((/** @type {any} */ body) => !body.of && isNear(motion.pose(body)?.p.toArray()));
+  return { ...place, names: points?.names ?? [], body: points?.bodies[0] ?? centre?.name ?? null, joint: joint?.name ?? null };
+}
+
 /** Coordinates without the noise of the picture. @param {Page} page @param {Vec} p @param {number} [fine] */
 export const cleaned = ({ scene }, p, fine = FINE) => p.map((v) => rounded(v, fine * scene.view.scaleAt(p)));
 
