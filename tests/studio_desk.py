@@ -19,12 +19,13 @@ UNTITLED = 'format = 1\nname = "untitled"\ngravity = [0.0, -9.81]\n'
 WAIT = 180.0
 """Upper limit of the time for a picture, on a busy machine [s]."""
 PIXEL = """(place) => {
-    const { canvas, view } = studio.pictures.page.scene, [u, v] = view.screen(place);
+    const { canvas, view } = studio.pictures.page.scene;
+    const [u, v] = view.screen(place) ?? [NaN, NaN];
     const inner = canvas.getBoundingClientRect();
     const outer = studio.pictures.frame.getBoundingClientRect();
     return [u + inner.left + outer.left, v + inner.top + outer.top];
 }"""
-"""Position of a place of the drawing on the screen."""
+"""Position of a place of the drawing on the screen; NaN for one behind the eye."""
 LOOK = """(() => {
     const { view } = studio.pictures.page.scene;
     Object.assign(view, { x: 0.5, y: 0.3, s: 400, fitted: false });
