@@ -90,8 +90,8 @@ class PageFrame:
         kind, run, charts = (*name.split(SEPARATOR, 2), "", "")[:3]
         modules = tuple(filter(None, charts.split(SEPARATOR)))
         frame = cls(kind.replace("-", " "), run.replace("-", " "), modules)
-        known = frame.kind in PAGES and (not frame.run or frame.run in RUNS)
-        return frame if known and frame.name == name and set(modules) <= CHARTS_OF_ALL else None
+        valid = frame.kind in PAGES and (not frame.run or frame.run in RUNS)
+        return frame if valid and frame.name == name and set(modules) <= CHARTS_OF_ALL else None
 
 
 def frame_of(payload: dict[str, Any]) -> PageFrame:

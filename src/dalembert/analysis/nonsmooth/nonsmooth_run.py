@@ -168,7 +168,8 @@ class NonsmoothRun:
             text = (
                 f"the impulses of {result.contacts.count} contacts at t = {t:.9g} s did not "
                 f"converge (residual {impulses.residual:.3g} m/s after {impulses.rounds} rounds), "
-                f"the largest of {self.largest_impulse(result)}; use a shorter step{self.other()}; "
+                f"the largest of {self.largest_impulse(result)}; use a shorter "
+                f"step{self.further_remedies()}; "
                 "with much friction there may be no solution"
             )
             return Status(Outcome.NOT_CONVERGED, text, t, impulses.residual)
@@ -179,7 +180,7 @@ class NonsmoothRun:
         row = int(np.argmax(np.nan_to_num(np.abs(result.impulses.impulses[:, 0]))))
         return bodies_of(self.model, result.contacts, row)
 
-    def other(self) -> str:
+    def further_remedies(self) -> str:
         """Remedies besides a shorter step where impulses do not converge."""
         scheme = ", integrator=MoreauJean()" if self.analysis.integrator.anticipates else ""
         return f"{scheme} or ContactSolver with more max_iterations"

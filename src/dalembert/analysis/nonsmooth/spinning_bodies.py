@@ -36,8 +36,8 @@ def spin_warnings(step: ContactStep, record: ContactRecord) -> list[str]:
     spins = _values(step, record, [body.spin for body in bodies])[..., :-1]
     turns = h * np.linalg.norm(spins, axis=1)
     fast = np.flatnonzero((turns**2).sum(axis=1) > GROWTH)
-    fast = np.union1d(fast, np.flatnonzero(turns.max(axis=1) / 2 > SHARE))
-    if not fast.size:  # no error can exceed half of the turn
+    fast = np.union1d(fast, np.flatnonzero(turns.max(axis=1) / 2 > SHARE))  # bounds the errors
+    if not fast.size:
         return []
     names = [bodies[k].name for k in fast]
     centers = _values(step, record, [bodies[k].origin for k in fast])
