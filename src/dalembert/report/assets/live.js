@@ -70,10 +70,12 @@ export function buildLive(page, dimension) {
     solver.onResult.on((/** @type {LiveResult} */ result) => {
       if (result.first) {
         picture.showFirst(result);
+        page.scene.drawEarly();
         document.documentElement.dataset.live = String(result.number);
         return;
       }
       picture.show(result);
+      page.scene.drawEarly();
       card.classList.remove("stale");
       table.show(result.values);
       const { success, outcome, message, warning } = result.status;

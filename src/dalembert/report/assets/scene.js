@@ -40,7 +40,8 @@ export class Scene {
     this.pointer = null;
     /** @type {Hit | null} */
     this.hover = null;
-    this.pending = false;
+    /** Whether it is drawn in the next frame, and whether it was drawn before that frame. */
+    this.pending = this.early = false;
     /** @type {Point[]} */
     this.cloud = [];
     /** Size of the scene, and half the width of a bar [m]. */
@@ -176,7 +177,20 @@ export class Scene {
   invalidate() {
     if (this.pending) return;
     this.pending = true;
-    requestAnimationFrame(() => { this.pending = false; this.draw(); });
+    if (this.early) return;  // the frame is requested
+    requestAnimationFrame(() => {
+      const { pending } = this;
+      this.pending = this.early = false;
+      if (pending) this.draw();
+    });
+  }
+
+  /** Draw before the next frame, which then is not late; at most once. */
+  drawEarly() {
+    if (!this.pending || this.early) return;
+    this.early = true;
+    this.pending = false;
+    this.draw();
   }
 
   /** Draw on the canvas, or on paper of the same size. @param {Paper["ctx"] & { w: number, h: number }} [paper] */
