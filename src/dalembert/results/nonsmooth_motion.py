@@ -40,6 +40,7 @@ class ContactRecord:
     residual : (K,) of the contact conditions, as a speed [m/s]
     rounds : (K,) iterations of the proximal method
     converged : (K,) whether the residual is within the tolerance of the solver
+    accuracy : error estimate of the run, computed when it is read
     """
 
     ends: Trajectory
@@ -59,6 +60,7 @@ class ContactRecord:
     residual: np.ndarray
     rounds: np.ndarray
     converged: np.ndarray
+    accuracy: Any = None
 
     @property
     def t(self) -> np.ndarray:

@@ -9,13 +9,13 @@ added.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.step_outputs import columns_by_mode
+from dalembert.analysis.error_estimate import ErrorEstimate, largest_error, motion_sizes
 from dalembert.errors import SolverFailure
 from dalembert.integrators.marching.checkpoints import Checkpoints
 from dalembert.integrators.marching.steps import Steps
@@ -31,37 +31,6 @@ FASTEST, EVEN = 24, 16
 """Numbers of repeated steps of longer runs: fastest changes of the state, and evenly spaced."""
 CANDIDATES = 20_000
 """Upper limit of the number of steps in the search for the fastest changes."""
-SMALL = 1e-2
-"""Minimum size of a range or speed, relative to the largest of the same unit."""
-REST = 1e-8
-"""Minimum size relative to natural sizes; below it a moving entry is rounding."""
-
-
-@dataclass(frozen=True)
-class ErrorEstimate:
-    """Largest estimated error over a run.
-
-    Attributes
-    ----------
-    share : relative to the range of the coordinate, or to the largest magnitude of the speed;
-        infinite where steps half as long fail
-    name : coordinate or speed with the largest error
-    time : instant of the largest error [s]
-    """
-
-    share: float
-    name: str
-    time: float
-
-    def __str__(self) -> str:
-        return self.text
-
-    @property
-    def text(self) -> str:
-        if not self.name:
-            return f"not known, because steps half as long fail at t = {self.time:.6g} s"
-        of_motion = f"{self.share:.2g} times" if self.share >= 10 else f"{self.share:.2g} of"
-        return f"{of_motion} its range or largest value, in {self.name} at t = {self.time:.6g} s"
 
 
 class StepAccuracy:
@@ -87,7 +56,7 @@ class StepAccuracy:
         try:
             return self._from_all_steps if self._affordable else self._from_some_steps
         except SolverFailure:
-            return ErrorEstimate(np.inf, "", float(self.steps.t[0]))
+            return ErrorEstimate(np.inf, "", float(self.steps.t[0]), "half")
 
     def exceeds(self, limit: float) -> bool:
         """The estimate is above a limit."""
@@ -134,7 +103,7 @@ class StepAccuracy:
         if repeated.interrupted:
             raise KeyboardInterrupt
         if repeated.message:
-            return ErrorEstimate(np.inf, "", repeated.end)
+            return ErrorEstimate(np.inf, "", repeated.end, "half")
         ends = np.cumsum(np.where(self.steps.h > 0, 2, 1))
         x = self.steps.x[:, 1:][: self.size]
         order = self._order(int(self.steps.lasting[0]))
@@ -147,27 +116,21 @@ class StepAccuracy:
 
     def _largest(self, error, states: np.ndarray, times: np.ndarray) -> ErrorEstimate | None:
         """Largest error over some times, relative to the motion."""
-        sizes = self._sizes(states)
-        moving = np.flatnonzero(sizes > 0)
-        if not moving.size:
-            return None
-        share = np.abs(error[moving]) / sizes[moving, None]
-        share = np.where(np.isfinite(share), share, np.inf)
-        row, k = np.unravel_index(int(np.argmax(share)), share.shape)
-        names = [*self.kernel.view.names, *self.kernel.view.speed_names]
-        speed = "" if moving[row] < self.positions else "speed of "
-        name = speed + names[moving[row]]
-        return ErrorEstimate(float(share[row, k]), name, float(times[k]))
+        view = self.kernel.view
+        names = [*view.names, *(f"speed of {name}" for name in view.speed_names)]
+        return largest_error(error, self._sizes(states), names, times)
 
     def _sizes(self, states: np.ndarray) -> np.ndarray:
         """(n,) range of each coordinate, largest magnitude of each speed."""
-        view = self.kernel.view
+        view, scales = self.kernel.view, self.kernel.equations.scales
         ranges = np.ptp(states[: self.positions], axis=1)
         speeds = np.abs(states[self.positions :]).max(axis=1)
-        sizes = np.concatenate([_at_least(ranges, view.units), _at_least(speeds, view.speed_units)])
-        scales = self.kernel.equations.scales
-        natural = REST * np.concatenate([scales.coordinates, scales.speeds])
-        return np.maximum(sizes, np.where(sizes > 0, natural, 0.0))
+        return np.concatenate(
+            [
+                motion_sizes(ranges, view.units, scales.coordinates),
+                motion_sizes(speeds, view.speed_units, scales.speeds),
+            ]
+        )
 
     # some steps --------------------------------------------------------------------
     @property
@@ -217,10 +180,3 @@ class StepAccuracy:
                 step = self.kernel.over(self.kernel.variants[mode].step.function, some.size)
                 (x[:, some],) = step(t[some] + i * h[some], h[some], x[:, some], p)
         return x[: self.size]
-
-
-def _at_least(sizes: np.ndarray, units: list[str]) -> np.ndarray:
-    """Sizes of entries, bounded below by a share of the largest of the same unit."""
-    kinds = np.array(units)
-    largest = [sizes[kinds == unit].max() for unit in units]
-    return np.maximum(sizes, SMALL * np.array(largest))

@@ -21,6 +21,7 @@ from dalembert.analysis.nonsmooth.correction import (
 )
 from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.run_accuracy import RunAccuracy
 from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
 from dalembert.analysis.nonsmooth.step_log import StepLog
 from dalembert.analysis.nonsmooth.step_state import StepResult
@@ -42,7 +43,7 @@ from dalembert.analysis.timeline import (
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.model.graph.model import Model
 from dalembert.results.nonsmooth_motion import ContactRecord, NonsmoothMotion
-from dalembert.results.status import Outcome, Status, reached, stopped
+from dalembert.results.status import Outcome, Status, Warnings, reached, stopped
 from dalembert.symbolic.equations.newton import Solution
 
 
@@ -87,7 +88,8 @@ class NonsmoothRun:
         state = self.model.assemble(self.p, self.start)
         refuse_concentric(self.step, self.start, state.y)
         refuse_filled_bores(self.step, self.start, state.y)
-        log = StepLog(self.step, self.start, state.y, state.v)
+        self.state = state.y, state.v
+        log = StepLog(self.step, self.start, *self.state)
         grid = uniform_grid(self.start, self.end, self.h)
         begin = clock.perf_counter()
         with progress_reporter(progress, f"integrating {self.model.name}") as report:
@@ -96,19 +98,29 @@ class NonsmoothRun:
         times = record.t if self.requested is None else self.requested
         times = times[times <= record.t[-1]] if times.size else times
         elapsed = clock.perf_counter() - begin
+        record = replace(record, accuracy=RunAccuracy(self.step, record, self.repeated))
         check = ContactCheck(self.step, record, self.analysis.balance, log.correction_work)
         status = replace(status, residual=max(status.residual, check.residual))
         trajectory = interpolate(self.model, record, times)
+        warnings = [*check.warnings, *elastic_warnings(self.model, trajectory, self.p)]
+        status = check.verify(status)
+        late = (lambda: record.accuracy.warnings) if status.success else None
         return NonsmoothMotion(
             model=self.model,
             analysis=self.analysis,
             parameters=self.p,
             trajectory=trajectory,
-            status=check.verify(status),
+            status=status,
             statistics=self.statistics(record, log, elapsed),
-            warnings=[*check.warnings, *elastic_warnings(self.model, trajectory, self.p)],
+            warnings=Warnings(warnings, late),
             record=record,
         )
+
+    def repeated(self, grid: np.ndarray) -> tuple[np.ndarray, Status]:
+        """(n_y, K+1) positions at the times of a grid, in steps between them, and the status."""
+        log = StepLog(self.step, self.start, *self.state)
+        status = self.march(grid, log, lambda share: None)
+        return np.stack(log.positions, 1), status
 
     def march(self, grid: np.ndarray, log: StepLog, report) -> Status:
         """Steps until the end or until one fails."""

@@ -1,0 +1,91 @@
+"""Error estimate of a nonsmooth run by repetition with steps of twice the length.
+
+The schemes are of first order, and of second order with force laws alone: the error of the run is
+the difference of both runs, or a third of it. The estimate includes errors of the instants of
+impacts and their amplification by the motion. Only coordinates are compared, as speeds jump.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+
+import numpy as np
+
+from dalembert.analysis.error_estimate import ErrorEstimate, largest_error, motion_sizes
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.results.nonsmooth_motion import ContactRecord
+from dalembert.results.status import Status
+
+ALLOWED, TARGET = 0.05, 0.02
+"""Estimated error, relative to the motion: threshold for a warning, and target of the proposed
+step."""
+UNPREDICTABLE = 0.5
+"""Estimated error above which the motion is one of several that the steps may lead to [-]."""
+ENTRIES = 2e5
+"""Upper limit of the number of entries of the states of a run whose warnings have the estimate."""
+
+
+class RunAccuracy:
+    """Error of a run with contacts.
+
+    Parameters
+    ----------
+    step : ContactStep of the run
+    record : ContactRecord of the run
+    repeat : run on another grid of times, ``grid → positions, status``
+    """
+
+    def __init__(
+        self,
+        step: ContactStep,
+        record: ContactRecord,
+        repeat: Callable[[np.ndarray], tuple[np.ndarray, Status]],
+    ):
+        self.step, self.record, self._repeat = step, record, repeat
+
+    @cached_property
+    def estimate(self) -> ErrorEstimate | None:
+        """The estimate, infinite where longer steps fail; None for one step, or where nothing
+        moves."""
+        record, model = self.record, self.step.model
+        count = record.t.size
+        if count < 3:
+            return None
+        chosen = np.unique(np.append(np.arange(0, count, 2), count - 1))
+        positions, status = self._repeat(record.t[chosen])
+        if not status.success:
+            return ErrorEstimate(np.inf, "", status.time, "twice")
+        y = record.ends.y
+        error = (y[:, chosen] - positions) / (2**self._order - 1)
+        ranges = np.ptp(y, axis=1)
+        sizes = motion_sizes(ranges, model.guesses.units, model.scales.coordinates)
+        return largest_error(error, sizes, model.guesses.names, record.t[chosen])
+
+    @property
+    def _order(self) -> int:
+        """Order of convergence."""
+        laws, contacts = self.step.force_laws, self.record.owner
+        rigid = not laws.elements or (contacts.size and not self.record.work.any())
+        return 1 if rigid else 2
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warning if the steps are too long for the motion; of short runs and few bodies."""
+        if self.record.ends.y.size > ENTRIES:
+            return []
+        estimate = self.estimate
+        if estimate is None or not estimate.name or estimate.share <= ALLOWED:
+            return []
+        h = float(np.median(np.diff(self.record.t)))
+        if estimate.share > UNPREDICTABLE:
+            return [
+                f"the motion depends on the step of {h:.3g} s: with steps twice as long it "
+                f"differs by {estimate.text}; its impacts amplify small differences, or the step "
+                "is far too long"
+            ]
+        shorter = h * TARGET / estimate.share
+        return [
+            f"steps of {h:.3g} s are long for this motion: their estimated error is "
+            f"{estimate.text}; use steps below {shorter:.2g} s"
+        ]
