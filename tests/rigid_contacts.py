@@ -7,6 +7,14 @@ import functools
 import dalembert as da
 from dalembert import planar, spatial
 
+STEP_ERROR = ("their estimated error is", "the motion depends on the step of")
+
+
+def other_warnings(motion: da.Motion) -> list[str]:
+    """Warnings of a run with contacts except that of its estimated error."""
+    return [text for text in motion.warnings if not any(part in text for part in STEP_ERROR)]
+
+
 PARAMETERS = {"e": 0.6, "mu": 0.1, "length": 0.5, "spin": 3.0, "height": 0.6, "mass": 2.0}
 
 

@@ -37,9 +37,7 @@ class ErrorEstimate:
     @property
     def text(self) -> str:
         if not self.name:
-            return (
-                f"not known, because steps {self.repeated} as long fail at t = {self.time:.6g} s"
-            )
+            return f"not known, because steps {self.repeated} as long fail at t = {self.time:.6g} s"
         of_motion = f"{self.share:.2g} times" if self.share >= 10 else f"{self.share:.2g} of"
         return f"{of_motion} its range or largest value, in {self.name} at t = {self.time:.6g} s"
 

@@ -126,10 +126,11 @@ class Recording(Result):
 
     @property
     def error_estimate(self) -> Any:
-        """Estimated error of a run of dynamics by steps of one-step methods, else None.
+        """Estimated error of a run by one-step methods, or with contacts in fixed steps, else None.
 
         Its ``share`` is relative to the range of the coordinate, or to the maximum magnitude of the
-        speed, of that ``name``, at that ``time``. The first access costs about two more runs.
+        speed, of that ``name``, at that ``time``. The first access costs about two more runs, with
+        contacts half a run.
         """
         accuracy = getattr(self.record, "accuracy", None)
         return None if accuracy is None else accuracy.estimate

@@ -31,6 +31,7 @@ class ForceLaws:
     ----------
     elements : elements with force laws
     laws : force laws by their numbers
+    are_all : whether all contacts have force laws
     """
 
     def __init__(self, model: Model, sources: list[GapSource], p: np.ndarray):
@@ -39,6 +40,7 @@ class ForceLaws:
         self.p, self._functions, self._kernels = p, [], {}  # type: ignore[var-annotated]
         self.laws: list[NormalLaw] = []
         self.elements = [e for e, laws in zip(elements, by_owner, strict=True) if any(laws)]
+        self.are_all = all(law is not None for laws in by_owner for law in laws)
         self._table = np.full((len(elements), max(map(len, by_owner))), RIGID)
         for owner, laws in enumerate(by_owner):
             for number, law in enumerate(laws):

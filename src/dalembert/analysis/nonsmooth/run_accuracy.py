@@ -14,8 +14,9 @@ import numpy as np
 
 from dalembert.analysis.error_estimate import ErrorEstimate, largest_error, motion_sizes
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.errors import SingularityError
 from dalembert.results.nonsmooth_motion import ContactRecord
-from dalembert.results.status import Status
+from dalembert.results.status import Outcome, Status
 
 ALLOWED, TARGET = 0.05, 0.02
 """Estimated error, relative to the motion: threshold for a warning, and target of the proposed
@@ -53,21 +54,20 @@ class RunAccuracy:
         if count < 3:
             return None
         chosen = np.unique(np.append(np.arange(0, count, 2), count - 1))
-        positions, status = self._repeat(record.t[chosen])
+        try:
+            positions, status = self._repeat(record.t[chosen])
+        except SingularityError:
+            return ErrorEstimate(np.inf, "", float(record.t[0]), "twice")
+        if status.outcome is Outcome.INTERRUPTED:
+            raise KeyboardInterrupt
         if not status.success:
-            return ErrorEstimate(np.inf, "", status.time, "twice")
+            return ErrorEstimate(np.inf, "", float(status.time), "twice")
         y = record.ends.y
-        error = (y[:, chosen] - positions) / (2**self._order - 1)
+        order = 2 if self.step.force_laws.are_all else 1
+        error = (y[:, chosen] - positions) / (2**order - 1)
         ranges = np.ptp(y, axis=1)
         sizes = motion_sizes(ranges, model.guesses.units, model.scales.coordinates)
         return largest_error(error, sizes, model.guesses.names, record.t[chosen])
-
-    @property
-    def _order(self) -> int:
-        """Order of convergence."""
-        laws, contacts = self.step.force_laws, self.record.owner
-        rigid = not laws.elements or (contacts.size and not self.record.work.any())
-        return 1 if rigid else 2
 
     @property
     def warnings(self) -> list[str]:

@@ -1,0 +1,147 @@
+"""Error estimates of runs with contacts, beside true errors."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import dalembert as da
+from dalembert import planar
+
+G = 9.81
+SCHEMES = [da.AnticipatedImpacts(), da.MoreauJean()]
+
+
+def toppling() -> da.Model:
+    """A box on one of its corners, which does not slip."""
+    system = da.System("toppling", gravity=(0, -G))
+    angle, (width, height) = 0.7, (0.2, 0.4)
+    corner = np.array([-width / 2, -height / 2]) @ [
+        [np.cos(angle), np.sin(angle)],
+        [-np.sin(angle), np.cos(angle)],
+    ]
+    box = planar.Body("box", mass=1.0, inertia=0.02, position=tuple(-corner), angle=angle)
+    shape = planar.contact.Rectangle(system.add(box), (width, height))
+    floor = planar.contact.HalfPlane(system.ground.center)
+    system.add(planar.Collisions("corner", [shape, floor], friction=2.0))
+    return system.build()
+
+
+def true_angle(times: np.ndarray) -> np.ndarray:
+    """Angle of the same box as a pendulum about its corner."""
+    radius, inertia = np.hypot(0.1, 0.2), 0.02 + 0.05
+    lean = np.arctan2(0.2, 0.1)  # of the line from the corner to the mass centre
+
+    def rates(t: float, x: np.ndarray) -> list[float]:
+        return [x[1], -G * radius * np.cos(lean + x[0]) / inertia]
+
+    motion = solve_ivp(rates, (0, times[-1]), [0.7, 0.0], t_eval=times, rtol=1e-10, atol=1e-12)
+    return np.asarray(motion.y[0])
+
+
+def swinging(law: planar.contact.Hertz | None, speed: float = 1.0) -> da.Model:
+    """A ball between two walls, which it reaches again and again."""
+    system = da.System("walls", gravity=(0, 0))
+    ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 0), velocity=(speed, 0)))
+    kit = planar.contact
+    walls = [
+        kit.HalfPlane(system.ground.point(side * 0.5, 0), normal=(-side, 0)) for side in (-1, 1)
+    ]
+    shapes = [kit.Circle(ball.center, 0.1), *walls]
+    options = {"law": law} if law else {"restitution": 0.5}
+    system.add(planar.Collisions("walls", shapes, **options))
+    return system.build()
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_the_estimate_is_that_of_a_toppling_box(scheme: da.AnticipatedImpacts):
+    """The error at the end, where it is largest."""
+    model, shares = toppling(), []
+    for step in (4e-3, 1e-3):
+        motion = da.solve_nonsmooth(model, 0.25, step=step, integrator=scheme)
+        angle = motion.values("box.angle")
+        error = np.abs(angle - true_angle(motion.time)).max() / np.ptp(angle)
+        estimate = motion.error_estimate
+        assert error / 2 < estimate.share < 2 * error + 1e-4
+        shares.append(estimate.share)
+    assert shares[1] < shares[0]
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_the_estimate_is_that_of_a_ball_between_walls(scheme: da.AnticipatedImpacts):
+    """Each impact is applied up to a step early or late."""
+    motion = da.solve_nonsmooth(swinging(None), 4.0, step=7e-3, integrator=scheme)
+    instants, place, speed = [0.4], [0.4], 1.0
+    while instants[-1] < 4:
+        speed *= -0.5
+        place.append(-place[-1])
+        instants.append(instants[-1] + 0.8 / abs(speed))
+    exact = np.interp(motion.time, [0.0, *instants], [0.0, *place])
+    x = motion.values("ball.x")
+    error = np.abs(x - exact).max() / np.ptp(x)
+    assert error > 1e-3 and error / 5 < motion.error_estimate.share < 5 * error
+
+
+def test_force_laws_alone_have_errors_of_second_order():
+    """A ball between two compliant walls."""
+    model = swinging(planar.contact.Hertz(stiffness=1e4))
+    motion = da.solve_nonsmooth(model, 2.0, step=2e-3)
+
+    def rates(t: float, x: np.ndarray) -> list[float]:
+        push = 1e4 * (max(-x[0] - 0.4, 0) ** 1.5 - max(x[0] - 0.4, 0) ** 1.5)
+        return [x[1], push]
+
+    solved = solve_ivp(
+        rates, (0, 2), [0.0, 1.0], t_eval=motion.time, rtol=1e-10, atol=1e-12, max_step=1e-3
+    )
+    x = motion.values("ball.x")
+    error = np.abs(x - solved.y[0]).max() / np.ptp(x)
+    assert error / 3 < motion.error_estimate.share < 3 * error
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_long_steps_are_warned_about_with_shorter_ones(scheme: da.AnticipatedImpacts):
+    model = swinging(None)
+    motion = da.solve_nonsmooth(model, 4.0, step=0.1, integrator=scheme)
+    (warning,) = motion.warnings
+    assert motion.status.success and "ball.x" in warning
+    shorter = float(re.search(r"use steps below ([0-9.e-]+) s", warning)[1])  # type: ignore[index]
+    finer = da.solve_nonsmooth(model, 4.0, step=shorter, integrator=scheme)
+    assert not finer.warnings and finer.error_estimate.share < 0.05
+
+
+def test_runs_of_one_step_or_at_rest_have_no_estimate():
+    assert da.solve_nonsmooth(swinging(None), 0.1, step=0.1).error_estimate is None
+    still = da.solve_nonsmooth(swinging(None, 0.0), 0.3, step=0.1)
+    assert still.error_estimate is None and not still.warnings
+
+
+def test_the_estimate_is_not_computed_before_it_is_read(monkeypatch: pytest.MonkeyPatch):
+    from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
+
+    runs: list[int] = []
+    march = NonsmoothRun.march
+
+    def counted(self, grid, log, report):
+        runs.append(grid.size - 1)
+        return march(self, grid, log, report)
+
+    monkeypatch.setattr(NonsmoothRun, "march", counted)
+    motion = da.solve_nonsmooth(swinging(None), 0.5, step=0.1)
+    assert runs == [5]
+    assert not motion.warnings or motion.error_estimate is not None
+    assert runs == [5, 3]
+
+
+def test_longer_steps_that_fail_give_no_number(monkeypatch: pytest.MonkeyPatch):
+    from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
+
+    motion = da.solve_nonsmooth(swinging(None), 4.0, step=0.05)
+    failed = da.Status(da.Outcome.NOT_CONVERGED, "", 1.5, 1.0)
+    monkeypatch.setattr(NonsmoothRun, "march", lambda *arguments: failed)
+    estimate = motion.error_estimate
+    assert estimate.share == np.inf and not motion.warnings
+    assert estimate.text == "not known, because steps twice as long fail at t = 1.5 s"
