@@ -53,11 +53,11 @@ def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:
 
 def exported_measures(file: ModelFile, model: Any, result: Any) -> list[str]:
     """Measures of modes, or of the report of the file, else the coordinates of all bodies."""
+    from dalembert.results.modes import Numbered
     from dalembert.results.pictures.scene import is_spatial
 
-    exported = getattr(result, "exported", None)  # of modes
-    if exported is not None:
-        return list(exported)
+    if isinstance(result, Numbered):
+        return list(result.exported)
     choices = report_choices(file, model)
     names = [name for group in choices.get("plots") or () for name in group]
     points = list(choices.get("trace") or ())

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.contact.approach import Approach, Offsets
-from dalembert.integrators.contact.offset_slopes import (
-    OffsetSlopes,
-    anticipated_slopes,
-    newton_slopes,
-)
 from dalembert.options import options
+
+if TYPE_CHECKING:
+    from dalembert.integrators.contact.offset_slopes import OffsetSlopes
 
 CLOSING = 0.5
 """Fraction of a gap that a resting contact closes per step [-]."""
@@ -120,6 +118,8 @@ class MoreauJean(ContactScheme):
     def slopes(
         self, approach: Approach, offsets: Offsets, rounding: float | np.ndarray
     ) -> OffsetSlopes:
+        from dalembert.integrators.contact.offset_slopes import newton_slopes
+
         return newton_slopes(approach, offsets)
 
 
@@ -209,6 +209,8 @@ class AnticipatedImpacts(ContactScheme):
     def slopes(
         self, approach: Approach, offsets: Offsets, rounding: float | np.ndarray
     ) -> OffsetSlopes:
+        from dalembert.integrators.contact.offset_slopes import anticipated_slopes
+
         return anticipated_slopes(approach, offsets, CLOSING, rounding)
 
 
