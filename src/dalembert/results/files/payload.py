@@ -208,8 +208,9 @@ def _statistics(motion: LabelledRecording) -> list[dict[str, str]]:
         if data[name].size:
             rows.append((label, f"{float(data[name].max()):.3g}"))
     postponed = isinstance(motion.warnings, Warnings) and motion.warnings.is_postponed
-    if not postponed and (estimate := motion.error_estimate) is not None:  # about two more runs
-        rows.append((f"estimated error, in {estimate.name}", f"{estimate.share:.2g}"))
+    if not postponed and (estimate := motion.error_estimate) is not None:  # up to two more runs
+        of = f", in {estimate.name}" if estimate.name else ""
+        rows.append((f"estimated error{of}", f"{estimate.share:.2g}" if of else estimate.text))
     error = np.abs(data["balance_error"])
     if error.size and np.isfinite(error).all():
         rows.append(("largest energy balance error [J]", f"{error.max():.3g}"))
