@@ -169,3 +169,24 @@ def test_what_a_driver_presses_on_a_rigid_floor_has_no_motion():
     assert status.time == pytest.approx(0.5, abs=0.01)
     assert "rigid impact has no motion" in status.message and "floor" in status.message
     assert "friction" not in status.message and "Painlev" not in status.message
+
+
+@pytest.mark.parametrize("scheme", [da.MoreauJean(), da.AnticipatedImpacts()], ids=type)
+def test_a_heavy_crate_slides_with_the_light_one_below_it(scheme):
+    """A weight of 100 t presses on 1 kg, so that the impulses alone would change its speed by
+    kilometres per second. Both decelerate by ``μ g``, and the ground carries both."""
+    friction, slid, system = 0.3, 0.2, da.System("heavy on light", gravity=(0, -9.81))
+    shapes = [planar.contact.HalfPlane(system.ground.center)]
+    for k, mass in enumerate((1.0, 1e5)):
+        start = {"position": (0.01 * k, 0.1 + 0.2 * k), "velocity": (1, 0)}
+        crate = system.add(planar.Body(f"b{k}", mass=mass, inertia=0.01 * mass, **start))
+        shapes.append(planar.contact.Rectangle(crate, (0.3, 0.2)))
+    system.add(planar.Collisions("contacts", shapes, friction=friction))
+    motion = da.solve_nonsmooth(system.build(), slid, step=2e-3, integrator=scheme)
+    assert motion.status.success, motion.status
+    expected = 1 - friction * 9.81 * slid
+    assert motion["b1.vx"][-1] == pytest.approx(expected, abs=1e-6)
+    assert motion["b0.vx"][-1] == pytest.approx(expected, abs=1e-4)
+    weight, accuracy = (1 + 1e5) * 9.81, 1e5 * 1e-6 / 2e-3  # residuals of 1e-6 m/s in a step
+    force = motion.contact_forces(slid).between("ground", "b0")
+    assert force == pytest.approx([-friction * weight, weight], abs=accuracy)

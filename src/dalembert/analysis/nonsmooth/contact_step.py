@@ -28,6 +28,7 @@ from dalembert.integrators.contact.schemes import ContactScheme
 from dalembert.integrators.contact.static_friction import (
     STILL,
     may_stick,
+    solve_precisely,
     solve_with_static_friction,
     sticks,
 )
@@ -276,12 +277,8 @@ class ContactStep:
             state = laws, static, approach.before
             solution, static = solve_with_static_friction(self.solver, problem, start, *state)
             if solution.converged and solution.residual > JAMMED * scale:
-                none_yet = np.zeros_like(start)
-                solution, static = solve_with_static_friction(
-                    self.solver, problem, none_yet, *state
-                )
-                jammed = solution.residual > JAMMED * scale
-                solution = replace(solution, accepted=solution.accepted and not jammed)
+                limit = JAMMED * scale
+                solution, static = solve_precisely(self.solver, problem, solution, limit, *state)
             start, rounds = solution.impulses, rounds + solution.rounds
             after = problem.speeds(solution.impulses) - offsets
             pushes = solution.impulses

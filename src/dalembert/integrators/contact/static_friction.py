@@ -78,6 +78,29 @@ def solve_with_static_friction(
     return replace(solution, rounds=rounds), static
 
 
+def solve_precisely(
+    solver: ContactSolver,
+    problem: FrictionProblem,
+    solution: Impulses,
+    limit: float,
+    *state: *tuple[ContactLaws, np.ndarray, np.ndarray],
+) -> tuple[Impulses, np.ndarray]:
+    """The same with a residual of at most ``limit`` [m/s], from a solution within the tolerance.
+
+    This is relative to the impulses, which are large where heavy bodies press on light ones. Where
+    contacts jam, and impulses have no effect, there is no such solution, and none is accepted.
+    """
+    share, rounds = limit / problem.size(solution.impulses), solution.rounds
+    precise = replace(solver, tolerance=min(share, solver.tolerance))
+    for start in (solution.impulses, np.zeros(problem.shape)):
+        solution, static = solve_with_static_friction(precise, problem, start, *state)
+        rounds += solution.rounds
+        if solution.residual <= limit:
+            break
+    accepted = solution.accepted and solution.residual <= limit
+    return replace(solution, rounds=rounds, accepted=accepted), static
+
+
 def sticks(solver: ContactSolver, problem: FrictionProblem, solution: Impulses) -> np.ndarray:
     """(n,) mask of the contacts without slip."""
     slip = np.linalg.norm(problem.speeds(solution.impulses)[:, 1 : problem.linear], axis=1)
