@@ -5,6 +5,7 @@
 /** @import { Document } from "./types.d.ts" */
 /** @import { Transform } from "./transforms.js" */
 
+import { isSame, linkLengths } from "./ends.js";
 import { movedPoints } from "./operations.js";
 import { bodiesAmong, group, sectionOf } from "./selection.js";
 import { namedPlaces } from "./snapping.js";
@@ -42,8 +43,13 @@ export function transform(page, document, selected, map, label) {
     const others = place.names.filter((_, k) => !bodies.has(place.bodies[k])), [x, y] = applied(map, [place.x, place.y]);
     return others.length ? [{ from: { ...place, names: others }, to: { x, y } }] : [];
   });
+  /** @type {(place: { x: number, y: number }, body: string) => { x: number, y: number } | null | undefined} */
+  const linked = (place, body) => {
+    const [x, y] = applied(map, [place.x, place.y]);
+    return bodies.has(body) ? { x, y } : followers.find(({ from }) => isSame(page, from, place))?.to;
+  };
   const done = new Set(group(document, bodies).map(({ name }) => name));
-  const all = [...operations, ...movedPoints(page, document, followers, done)];
+  const all = [...operations, ...movedPoints(page, document, followers, done), ...linkLengths(page, document, linked, (name) => !done.has(name))];
   return all.length ? { label, operations: all } : null;
 }
 
