@@ -92,6 +92,7 @@ def test_an_optimum_is_that_of_python(desk: tuple[Desk, Studio], tmp_path: Path)
 
 
 TOLERANCE = '[tolerance]\nresponse = "top"\nsamples = 20\ntolerances = { a = 1e-3 }\n'
+BACKDROP = "getComputedStyle(document.querySelector('{}'), '::backdrop').backgroundColor"
 AGE = "document.querySelector('.task small').textContent"
 
 
@@ -132,6 +133,7 @@ def test_sliders_of_a_result_are_written_into_the_text(desk: tuple[Desk, Studio]
         visit.page.click("text=Show the result")
         visit.until(f"{page}?.design && studio.insight.result.design", WAIT)
         assert button.is_visible() == (section == "optimize")
+        assert visit.js(BACKDROP.format(".result-panel")) == visit.js(BACKDROP.format(".picker"))
         name = "a"
         k = f"{page}.design.parameters.findIndex((p) => p.name === '{name}')"
         value = 0.135 if section == "optimize" else 0.2005
