@@ -67,6 +67,19 @@ def test_shapes_are_attached_and_bodies_rest_on_the_floor(desk: tuple[Desk, Stud
     assert [pair["groups"] for pair in entry["pairs"]] == [["mass1", "ground"]]
 
 
+def test_a_floor_is_drawn_before_the_bodies_on_it(desk: tuple[Desk, Studio]) -> None:
+    """The picture shows the first shape; the message names what is missing."""
+    visit, _ = desk
+    visit.draw("a", (0.3, 0.5))
+    visit.draw("F", (0.2, 0.1), (0.8, 0.1))
+    (error,) = visit.errors_shown()
+    assert "its only shape is on ground; add a shape of another body" in error
+    assert "contact.Circle(ball, 0.1)" in error
+    assert not visit.js("studio.pictures.outdated")
+    visit.draw("D", (0.3, 0.5), (0.4, 0.5))
+    assert visit.errors_shown() == []
+
+
 FLOOR = UNTITLED + (
     "[bodies]\n"
     'ball = { type = "Particle", mass = 1, position = [0.2, 0.5] }\n'
