@@ -71,7 +71,12 @@ def test_parameters_and_results_in_python() -> None:
             widget.parameters = wrong
     with pytest.raises(da.ModelError, match="finite"):
         widget.parameters = {"l": float("nan")}
+    for outside in (0.29, 2.0, "2 m"):  # the slider would show another design than the result
+        with pytest.raises(da.ModelError, match=r"l: .* outside the bounds 0\.3 to 0\.8"):
+            widget.parameters = {"l": outside}
     assert widget.parameters == {"l": 0.4, "m": 1.0}
+    widget.parameters = {"l": 0.8 + 1e-10}  # of a page, whose bounds are rounded
+    assert widget.parameters["l"] == 0.8
     chosen = model.explore(da.Dynamics(duration=0.5, step=0.01), height=300)
     assert chosen.height == 300 and chosen.motion.time[-1] == 0.5
 

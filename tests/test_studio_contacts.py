@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tomllib
+
 import pytest
 from studio_desk import UNTITLED, Desk
 from studio_runs import Studio
@@ -63,6 +65,54 @@ def test_shapes_are_attached_and_bodies_rest_on_the_floor(desk: tuple[Desk, Stud
     visit.until("!Object.values(studio.file.document.forces)[0].shapes.plate1", 10)
     (entry,) = visit.document["forces"].values()
     assert [pair["groups"] for pair in entry["pairs"]] == [["mass1", "ground"]]
+
+
+def test_a_floor_is_drawn_before_the_bodies_on_it(desk: tuple[Desk, Studio]) -> None:
+    """The picture shows the first shape; the message names what is missing."""
+    visit, _ = desk
+    visit.draw("a", (0.3, 0.5))
+    visit.draw("F", (0.2, 0.1), (0.8, 0.1))
+    (error,) = visit.errors_shown()
+    assert "its only shape is on ground; add a shape of another body" in error
+    assert "contact.Circle(ball, 0.1)" in error
+    assert not visit.js("studio.pictures.outdated")
+    visit.draw("D", (0.3, 0.5), (0.4, 0.5))
+    assert visit.errors_shown() == []
+
+
+FLOOR = UNTITLED + (
+    "[bodies]\n"
+    'ball = { type = "Particle", mass = 1, position = [0.2, 0.5] }\n'
+    'other = { type = "Particle", mass = 1, position = [0.3, 0.7] }\n'
+    "[forces]\n"
+    'touch = { type = "Collisions", friction = 0.3, shapes = {'
+    ' ball = [{ type = "Circle", point = "ball", radius = 0.05 }],'
+    ' other = [{ type = "Circle", point = "other", radius = 0.06 }],'
+    ' ground = [{ type = "HalfPlane", point = { body = "ground", at = [0.2, 0.1] },'
+    " normal = [0, 1] }] } }\n"
+)
+
+
+def test_shapes_of_copies_belong_to_the_same_contacts(desk: tuple[Desk, Studio]) -> None:
+    """The copy of a body touches the floor and the other bodies as the body does."""
+    visit, _ = desk
+    lists = FLOOR.replace("shapes = {", "shapes = [", 1).replace("] } }\n", "] }\n", 1)
+    for name in ("ball", "other", "ground"):
+        lists = lists.replace(f" {name} = [", " ").replace("}],", "},")
+    assert isinstance(tomllib.loads(lists)["forces"]["touch"]["shapes"], list)
+    for text in (FLOOR, lists):
+        visit.show(text)
+        visit.js("studio.drawing.select(['ball', 'touch'])")
+        visit.press("Control+d")
+        assert list(visit.document["forces"]) == ["touch"]
+        shapes = visit.document["forces"]["touch"]["shapes"]
+        circle = {"type": "Circle", "point": "ball1", "radius": 0.05}
+        before = tomllib.loads(text)["forces"]["touch"]["shapes"]
+        added = [*before, circle] if isinstance(before, list) else before | {"ball1": [circle]}
+        assert shapes == added
+        assert visit.errors_shown() == []
+        visit.press("Control+z")
+        assert visit.text == text
 
 
 def test_a_concave_polygon_is_refused(desk: tuple[Desk, Studio]) -> None:

@@ -89,3 +89,63 @@ def test_an_optimum_is_that_of_python(desk: tuple[Desk, Studio], tmp_path: Path)
     )
     assert best.success and best.active == ["top"]
     assert design == pytest.approx(best.x, rel=1e-6)
+
+
+TOLERANCE = '[tolerance]\nresponse = "top"\nsamples = 20\ntolerances = { a = 1e-3 }\n'
+BACKDROP = "getComputedStyle(document.querySelector('{}'), '::backdrop').backgroundColor"
+AGE = "document.querySelector('.task small').textContent"
+
+
+def test_a_result_belongs_to_a_text_not_to_its_revision(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    visit.still_only = True
+    visit.show(FOUR_BAR)
+    visit.page.click("#tab-design")
+    visit.page.click("#start-task")
+    visit.until("studio.insight.design.tasks.optimize?.status === 'done'", WAIT)
+    assert visit.js(AGE) == "of the present text"
+    operation = "{ op: 'parameter', name: 'a', value: 0.21 }"
+    revision = visit.revision
+    visit.js(f"studio.change({{ label: 'set a', operations: [{operation}] }})")
+    visit.settle(revision + 1)
+    assert visit.js(AGE) == "of a former text"
+    visit.press("Control+z")
+    assert visit.js(AGE) == "of the present text"
+    visit.press("Control+y")
+    assert visit.js(AGE) == "of a former text"
+    visit.show(FOUR_BAR)
+    assert visit.js(AGE) == "of the present text"
+
+
+def test_sliders_of_a_result_are_written_into_the_text(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    visit.still_only = True
+    visit.show(
+        FOUR_BAR + '[tolerance]\nresponse = "top"\nsamples = 20\ntolerances = { a = 1e-3 }\n'
+    )
+    page = "document.querySelector('.result-panel iframe').contentWindow.dalembert"
+    button = visit.page.locator(".result-panel .title-row .primary")
+    visit.page.click("#tab-design")
+    for section in ("optimize", "tolerance"):
+        visit.page.click(f".picks >> text={'Optimise' if section == 'optimize' else 'Tolerance'}")
+        visit.page.click("#start-task")
+        visit.until(f"studio.insight.design.tasks.{section}?.status === 'done'", WAIT)
+        visit.page.click("text=Show the result")
+        visit.until(f"{page}?.design && studio.insight.result.design", WAIT)
+        assert button.is_visible() == (section == "optimize")
+        assert visit.js(BACKDROP.format(".result-panel")) == visit.js(BACKDROP.format(".picker"))
+        name = "a"
+        k = f"{page}.design.parameters.findIndex((p) => p.name === '{name}')"
+        value = 0.135 if section == "optimize" else 0.2005
+        visit.js(f"{page}.design.begin(), {page}.design.set({k}, {value})")
+        assert button.inner_text() == "Write the values of the sliders into the text"
+        others = visit.js(f"studio.insight.design.tasks.{section}.designs[0]") or {}
+        before = {key: visit.document["parameters"][key]["value"] for key in ("a", "c")}
+        revision = visit.revision
+        button.click()
+        visit.settle(revision + 1)
+        after = {key: visit.document["parameters"][key]["value"] for key in ("a", "c")}
+        assert after == pytest.approx(before | others | {name: value}, rel=1e-12)
+        assert visit.document["parameters"]["a"]["bounds"] == [0.12, 0.25]
+        visit.press("Control+z")
+        assert {key: visit.document["parameters"][key]["value"] for key in before} == before

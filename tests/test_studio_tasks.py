@@ -14,6 +14,7 @@ from studio_runs import running_studio
 from test_studio_server import page, receive, send
 
 from dalembert.errors import ModelError
+from dalembert.studio.draft import digest
 from dalembert.studio.drawing_edits import apply
 from dalembert.studio.pictures import picture_of
 from dalembert.studio.preview import Preview, analysis_fields
@@ -38,14 +39,14 @@ def wait(state: TaskState, until: str, seconds: float = 30.0) -> None:
 
 def test_a_stopped_task_keeps_its_result_and_a_killed_one_is_reported() -> None:
     tasks = Tasks()
-    state = tasks.start("synthesis", SLOW, EXAMPLES / "x.toml", 7)
+    state = tasks.start("synthesis", SLOW, EXAMPLES / "x.toml")
     with pytest.raises(ModelError, match="stop it first"):
-        tasks.start("synthesis", SLOW, EXAMPLES / "x.toml", 7)
+        tasks.start("synthesis", SLOW, EXAMPLES / "x.toml")
     wait(state, "progress")
     tasks.stop()
     wait(state, "stopped")
-    assert state.revision == 7 and state.outcome.interrupted and state.outcome.cards
-    killed = tasks.start("synthesis", SLOW, EXAMPLES / "x.toml", 8)
+    assert state.digest == digest(SLOW) and state.outcome.interrupted and state.outcome.cards
+    killed = tasks.start("synthesis", SLOW, EXAMPLES / "x.toml")
     wait(killed, "progress")
     assert tasks._process is not None
     tasks._process.process.kill()
@@ -57,9 +58,9 @@ def test_a_stopped_task_keeps_its_result_and_a_killed_one_is_reported() -> None:
 def test_wrong_tasks_are_reported_at_their_places() -> None:
     tasks = Tasks()
     with pytest.raises(ModelError, match="no task"):
-        tasks.start("system", "", EXAMPLES / "x.toml", 0)
+        tasks.start("system", "", EXAMPLES / "x.toml")
     text = (EXAMPLES / "four_bar.toml").read_text().replace('minimize = "peak"', 'minimize = "pea"')
-    state = tasks.start("optimize", text, EXAMPLES / "four_bar.toml", 0)
+    state = tasks.start("optimize", text, EXAMPLES / "four_bar.toml")
     wait(state, "failed")
     assert "peak" in state.outcome.sentence and state.outcome.problems[0].line > 0
 
@@ -68,11 +69,11 @@ def test_wrong_tasks_are_reported_at_their_places() -> None:
 def test_the_end_of_the_server_ends_the_task(tmp_path: Path) -> None:
     (tmp_path / "model.toml").write_text(SLOW)
     with running_studio(tmp_path, "model.toml") as studio, page(studio) as one, page(studio) as two:
-        revision = receive(one, "text")["revision"]
+        text = receive(one, "text")
         send(one, kind="start", section="synthesis")
         for socket in (one, two):
-            assert receive(socket, "task", status="running")["revision"] == revision
-        send(one, kind="text", text=SLOW + "# more\n", revision=revision)
+            assert receive(socket, "task", status="running")["digest"] == text["digest"]
+        send(one, kind="text", text=SLOW + "# more\n", revision=text["revision"])
         assert receive(two, "text", changed=True)
         while receive(two, "task")["fraction"] is None:
             pass

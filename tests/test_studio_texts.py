@@ -159,6 +159,72 @@ def test_removal_includes_what_depends_on_it() -> None:
     assert set(data["bodies"]) == {"crank", "rocker"} and set(data["joints"]) == {"O1", "O2"}
 
 
+CRANK = {"type": "Bar", "length": 1, "points": {"P": [[0, 1], [1, 2]]}}
+WRITTEN = {
+    "header": "[bodies.crank]\ntype = 'Bar'\nlength = 1\n[bodies.crank.points]\nP = [\n"
+    "  [0, 1],\n  [1, 2],\n]\n[bodies]\nrod = 2 # rod\n",
+    "in lines": "[bodies]\ncrank = { type = 'Bar', length = 1, points = { P = [\n  [0, 1],\n"
+    "  [1, 2],\n] } }\nrod = 2 # rod\n",
+    "dotted": "[bodies]\ncrank.type = 'Bar'\ncrank.length = 1\ncrank.points.P = [\n  [0, 1],\n"
+    "  [1, 2],\n]\nrod = 2 # rod\n",
+    "dotted and header": "[bodies]\ncrank.type = 'Bar'\nrod = 2 # rod\ncrank.length = 1\n"
+    "[bodies.crank.points]\nP = [\n[0, 1],\n[1, 2]\n]\n",
+    "dotted at the root": "bodies.crank.type = 'Bar'\nbodies.crank.length = 1\n"
+    "bodies.rod = 2 # rod\nbodies.crank.points.P = [[0, 1], [1, 2]]\n",
+    "in one line": "bodies = { rod = 2, crank = { type = 'Bar', length = 1, "
+    "points = { P = [[0, 1], [1, 2]] } } } # rod\n",
+    "dotted in one line": "bodies = { crank.type = 'Bar', crank.length = 1, rod = 2, "
+    "crank.points.P = [[0, 1], [1, 2]] } # rod\n",
+}
+"""The same body in all forms of TOML."""
+
+
+@pytest.mark.parametrize("form", WRITTEN)
+def test_an_entry_in_every_form_is_removed_alone(form: str) -> None:
+    text = "name = 'test'\n" + WRITTEN[form] + "\n[other.part]\nlist = [\n  [1, 2],\n]\n"
+    before = tomllib.loads(text)
+    assert before["bodies"] == {"crank": CRANK, "rod": 2}
+    after = apply(text, [{"op": "remove", "section": "bodies", "name": "crank"}])
+    assert tomllib.loads(after) == before | {"bodies": {"rod": 2}}
+    assert "# rod" in after
+    gone = apply(after, [{"op": "remove", "section": "bodies", "name": "rod"}])
+    assert tomllib.loads(gone).get("bodies", {}) == {}
+    assert tomllib.loads(gone)["other"] == before["other"]
+
+
+@pytest.mark.parametrize("form", WRITTEN)
+def test_keys_of_an_entry_in_every_form_are_added_and_dropped(form: str) -> None:
+    text = WRITTEN[form]
+    keys = ["bodies", "crank", "mass"]
+    more = apply(text, [{"op": "set", "keys": keys, "value": 2}])
+    assert tomllib.loads(more)["bodies"] == {"crank": CRANK | {"mass": 2}, "rod": 2}
+    for key in ("length", "points", "mass"):
+        less = apply(more, [{"op": "drop", "keys": ["bodies", "crank", key]}])
+        expected = {name: value for name, value in (CRANK | {"mass": 2}).items() if name != key}
+        assert tomllib.loads(less)["bodies"] == {"crank": expected, "rod": 2}
+        assert "# rod" in less
+    assert apply(more, [{"op": "drop", "keys": keys}]) == text
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "responses.height.type = 'Final'\nresponses.height.measure = 'q'\ngravity = [0, 0]\n",
+        "gravity = [0, 0]\n[responses]\nheight.type = 'Final'\nheight.measure = 'q'\n",
+        "gravity = [0, 0]\nresponses = { height = { type = 'Final', measure = 'q' } }\n",
+    ],
+)
+def test_responses_of_dotted_keys_are_replaced_and_removed(text: str) -> None:
+    mean = {"type": "Mean", "measure": "p"}
+    more = apply(text, [{"op": "section", "section": "responses", "fields": {"mean": mean}}])
+    final = {"type": "Final", "measure": "q"}
+    assert tomllib.loads(more) == {"gravity": [0, 0], "responses": {"height": final, "mean": mean}}
+    other = {"op": "section", "section": "responses", "fields": {"height": None}}
+    assert tomllib.loads(apply(more, [other])) == {"gravity": [0, 0], "responses": {"mean": mean}}
+    changed = {"op": "section", "section": "responses", "fields": {"height": mean}}
+    assert tomllib.loads(apply(text, [changed]))["responses"] == {"height": mean}
+
+
 def test_new_names() -> None:
     add = {"op": "add", "section": "bodies", "base": "bar", "as": "$bar", "fields": {"type": "Bar"}}
     pin = {"type": "Revolute", "connect": ["$bar.start", {"body": "ground", "at": [0, 1]}]}

@@ -7,6 +7,8 @@ probabilities.
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -70,6 +72,22 @@ def test_sampling(name):
         assert low - 1e-5 * (name == "RP24") <= exact <= high + 1e-5 * (name == "RP24")
     subset = result.subset_simulation(20_000, rng=1)
     assert abs(subset.probability - exact) < 3 * subset.variation * exact
+
+
+def test_the_sentence_states_the_error_of_the_samples():
+    """Half of the 95 % interval is 1.96 times the standard error that the sentence states."""
+    formula, random, _, _ = CASES["R-S"]
+    method = "importance-sampling"
+    result = da.reliability(None, formula, random, samples=2000, sampling=method, rng=1)
+    found = re.search(
+        r"by 2000 samples (\S+) ± (\S+) % \(95 % interval (\S+) … (\S+)\)", result.sentence
+    )
+    assert found is not None, result.sentence
+    probability, error, low, high = map(float, found.groups())
+    assert 1.96 * error / 100 * probability == pytest.approx((high - low) / 2, rel=0.05)
+    assert low < probability < high
+    assert f"{error:.2g} %" in str(result.sampled and result.page())
+    assert "samples" not in da.reliability(None, formula, random).sentence
 
 
 def test_second_order_of_a_parabola():

@@ -34,6 +34,8 @@ OUTPUTS = 151
 """Instants of this motion."""
 STEP = 1e-2
 """Step of this motion with contacts among many shapes [s]; two between outputs."""
+ROUND_OFF = 1e-8
+"""Relative round-off of the numbers of a page, which has ten digits."""
 
 
 def usual_analysis(model: ParametricModel) -> Analysis[Any, Any]:
@@ -80,7 +82,7 @@ def explore(
     UnsupportedError
         anywidget is missing (``pip install 'dalembert[notebook]'``).
     ModelError
-        Parameters that are set are unknown or no numbers.
+        Parameters that are set are unknown, no numbers, or outside their bounds.
 
     Examples
     --------
@@ -101,6 +103,25 @@ def explore(
     kind = _widget_class()
     chosen = usual_analysis(model) if analysis is None else analysis
     return kind(model, chosen, chosen.run(model), height, first_view)
+
+
+def _within_bounds(name: str, value: float, bounds: tuple[float, float]) -> float:
+    """The value, which a slider between the bounds can show; bounds of pages are rounded.
+
+    Raises
+    ------
+    ModelError
+        It is beyond them.
+    """
+    lower, upper = bounds
+    nearest = min(max(value, lower), upper)
+    if abs(value - nearest) > ROUND_OFF * abs(nearest):
+        raise ModelError(
+            f"{value:g} is outside the bounds {lower:g} to {upper:g} of the slider; "
+            "choose another value, or wider bounds of the parameter",
+            name,
+        )
+    return nearest
 
 
 @cache
@@ -145,7 +166,7 @@ def _widget_class() -> Any:
                     raise ModelError(f"expected a number, got {value!r:.60}", name)
                 if not math.isfinite(number):
                     raise ModelError(f"expected a finite number, got {value!r:.60}", name)
-                values[name] = float(number)
+                values[name] = _within_bounds(name, float(number), declared[name].bounds)
             return values
 
         @property

@@ -27,11 +27,13 @@ class Place:
     start : of the key; of the value for entries of arrays
     value : start of the value
     end : behind the value; behind the header for tables
+    is_header : whether it is a header such as ``[bodies.crank]``
     """
 
     start: int
     value: int
     end: int
+    is_header: bool = False
 
 
 def toml_places(text: str) -> dict[Keys, Place]:
@@ -94,7 +96,7 @@ class _Scanner:
                     number = self.counts.get(table, 0)
                     self.counts[table] = number + 1
                     table = (*table, number)
-                yield table, Place(start, start, self.at)
+                yield table, Place(start, start, self.at, is_header=True)
             else:
                 yield from self.entry(table)
 

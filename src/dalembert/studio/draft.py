@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from hashlib import blake2b
 from pathlib import Path
 
 from dalembert.errors import FileError
@@ -48,6 +49,11 @@ class Change:
         return text[: self.start] + self.text + text[self.start + self.length :]
 
 
+def digest(text: str) -> str:
+    """Short hash of a text, by which pages compare it with others."""
+    return blake2b(text.encode(), digest_size=8).hexdigest()
+
+
 class Draft:
     """A text with its history, and the file that it is saved to.
 
@@ -85,6 +91,11 @@ class Draft:
     def name(self) -> str:
         """Name of the file."""
         return self.path.name if self.path is not None else "untitled.toml"
+
+    @property
+    def digest(self) -> str:
+        """The same for equal texts, whatever their revision."""
+        return digest(self.text)
 
     @property
     def is_changed(self) -> bool:

@@ -125,7 +125,7 @@ def _with_joint(text: str, joint: str, fields: Mapping[str, Any]) -> str:
     """The text with other keys of a joint."""
     edits = TextEdits(text)
     place = edits.places[("joints", joint)]
-    if place.value > place.start:  # written in one line
+    if not place.is_header:  # written in one line
         edits.replace(("joints", joint), fields)
         return edits.text
     edits.remove("joints", joint)

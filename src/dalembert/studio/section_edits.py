@@ -54,7 +54,7 @@ def set_section(edits: TextEdits, section: str, fields: Mapping[str, Any]) -> No
             continue
         keys = (section, key)
         place = edits.places.get(keys)
-        if value is not None and place is not None and place.value > place.start:
+        if value is not None and place is not None and not place.is_header:
             edits.replace(keys, value)
             continue
         if key in old:
@@ -65,7 +65,7 @@ def set_section(edits: TextEdits, section: str, fields: Mapping[str, Any]) -> No
 
 def _is_inline(edits: TextEdits, section: str) -> bool:
     place = edits.places.get((section,))
-    return place is not None and place.value > place.start
+    return place is not None and not place.is_header
 
 
 def _add(edits: TextEdits, section: str, key: str, value: Any) -> None:
@@ -73,7 +73,7 @@ def _add(edits: TextEdits, section: str, key: str, value: Any) -> None:
         edits.set_value((section, key), value)
         return
     own = [place for keys, place in edits.places.items() if keys[0] == section]
-    headers = any(place.value == place.start for place in own)
+    headers = any(place.is_header for place in own)
     if own and not headers:  # dotted keys
         edits.insert(section, False, f"{section}.{key} = {as_toml(value)}\n", "\n")
     elif own and isinstance(value, Mapping):  # tables below the section

@@ -171,7 +171,7 @@ class Session:
             Unknown section, or another task runs.
         """
         draft = self.draft
-        state = self.tasks.start(section, draft.text, self.place, draft.revision)
+        state = self.tasks.start(section, draft.text, self.place)
         self.broadcast(state.message())
 
     def _show_task(self, number: int) -> None:
@@ -187,6 +187,7 @@ class Session:
             "revision": draft.revision,
             "opened": self.opened,
             "text": draft.text,
+            "digest": draft.digest,
             "name": draft.name,
             "path": str(draft.path or ""),
             "changed": draft.is_changed,

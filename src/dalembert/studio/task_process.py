@@ -29,7 +29,7 @@ class TaskState:
     ----------
     number : of the task
     section : of the file
-    revision : of the text with which it was started
+    digest : of the text with which it was started
     status : ``running``, ``done``, ``stopped`` or ``failed``
     fraction : completed part; None if it reports iterations
     history : number and objective of each iteration
@@ -38,7 +38,7 @@ class TaskState:
 
     number: int
     section: str
-    revision: int
+    digest: str
     status: str = RUNNING
     fraction: float | None = None
     history: list[tuple[int, float]] = field(default_factory=list)
@@ -51,7 +51,7 @@ class TaskState:
             "kind": "task",
             "number": self.number,
             "section": self.section,
-            "revision": self.revision,
+            "digest": self.digest,
             "status": self.status,
             "fraction": self.fraction,
             "history": self.history,

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from dalembert.errors import ModelError
+from dalembert.studio.draft import digest
 from dalembert.studio.task_process import RUNNING, TaskProcess, TaskState
 from dalembert.studio.task_work import SECTIONS, TaskRequest
 
@@ -28,13 +29,13 @@ class Tasks:
         state = self._process.state if self._process is not None else None
         return state if state is not None and state.status == RUNNING else None
 
-    def start(self, section: Any, text: str, path: Path, revision: int) -> TaskState:
+    def start(self, section: Any, text: str, path: Path) -> TaskState:
         """Run the task of a section in a process of its own.
 
         Parameters
         ----------
         section : of the file
-        text, path, revision : of the model file
+        text, path : of the model file
 
         Raises
         ------
@@ -46,7 +47,7 @@ class Tasks:
         if self.running is not None:
             raise ModelError(f"the task [{self.running.section}] runs; stop it first")
         self._number += 1
-        number, state = self._number, TaskState(self._number, section, revision)
+        number, state = self._number, TaskState(self._number, section, digest(text))
         self.latest[section] = state
         request = TaskRequest(section, text, path)
         self._process = TaskProcess(request, state, lambda: self.report(number))

@@ -13,6 +13,7 @@ from typing import Any
 from dalembert.errors import ModelError
 from dalembert.io.messages import key_path
 from dalembert.io.toml_places import Keys, Place
+from dalembert.studio.key_edits import add_dotted, cut
 from dalembert.studio.toml_text import TomlText
 from dalembert.studio.toml_values import NAME, as_toml, in_unit, is_number, with_unit
 from dalembert.studio.uses import VALUES, uses_of
@@ -126,11 +127,6 @@ class TextEdits(TomlText):
         ]
         return self.line_end(max(former)) if former else len(self.text)
 
-    def line_end(self, at: int) -> int:
-        """Character behind the line of a place."""
-        end = self.text.find("\n", at)
-        return len(self.text) if end < 0 else end + 1
-
     def remove(self, section: str, name: str) -> None:
         """Remove an entry with its tables.
 
@@ -139,54 +135,13 @@ class TextEdits(TomlText):
         ModelError
             There is none.
         """
-        ranges = self.ranges((section, name))
-        if not ranges:
+        if not cut(self, (section, name)):
             raise ModelError("there is no such entry", key_path(section, name))
-        text = self.text
-        for start, end in sorted(ranges, reverse=True):
-            text = text[:start] + text[end:]
-        self.set_text(text)
         if not self.data.get(section, True):  # an empty table of a section
             place = self.places.get((section,))
-            if place is not None and place.value == place.start:
+            if place is not None and place.is_header:
                 end = self.line_end(place.end)
                 self.set_text(self.text[: place.start] + self.text[end:])
-
-    def ranges(self, entry: Keys) -> list[tuple[int, int]]:
-        """Ranges of characters of the whole lines that an entry occupies."""
-        ranges = []
-        for keys, place in self.places.items():
-            if keys[: len(entry)] != entry:
-                continue
-            if place.value == place.start and self._begins_line(place.start):
-                ranges.append((place.start, self._end_of_table(place.end)))
-            elif keys == entry:
-                start = self.text.rfind("\n", 0, place.start) + 1
-                ranges.append((start, self.line_end(place.end)))
-        return ranges
-
-    def _end_of_table(self, at: int) -> int:
-        """Start of the next header behind a character, or of the comment above it."""
-        headers = (
-            place.start
-            for place in self.places.values()
-            if place.start >= at and place.value == place.start and self._begins_line(place.start)
-        )
-        end = min(headers, default=len(self.text))
-        if end == len(self.text):
-            return end
-        end = self.text.rfind("\n", 0, end) + 1
-        while end > at:
-            start = self.text.rfind("\n", 0, end - 1) + 1
-            if start <= at or not self.text[start:end].lstrip().startswith("#"):
-                break
-            end = start
-        return end
-
-    def _begins_line(self, start: int) -> bool:
-        """Whether a header starts here: the first character of its line is a bracket."""
-        line = self.text.rfind("\n", 0, start) + 1
-        return self.text[start] == "[" and not self.text[line:start].strip()
 
     def set_value(self, keys: Sequence[str | int], value: Any, as_written: bool = False) -> None:
         """Replace a value, or add a key to a table; numbers are in SI units.
@@ -272,9 +227,11 @@ class TextEdits(TomlText):
 
     def _add_key(self, path: Keys, value: Any) -> None:
         table = self.places.get(path[:-1])
+        if table is None and add_dotted(self, path, value):
+            return
         if table is None or not isinstance(path[-1], str):
             raise ModelError("there is no such entry", key_path(*path))
-        if table.value > table.start:  # an inline table
+        if not table.is_header:  # an inline table
             inner = self.text[table.value : table.end].rstrip("}").rstrip()
             comma = "" if inner == "{" else ","
             new = f"{inner}{comma} {path[-1]} = {as_toml(value)} }}"

@@ -71,6 +71,7 @@ class NonsmoothRun:
             self.model = model
         model.diagnosis.refuse_massless()
         check_driver_laws(model, np.linspace(self.start, self.end, 1001), self.p)
+        refuse_lonely_shapes(list(model.parts.elements.values()))
         sources = gap_sources(model)
         if not sources:
             raise AnalysisError(
@@ -78,7 +79,6 @@ class NonsmoothRun:
                 "solve_dynamics"
             )
         elements = [element for source in sources for element in source.elements]
-        refuse_lonely_shapes(elements)
         refuse_moving_places(elements)
         self.step = ContactStep(
             model, smooth_motion(model), sources, analysis.integrator, analysis.solver, self.p

@@ -40,7 +40,8 @@ def refuse_lonely_shapes(elements: list[Element]) -> None:
         if len(bodies) == 1:
             only = f"its only shape is on {bodies[0]}"
             text = only if count == 1 else f"all of its {count} shapes are on {bodies[0]}"
-            remedy = "add a shape of another body, such as contact.HalfPlane(ground)"
+            example = "Circle(ball, 0.1)" if bodies[0] == "ground" else "HalfPlane(ground)"
+            remedy = f"add a shape of another body, such as contact.{example}"
         else:
             text = "its pairs have touching=False between all groups of different bodies"
             remedy = "leave out touching=False of one of them"

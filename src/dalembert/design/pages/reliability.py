@@ -93,7 +93,8 @@ def reliability_views(reliability: ReliabilityResult) -> list[dict[str, Any]]:
     if reliability.sampled is not None:
         low, high = reliability.sampled.interval
         rows[2:2] = [
-            ("by samples", f"{reliability.sampled.probability:.4g}"),
+            (f"by {reliability.sampled.samples} samples", f"{reliability.sampled.probability:.4g}"),
+            ("their coefficient of variation", f"{100 * reliability.sampled.variation:.2g} %"),
             ("their 95 % interval", f"{low:.3g} … {high:.3g}"),
         ]
     payload = [

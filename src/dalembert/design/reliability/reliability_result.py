@@ -222,7 +222,8 @@ class ReliabilityResult(Decision):
 
     @property
     def sentence(self) -> str:
-        return f"β = {self.beta:.4g}, failure {self.probability:.3g}; {self.message}"
+        sampled = "" if self.sampled is None else f", {self.sampled.sentence}"
+        return f"β = {self.beta:.4g}, failure {self.probability:.3g}{sampled}; {self.message}"
 
     def findings(self) -> dict[str, Any]:
         return {

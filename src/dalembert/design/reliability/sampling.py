@@ -60,6 +60,16 @@ class Estimate:
 
         return float(-ndtri(self.probability))
 
+    @property
+    def sentence(self) -> str:
+        """The probability with its standard error and its interval."""
+        low, high = self.interval
+        error = f" ± {100 * self.variation:.2g} %" if np.isfinite(self.variation) else ""
+        return (
+            f"by {self.samples} samples {self.probability:.3g}{error} "
+            f"(95 % interval {low:.3g} … {high:.3g})"
+        )
+
 
 def monte_carlo(evaluate: Evaluate, size: int, samples: int, rng: np.random.Generator) -> Estimate:
     """Crude Monte Carlo estimate with the interval of Clopper and Pearson."""

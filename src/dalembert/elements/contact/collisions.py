@@ -137,7 +137,8 @@ class Collisions(Element):
         return shape
 
     def _check_shapes(self) -> None:
-        if not self.hulls and not self.boundaries:
+        bodies = {shape.carrier.name for shape in self.members}
+        if not self.hulls and not self.boundaries and len(bodies) != 1:
             text = "there is no ball nor another shape; give shapes such as "
             raise ModelError(text + EXAMPLE, self.name)
         first = self.members[0]

@@ -14,6 +14,11 @@ export function planarHit(painter, pixel) {
   const { half, motion, view } = painter, near = (/** @type {Pixel | null} */ p, /** @type {number} */ r) => p !== null && Math.hypot(p[0] - pixel[0], p[1] - pixel[1]) <= r;
   for (const item of motion.joints) if (near(painter.placeOf(item), Math.max(8, half))) return { kind: "joint", item };
   for (const item of motion.spots) if (near(painter.place(item), 8)) return { kind: "point", item };
+  const reach = (half + 2) / view.s, at = (/** @type {any} */ body) => { const pose = painter.poses.get(body); return pose && local(pose, view.world(pixel)); };
+  for (const body of motion.bodies) {  // smaller than what ends at it
+    const p = at(body);
+    if (p && body.shapes.some((shape) => shape.kind === "particle" && inShape(shape, p, reach))) return { kind: "body", item: body };
+  }
   for (const item of motion.links) {
     const p = painter.place(item.i), q = painter.place(item.j);
     if (p && q && distanceToSegment(pixel, p, q) < half * (1.3 + 3.4 * Math.abs(item.offset)) + 3) return { kind: "link", item };
@@ -22,9 +27,8 @@ export function planarHit(painter, pixel) {
   /** @type {Hit | null} */
   let hit = null;
   let rank = Infinity;
-  const reach = (half + 2) / view.s;
   for (const body of motion.bodies) {
-    const pose = painter.poses.get(body), p = pose && local(pose, view.world(pixel));
+    const p = at(body);
     if (!p) continue;
     if (!body.shapes.length && Math.hypot(...p) < reach) hit = { kind: "body", item: body };
     for (const shape of body.shapes) {

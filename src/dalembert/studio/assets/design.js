@@ -23,7 +23,7 @@ const REQUIRED = { tolerance: (responses) => ({ response: responses[0] ?? "", to
 const REDUCTIONS = ["Maximum", "Minimum", "Mean", "RMS", "Integral", "Final"];
 
 export class DesignSheet {
-  /** @param {{ start: (section: string) => void, stop: () => void, open: (task: TaskMessage) => void, edit: (label: string, operations: Record<string, unknown>[]) => void, reveal: (section: string) => void, measures: () => string[], revision: () => number }} actions */
+  /** @param {{ start: (section: string) => void, stop: () => void, open: (task: TaskMessage) => void, edit: (label: string, operations: Record<string, unknown>[]) => void, reveal: (section: string) => void, measures: () => string[], digest: () => string }} actions */
   constructor(actions) {
     this.actions = actions;
     this.chosen = TASKS[0];
@@ -88,7 +88,7 @@ export class DesignSheet {
   renderState() {
     const task = this.tasks[this.chosen.section], running = Object.values(this.tasks).find(({ status }) => status === "running");
     const others = running && running !== task ? [running] : [];
-    this.state.replaceChildren(...[task, ...others].flatMap((item) => (item ? [taskCard(item, this.actions.revision(), this.actions)] : [])));
+    this.state.replaceChildren(...[task, ...others].flatMap((item) => (item ? [taskCard(item, this.actions.digest(), this.actions)] : [])));
   }
 
   /** Responses of the file: reductions of measures to numbers. */

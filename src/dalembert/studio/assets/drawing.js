@@ -195,7 +195,7 @@ export class Drawing {
   /** Change of the file by what is dragged. @param {Drag} drag @returns {Change | null} */
   changeOf({ kind, control, from, to, still }) {
     if (!this.document || kind === "box") return null;
-    if (control) return moveControl(still, control, to);
+    if (control) return moveControl(still, this.document, control, to);
     if (kind === "point") return move(still, this.document, from, to);
     const names = bodiesAmong(this.document, this.selection);
     return transform(still, this.document, this.selection, shift(to.x - from.x, to.y - from.y), `move ${names.length > 1 ? `${names.length} bodies` : names[0]}`);

@@ -5,10 +5,12 @@
 /** @import { Document } from "./types.d.ts" */
 /** @import { Transform } from "./transforms.js" */
 
+import { groupsOf } from "./contact_shapes.js";
+import { isSame, linkLengths } from "./ends.js";
 import { movedPoints } from "./operations.js";
 import { bodiesAmong, group, sectionOf } from "./selection.js";
 import { namedPlaces } from "./snapping.js";
-import { applied, bodiesOf, mapped, mappedBody } from "./transforms.js";
+import { applied, bodiesOf, mapped, mappedBody, references, renamed } from "./transforms.js";
 
 /** Whether a joint places a body. @param {Document} document @param {string} name */
 const isJoined = (document, name) => Object.values(document.joints ?? {}).some((joint) => bodiesOf(document, joint).includes(name));
@@ -42,20 +44,37 @@ export function transform(page, document, selected, map, label) {
     const others = place.names.filter((_, k) => !bodies.has(place.bodies[k])), [x, y] = applied(map, [place.x, place.y]);
     return others.length ? [{ from: { ...place, names: others }, to: { x, y } }] : [];
   });
+  /** @type {(place: { x: number, y: number }, body: string) => { x: number, y: number } | null | undefined} */
+  const linked = (place, body) => {
+    const [x, y] = applied(map, [place.x, place.y]);
+    return bodies.has(body) ? { x, y } : followers.find(({ from }) => isSame(page, from, place))?.to;
+  };
   const done = new Set(group(document, bodies).map(({ name }) => name));
-  const all = [...operations, ...movedPoints(page, document, followers, done)];
+  const all = [...operations, ...movedPoints(page, document, followers, done), ...linkLengths(page, document, linked, (name) => !done.has(name))];
   return all.length ? { label, operations: all } : null;
 }
 
 /** Copies of the selected bodies with the elements between them and the ground. @param {Page} page @param {Document} document @param {Iterable<string>} selected @param {Transform} map @param {string} [label] @returns {Change | null} */
 export function copied(page, document, selected, map, label = "copy") {
-  const parts = group(document, selected), names = new Map(parts.map(({ name }) => [name, `$copy_${name}`])), context = { page, document, map, names };
+  const parts = group(document, selected).filter(({ entry }) => entry.type !== "Collisions"), names = new Map(parts.map(({ name }) => [name, `$copy_${name}`])), context = { page, document, map, names };
   if (!parts.length) return null;
-  return { label, operations: parts.map(({ section, name, entry }) => {
+  const added = parts.map(({ section, name, entry }) => {
     const fields = section === "bodies" ? mappedBody(context, name, entry, true) : mapped(context, name, entry);
     if (section === "bodies" && !map.turn && !map.mirrored && entry.type !== "Particle" && !("angle" in entry)) fields.angle = mappedBody({ ...context, map: { ...map, turn: 2 * Math.PI } }, name, entry, true).angle - 2 * Math.PI;
     return { op: "add", section, base: section === "joints" && /^[A-Z]$/.test(name) ? "" : baseOf(name), as: `$copy_${name}`, fields };
-  }) };
+  });
+  return { label, operations: [...added, ...copiedShapes(document, names)] };
+}
+
+/** Shapes of contacts of copied bodies, in the same elements. @param {Document} document @param {Map<string, string>} names @returns {Operation[]} */
+function copiedShapes(document, names) {
+  const copied = [...names].filter(([name]) => document.bodies?.[name]);
+  return Object.entries(document.forces ?? {}).filter(([, { type }]) => type === "Collisions").flatMap(([element, entry]) => {
+    const shapes = Object.values(groupsOf(entry)).flat(), keys = ["forces", element, "shapes"];
+    const groups = copied.map(([name, copy]) => ({ copy, own: shapes.filter((shape) => references(shape, (other) => other === name).size).map((shape) => renamed(shape, names)) })).filter(({ own }) => own.length);
+    if (Array.isArray(entry.shapes)) return groups.length ? [{ op: "set", keys, value: [...entry.shapes, ...groups.flatMap(({ own }) => own)] }] : [];
+    return groups.map(({ copy, own }) => ({ op: "set", keys: [...keys, copy], value: own }));
+  });
 }
 
 /** @param {Document} document @param {Iterable<string>} names @returns {Change | null} */

@@ -27,7 +27,7 @@ export function addInsight(studio) {
   const overlays = new OverlayBar(studio.pictures, ghosts, () => studio.drawing.selection, () => studio.drawing.possible && studio.drawing.tool.name !== "select", (text) => studio.say(text));
   const drag = new TargetDrag(studio.pictures, { edit: (label, operations) => studio.change({ label, operations }), document: () => studio.known, selects: () => studio.drawing.tool.name === "select" });
   let marked = -1;
-  const result = new ResultPanel((task, values) => studio.change({ label: `adopt ${task.section}`, operations: Object.entries(values).map(([name, value]) => ({ op: "parameter", name, value })) }));
+  const result = new ResultPanel(({ section }, values) => studio.change({ label: `adopt ${section}`, operations: Object.entries(values).map(([name, value]) => ({ op: "parameter", name, value })) }));
   const shared = {
     request: (/** @type {string} */ kind, more = {}) => void studio.request(kind, more),
     edit: (/** @type {string} */ label, /** @type {Record<string, unknown>[]} */ operations) => studio.change({ label, operations }),
@@ -38,7 +38,7 @@ export function addInsight(studio) {
     },
     stop: () => void studio.request("stop task"),
     open: (/** @type {TaskMessage} */ task) => result.open(task),
-    revision: () => studio.file.revision,
+    digest: () => studio.file.digest,
     measures: () => (studio.pictures.page?.motion.series ?? []).map((/** @type {{ name: string }} */ { name }) => name),
     reveal: (/** @type {string} */ section) => {
       const at = studio.editor.text.search(new RegExp(`^\\s*\\[+${section}\\b`, "m"));

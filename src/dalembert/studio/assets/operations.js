@@ -4,6 +4,7 @@
 /** @import { Page } from "./pictures.js" */
 /** @import { Document } from "./types.d.ts" */
 
+import { isSame, linkLengths } from "./ends.js";
 import { neat } from "./neat.js";
 import { inBody, namedPlaces, onOutline, placeOf, poseOf } from "./snapping.js";
 
@@ -144,7 +145,7 @@ export function movedPoints(page, document, moves, done = new Set()) {
       else if (end.startsWith("ground.") && document.ground?.points?.[end.slice(7)]) set(["ground", "points", end.slice(7)], [neat(to.x), neat(to.y)]);
     });
   }
-  return operations;
+  return [...operations, ...linkLengths(page, document, (place) => moves.find(({ from }) => isSame(page, from, place))?.to)];
 }
 
 /** World coordinates of the other end of a bar. @param {Page} page @param {string} body @param {string} point */

@@ -45,7 +45,7 @@ class Studio {
   constructor() {
     this.status = new StatusLine();
     /** State of the file. @type {TextMessage} */
-    this.file = { kind: "text", revision: -1, opened: 0, text: null, name: "", path: "", changed: false, undo: "", redo: "", document: null };
+    this.file = { kind: "text", revision: -1, opened: 0, text: null, digest: "", name: "", path: "", changed: false, undo: "", redo: "", document: null };
     /** Revisions sent and not yet confirmed. */
     this.pending = 0;
     /** Revision whose change by the drawing is not yet answered. @type {number | null} */

@@ -16,7 +16,7 @@ const TYPES = { path: "Path of a point", motion: "Poses of a body", function: "F
 const SORTS = { error: "error", distance: "largest distance", marks: "defects" };
 
 export class SynthesisSheet {
-  /** @param {{ start: (section: string) => void, stop: () => void, open: (task: TaskMessage) => void, edit: (label: string, operations: Record<string, unknown>[]) => void, draw: (tool: string) => void, mark: (entry: number) => void, revision: () => number }} actions */
+  /** @param {{ start: (section: string) => void, stop: () => void, open: (task: TaskMessage) => void, edit: (label: string, operations: Record<string, unknown>[]) => void, draw: (tool: string) => void, mark: (entry: number) => void, digest: () => string }} actions */
   constructor(actions) {
     this.actions = actions;
     /** @type {Document | null} */
@@ -166,7 +166,7 @@ export class SynthesisSheet {
   }
 
   renderState() {
-    this.state.replaceChildren(...(this.task ? [taskCard(this.task, this.actions.revision(), this.actions)] : []));
+    this.state.replaceChildren(...(this.task ? [taskCard(this.task, this.actions.digest(), this.actions)] : []));
   }
 
   renderCards() {

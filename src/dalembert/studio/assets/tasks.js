@@ -4,6 +4,8 @@
 
 import { button, el } from "./dom.js";
 
+/** Time between looks whether the sliders of a result are ready [ms]. */
+const LOOK = 50;
 const PLOT = { width: 300, height: 90, margin: 6 };
 
 /** Objective over the iterations. @param {[number, number][]} history */
@@ -22,10 +24,10 @@ function historyPlot(history) {
 const STATES = { running: "runs", done: "done", stopped: "stopped", failed: "failed" };
 
 /** Card of a task: progress while it runs, its result afterwards.
- * @param {TaskMessage} task @param {number} revision of the present text @param {{ stop: () => void, open: (task: TaskMessage) => void }} actions */
-export function taskCard(task, revision, { stop, open }) {
+ * @param {TaskMessage} task @param {string} digest of the present text @param {{ stop: () => void, open: (task: TaskMessage) => void }} actions */
+export function taskCard(task, digest, { stop, open }) {
   const { status, fraction, history, text, page } = task, runs = status === "running";
-  const age = revision === task.revision ? "of the present text" : `of revision ${task.revision}; the text has changed since (revision ${revision})`;
+  const age = digest === task.digest ? "of the present text" : "of a former text";
   return el("div", { class: `task ${status}`, role: "status" },
     el("div", { class: "head" }, el("strong", {}, `${task.section}: ${STATES[status]}`), el("small", {}, age)),
     runs && (fraction === null ? el("progress", { "aria-label": "Progress" }) : el("progress", { value: fraction, max: 1, "aria-label": "Progress" })),
@@ -47,14 +49,40 @@ export class ResultPanel {
     /** @type {TaskMessage | null} */
     this.task = null;
     this.onWrite = write;
-    this.frame.addEventListener("load", () => this.themed());
+    /** Sliders of the page, when they are ready. @type {any} */
+    this.design = null;
+    /** @type {ReturnType<typeof setInterval> | undefined} */
+    this.waiting = undefined;
+    this.frame.addEventListener("load", () => {
+      this.themed();
+      this.listen();
+    });
+    this.node.addEventListener("close", () => clearInterval(this.waiting));
+  }
+
+  /** Offer the values of the sliders as soon as they are moved. */
+  listen() {
+    clearInterval(this.waiting);
+    this.waiting = setInterval(() => {
+      const design = /** @type {any} */ (this.frame.contentWindow)?.dalembert?.design;
+      if (!design) return;
+      clearInterval(this.waiting);
+      this.design = design;
+      design.onChange.on(() => this.offer(design.changed && design.row() === null));
+    }, LOOK);
+  }
+
+  /** Offer to write the parameters. @param {boolean} moved whether the sliders have been moved */
+  offer(moved) {
+    this.adopt.hidden = !moved && !this.task?.designs.length;
+    this.adopt.textContent = moved ? "Write the values of the sliders into the text" : "Write its parameters into the text";
   }
 
   /** @param {TaskMessage} task */
   open(task) {
-    this.task = task;
-    this.title.textContent = `${task.section}, revision ${task.revision}`;
-    this.adopt.hidden = !task.designs.length;
+    [this.task, this.design] = [task, null];
+    this.title.textContent = task.section;
+    this.offer(false);
     this.frame.src = task.page;
     this.node.showModal();
   }
@@ -66,12 +94,27 @@ export class ResultPanel {
     if (root && root.dataset.theme !== document.documentElement.dataset.theme) this.frame.contentDocument?.getElementById("theme")?.click();
   }
 
-  /** Write the chosen design. */
+  /** Write the chosen design, or that of the sliders if they have been moved. */
   write() {
-    const { task } = this, page = /** @type {any} */ (this.frame.contentWindow)?.dalembert;
+    const { task } = this;
     if (!task) return;
-    const chosen = task.designs.length > 1 ? Math.max(0, page?.choice?.chosen ?? 0) : 0;
+    const values = { ...task.designs[this.chosen], ...this.moved };
     this.close();
-    this.onWrite(task, task.designs[Math.min(chosen, task.designs.length - 1)]);
+    this.onWrite(task, values);
+  }
+
+  /** Number of the chosen design. */
+  get chosen() {
+    const chosen = /** @type {any} */ (this.frame.contentWindow)?.dalembert?.choice?.chosen ?? 0;
+    return Math.max(0, Math.min(chosen, (this.task?.designs.length ?? 1) - 1));
+  }
+
+  /** Values of the sliders that differ from the chosen design. @returns {Record<string, number>} */
+  get moved() {
+    const { design } = this;
+    if (!design?.changed || design.row() !== null) return {};
+    /** @type {{ name: string, drawn?: unknown }[]} */
+    const parameters = design.parameters, several = (this.task?.designs.length ?? 0) > 1;
+    return Object.fromEntries(parameters.flatMap(({ name, drawn }, k) => (drawn || (!several && design.values[k] === design.initial[k]) ? [] : [[name, design.values[k]]])));
   }
 }

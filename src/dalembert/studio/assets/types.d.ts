@@ -3,8 +3,8 @@
 /** A replacement in the text as remedy of a problem. */
 export interface Fix { title: string; start: number; end: number; insert: string }
 export interface Problem { fixes: Fix[]; level: "error" | "warning" | "info" | "note"; message: string; start: number | null; end: number | null; line: number }
-/** The text and the state of its file, whose number `opened` is; `text` is null where the page has it already. */
-export interface TextMessage { kind: "text"; revision: number; opened: number; text: string | null; name: string; path: string; changed: boolean; undo: string; redo: string; document: Document | null }
+/** The text and the state of its file, whose number `opened` is; `text` is null where the page has it already, and `digest` is its hash. */
+export interface TextMessage { kind: "text"; revision: number; opened: number; text: string | null; digest: string; name: string; path: string; changed: boolean; undo: string; redo: string; document: Document | null }
 /** Contents of the file: section → name → entry. */
 export type Document = Record<string, Record<string, any> | undefined>;
 /** A picture; `page` is the address of its data, empty if there is none, and `frame` that of a page without data. */
@@ -24,7 +24,7 @@ export interface PreviewMessage { kind: "preview"; fields: Record<string, unknow
 /** A candidate of a synthesis; `lines` are places over the instants. */
 export interface Card { error: number; distance: number; dimensions: Record<string, number>; marks: string[]; target: number[][]; curve: number[][]; lines: number[][][][]; operations?: Record<string, unknown>[]; parameters?: Record<string, number> }
 /** State of a design task; `page` is the address of its result, empty if there is none. */
-export interface TaskMessage { kind: "task"; number: number; section: string; revision: number; status: "running" | "done" | "stopped" | "failed"; fraction: number | null; history: [number, number][]; text: string; ok: boolean; page: string; designs: Record<string, number>[]; cards: Card[] }
+export interface TaskMessage { kind: "task"; number: number; section: string; digest: string; status: "running" | "done" | "stopped" | "failed"; fraction: number | null; history: [number, number][]; text: string; ok: boolean; page: string; designs: Record<string, number>[]; cards: Card[] }
 export type Message = FilesMessage | ExportMessage | TextMessage | PictureMessage | NoticeMessage | ConflictMessage;
 export type Attributes = Record<string, string | boolean | number | ((event: Event) => void) | null | undefined>;
 export type Child = Node | string | null | undefined | false;

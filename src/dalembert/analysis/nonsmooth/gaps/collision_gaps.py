@@ -245,7 +245,8 @@ def gap_sources(model: Model) -> list[GapSource]:
 def collision_gaps(model: Model) -> list[GapSource]:
     """Sources of the gaps of ``Collisions``."""
     elements = model.parts.elements.values()
-    return [_collision_gaps(model, e) for e in elements if isinstance(e, Collisions)]
+    collisions = [e for e in elements if isinstance(e, Collisions)]
+    return [_collision_gaps(model, e) for e in collisions if e.hulls or e.boundaries]
 
 
 def _collision_gaps(model: Model, element: Collisions) -> GapSource:
