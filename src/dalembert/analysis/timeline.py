@@ -245,7 +245,16 @@ class OverTime(Analysis[Any, R]):
 
     def checks(self, model: Any) -> dict[str, Callable[[], object]]:
         """Checks by the name of the option."""
-        return {**super().checks(model), "duration": lambda: run_times(self)}
+
+        def span() -> tuple[float, float]:
+            return checked_span(self.duration, self.t_span)
+
+        return {
+            **super().checks(model),
+            "duration" if self.t_span is None else "t_span": span,
+            "step": lambda: checked_step(self.step, *span()),
+            "outputs": lambda: run_times(self),
+        }
 
     def run(
         self,
