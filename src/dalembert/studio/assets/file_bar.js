@@ -4,11 +4,11 @@
 
 import { button, byId } from "./dom.js";
 
-/** @typedef {Record<"open" | "save" | "saveAs" | "export" | "undo" | "redo" | "photo" | "parameter" | "help" | "theme" | "stop", () => unknown>} BarActions */
+/** @typedef {Record<"open" | "save" | "saveAs" | "export" | "undo" | "redo" | "parameter" | "help" | "theme" | "stop", () => unknown>} BarActions */
 
 export class FileBar {
-  /** @param {string} modifier name of the key Ctrl @param {BarActions} act */
-  constructor(modifier, act) {
+  /** @param {string} modifier name of the key Ctrl @param {BarActions} act @param {HTMLElement} photo button of the photo */
+  constructor(modifier, act, photo) {
     this.modifier = modifier;
     this.undo = button("Undo", act.undo);
     this.redo = button("Redo", act.redo);
@@ -16,7 +16,7 @@ export class FileBar {
     byId("actions").append(
       button("Open…", act.open, { title: "Open a file, an example or a new model" }), this.save, button("Save as…", act.saveAs),
       button("Export…", act.export, { title: "Page, picture, film, table, script, and files for other programs" }), this.undo, this.redo,
-      button("Photo…", act.photo, { class: "button drawn", title: "Show a photo under the drawing; images can also be dropped on it" }),
+      photo,
       button("Parameter", act.parameter, { id: "make-parameter", class: "button drawn", title: `Turn the number at the cursor into a parameter with a slider (${modifier}E)` }),
     );
     byId("more").append(

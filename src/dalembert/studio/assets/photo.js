@@ -13,6 +13,10 @@ const SHARE = 0.8;
 const REST = 300;
 /** Units of a distance [m]. @type {Record<string, number>} */
 const UNITS = { "": 1, m: 1, cm: 0.01, mm: 0.001, in: 0.0254, ft: 0.3048 };
+/** Titles of the controls. */
+const OPEN = "Show a photo under the drawing; images can also be dropped on it", SCALE = "Click two points of the photo, and type their distance", MOVE = "Drag the photo";
+/** Reason for which they are disabled. */
+const PLANAR = "Photos are shown under planar drawings only; this model is spatial.";
 const DISTANCE = /^\s*([\d.]+(?:e[+-]?\d+)?)\s*(m|cm|mm|in|ft)?\s*$/i;
 
 export class Photo {
@@ -35,15 +39,24 @@ export class Photo {
     /** Whether the program has stored the photo as it is shown. */
     this.stored = true;
     this.opacity = el("input", { type: "range", min: "0.05", max: "1", step: "0.05", "aria-label": "Opacity", oninput: () => this.change({ opacity: Number(this.opacity.value) }) });
-    this.modes = { scale: button("Scale", () => this.choose("scale"), { title: "Click two points of the photo, and type their distance" }), move: button("Move", () => this.choose("move"), { title: "Drag the photo" }) };
+    this.modes = { scale: button("Scale", () => this.choose("scale"), { title: SCALE }), move: button("Move", () => this.choose("move"), { title: MOVE }) };
     this.panel = el("div", { class: "photo card", role: "group", "aria-label": "Photo", hidden: true }, el("span", {}, "Photo"), this.opacity, ...Object.values(this.modes), button("Remove", () => void this.remove()));
     this.input = el("input", { type: "file", accept: "image/*", hidden: true, "aria-label": "Photo", onchange: () => void this.load(this.input.files?.[0]) });
+    /** Button of the bar that chooses an image file. */
+    this.opener = button("Photo…", () => this.input.click(), { class: "button drawn", title: OPEN });
     stage.append(this.panel, this.input);
     pictures.onShow.push((page) => this.bind(page));
   }
 
-  /** Choose an image file. */
-  open() { this.input.click(); }
+  /** Allow a photo under planar drawings only. @param {Page} page */
+  allow(page) {
+    const flat = "s" in page.scene.view;
+    if (!flat) this.choose("");
+    for (const [node, title] of /** @type {const} */ ([[this.opener, OPEN], [this.opacity, ""], [this.modes.scale, SCALE], [this.modes.move, MOVE]])) {
+      node.disabled = !flat;
+      node.title = flat ? title : PLANAR;
+    }
+  }
 
   /** Show the photo of a file. @param {string} name */
   async show(name) {
@@ -67,7 +80,7 @@ export class Photo {
   async load(blob) {
     const view = this.pictures.page?.scene.view, canvas = this.pictures.page?.scene.canvas;
     this.input.value = "";
-    if (!blob || !view || !("s" in view)) return this.say("A photo is shown under drawings of planar mechanisms.", true);
+    if (!blob || !view || !("s" in view)) return this.say(PLANAR, true);
     try {
       const image = await createImageBitmap(blob), [w, h] = [canvas.clientWidth, canvas.clientHeight];
       const fit = SHARE * Math.min(w / image.width, h / image.height), [x, y] = view.world([(w - fit * image.width) / 2, (h - fit * image.height) / 2]);
@@ -122,8 +135,14 @@ export class Photo {
 
   /** @param {Page} page */
   bind(page) {
+    this.allow(page);
     const { canvas, view } = page.scene, inner = /** @type {Window} */ (this.pictures.frame?.contentWindow);
     page.scene.overlays.push((/** @type {{ ctx: CanvasRenderingContext2D }} */ { ctx }) => this.draw(ctx, page));
+    inner.addEventListener("dragover", (event) => event.preventDefault());
+    inner.addEventListener("drop", (event) => {
+      event.preventDefault();
+      void this.load(event.dataTransfer?.files[0]);
+    });
     if (!("s" in view)) return;
     for (const kind of ["pointerdown", "pointermove", "pointerup"]) inner.addEventListener(kind, (event) => {
       if (!this.mode || event.target !== canvas) return;
@@ -131,11 +150,6 @@ export class Photo {
       event.stopImmediatePropagation();
       this.point(kind, view.world([clientX - left, clientY - top]), buttons);
     }, true);
-    inner.addEventListener("dragover", (event) => event.preventDefault());
-    inner.addEventListener("drop", (event) => {
-      event.preventDefault();
-      void this.load(event.dataTransfer?.files[0]);
-    });
     page.scene.invalidate();
   }
 

@@ -80,9 +80,9 @@ class Studio {
     this.saving = new Saving((kind, more) => this.request(kind, more), () => this.file);
     this.bar = new FileBar(MODIFIER, {
       open: () => this.request("files"), save: () => this.saving.save(), saveAs: () => this.saving.saveAs(), export: () => this.exports.open(),
-      undo: () => this.undo(), redo: () => this.redo(), photo: () => this.photo.open(), parameter: () => this.extract(),
+      undo: () => this.undo(), redo: () => this.redo(), parameter: () => this.extract(),
       help: () => this.help(), theme: () => this.theme.turn(), stop: () => this.stop(),
-    });
+    }, this.photo.opener);
     this.exports = new Exports((kind, more) => this.request(kind, more), () => this.share);
     this.theme = new Theme((name) => this.pictures.setTheme(name));
     this.drawing = new Drawing(this.pictures, {
