@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
-from test_studio_space import SpaceDesk, desk  # noqa: F401
+from scipy.spatial.transform import Rotation
+from test_studio_space import BOXES, SpaceDesk, desk  # noqa: F401
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 TIP = '{ section: "bodies", name: "rocker", part: "points", key: "tip" }'
@@ -69,3 +71,69 @@ def test_a_drag_keeps_the_loop_closed(desk: SpaceDesk) -> None:  # noqa: F811
     np.testing.assert_allclose(after["rocker.tip"], moved[-1], atol=1e-6)
     desk.page.keyboard.press("Control+z")
     desk.until(f"studio.editor.text === {text!r}", 20)
+
+
+@pytest.mark.usefixtures("desk")
+def test_a_displacement_is_typed_as_one_writes_it(desk: SpaceDesk) -> None:  # noqa: F811
+    """A number may begin with its point, have a comma, and be corrected."""
+    desk.show(BOXES)
+    desk.js("studio.space.choose('select')")
+    for keys, place in {".05": 250, "-.05": 150, "0,15": 350, "7\b.1 ": 300}.items():
+        desk.js('studio.space.select({ section: "bodies", name: "one" })')
+        desk.page.mouse.move(*desk.handle("move", "x"))
+        desk.page.mouse.down()
+        for key in keys:
+            desk.page.keyboard.press({"\b": "Backspace", " ": "Space"}.get(key, key))
+        desk.changed(lambda: desk.page.keyboard.press("Enter"))
+        desk.page.mouse.up()
+        assert desk.text == BOXES.replace('"200 mm"', f'"{place}.0 mm"'), keys
+        desk.changed(lambda: desk.page.keyboard.press("Control+z"))
+
+
+CORNERS = """async (kind) => {
+    const { outline, handleAt } = await import("./assets/space_gizmo.js"), { space } = studio;
+    const { boundPage: page, pose, handles } = space;
+    const handle = handles.find((one) => one.kind === kind && one.axis === "z");
+    const corners = outline(page, pose, handle);
+    const free = (p) => handleAt(page, pose, handles, page.scene.view.screen(p)) === handle;
+    const k = corners.findIndex((p, i) => i % 12 === 4 && free(p));  // not where an arrow is
+    return [corners, handle.way, k];
+}"""
+"""Corners of a handle of the axis z, this axis, and a corner at which it is taken."""
+
+
+@pytest.mark.parametrize("angles", [(math.pi, 0.0, 0.0), (0.4, -0.3, 0.2)])
+@pytest.mark.usefixtures("desk")
+def test_a_gizmo_with_the_axes_of_the_body(
+    desk: SpaceDesk,  # noqa: F811
+    angles: tuple[float, float, float],
+) -> None:
+    """Its rings turn the body with the pointer, and its planes are those of its arrows."""
+    x, y, z = angles
+    before = Rotation.from_euler("XYZ", angles)
+    desk.show(BOXES.replace("x = 0.0, y = 0.1, z = 0.0", f"x = {x}, y = {y}, z = {z}"))
+    desk.js("studio.space.choose('select')")
+    desk.js('studio.space.select({ section: "bodies", name: "one" })')
+    try:
+        desk.page.keyboard.press("g")
+        corners, axis, k = map(np.array, desk.page.evaluate(CORNERS, "turn"))
+        start = np.array([0.2, 0.3, 0.2])
+        desk.page.mouse.move(*desk.place(*corners[k]))
+        desk.page.mouse.down()
+        desk.page.mouse.move(*desk.place(*corners[k + 4]), steps=4)
+        desk.changed(desk.page.mouse.up)
+        rotation = desk.document["bodies"]["one"]["rotation"]
+        after = Rotation.from_euler("XYZ", [rotation[key] for key in "xyz"])
+        turn = (after * before.inv()).as_rotvec()
+        way = np.cross(corners[k] - start, corners[k + 4] - start)
+        assert turn @ way > 0
+        assert np.linalg.norm(turn) == pytest.approx(math.pi / 6, abs=1e-6)
+        assert abs(turn @ axis) == pytest.approx(math.pi / 6, abs=1e-6)
+        desk.changed(lambda: desk.page.keyboard.press("Control+z"))
+        corners = np.array(desk.page.evaluate(CORNERS, "plane")[0])
+        sides = before.inv().apply(corners[[1, 3]] - corners[0])
+        assert sides / np.linalg.norm(sides, axis=1)[:, None] == pytest.approx(
+            np.eye(3)[:2], abs=1e-6
+        )
+    finally:
+        desk.page.keyboard.press("g")

@@ -6,7 +6,7 @@
 /** @import { Vec } from "./space_math.js" */
 
 import { cleaned, rayAt, stepAt } from "./space_places.js";
-import { AXES, about, across, alongLine, cross, dot, minus, onPlane, plus, product, size, times, unit } from "./space_math.js";
+import { AXES, about, alongLine, cross, dot, minus, onPlane, plus, product, size, times, unit } from "./space_math.js";
 
 /** Lengths of arrows, radius of rings, near and far sides of planes [px]; distance at which the pointer takes hold. */
 const ARROW = 92, RING = 74, NEAR = 20, FAR = 40, REACH = 7;
@@ -14,7 +14,8 @@ const ARROW = 92, RING = 74, NEAR = 20, FAR = 40, REACH = 7;
 const STEP = Math.PI / 36;
 const COLOURS = /** @type {Record<string, Record<string, string>>} */ ({ light: { x: "#c8332b", y: "#23813a", z: "#1f62c9" }, dark: { x: "#ff7a70", y: "#5fd07a", z: "#79aaff" } });
 
-/** Part of the gizmo: an axis along which, across which or about which it moves. @typedef {{ kind: "move" | "plane" | "turn", axis: string, way: Vec }} Handle */
+/** Part of the gizmo: an axis along which, across which or about which it moves, and the other axes of the frame, right-handed with it.
+ * @typedef {{ kind: "move" | "plane" | "turn", axis: string, way: Vec, sides: [Vec, Vec] }} Handle */
 /** @typedef {{ handle: Handle, before: Pose, after: Pose, start: Vec | number | null, free: boolean, typed: string, value: number, pixel: Pixel }} Grip */
 
 /** Colour of an axis in the theme of the page. @param {string} axis */
@@ -22,23 +23,16 @@ export const axisColour = (axis) => COLOURS[document.documentElement.dataset.the
 
 /** Handles of a pose. @param {Pose} pose @param {boolean} turns @param {Vec[]} axes of the frame in which it moves @returns {Handle[]} */
 export function handles(pose, turns, axes) {
-  const names = Object.keys(AXES), all = (/** @type {Handle["kind"]} */ kind) => names.map((axis, k) => ({ kind, axis, way: axes[k] }));
+  const names = Object.keys(AXES), all = (/** @type {Handle["kind"]} */ kind) => names.map((axis, k) => ({ kind, axis, way: axes[k], sides: /** @type {[Vec, Vec]} */ ([axes[(k + 1) % 3], axes[(k + 2) % 3]]) }));
   return [...all("move"), ...all("plane"), ...(turns ? all("turn") : [])];
 }
 
 /** Corners of a handle in space: of an arrow, a plane or a ring. @param {Page} page @param {Pose} pose @param {Handle} handle */
-export function outline({ scene }, { p }, { kind, way }) {
+export function outline({ scene }, { p }, { kind, way, sides: [u, v] }) {
   const px = 1 / scene.view.scaleAt(p), at = (/** @type {Vec} */ u, /** @type {number} */ a, /** @type {Vec} */ v = u, b = 0) => plus(p, plus(times(u, a * px), times(v, b * px)));
   if (kind === "move") return [at(way, 8), at(way, ARROW)];
-  const [u, v] = planeAxes(way);
   if (kind === "plane") return [at(u, NEAR, v, NEAR), at(u, FAR, v, NEAR), at(u, FAR, v, FAR), at(u, NEAR, v, FAR)];
   return Array.from({ length: 49 }, (_, k) => at(u, RING * Math.cos((k * Math.PI) / 24), v, RING * Math.sin((k * Math.PI) / 24)));
-}
-
-/** Positive axes across an axis of a right-handed frame; of an inclined axis, any two. @param {Vec} way */
-function planeAxes(way) {
-  const k = way.findIndex((v) => Math.abs(v) > 1 - 1e-9), axes = Object.values(AXES);
-  return k < 0 ? across(way) : [axes[(k + 1) % 3], axes[(k + 2) % 3]];
 }
 
 /** Handle at a pixel. @param {Page} page @param {Pose} pose @param {Handle[]} list @param {Pixel} pixel @returns {Handle | null} */
@@ -72,12 +66,11 @@ function fromSegment([x, y], [a, b], [c, d]) {
 
 /** Coordinate of the pointer on a handle: along its arrow, in its plane, or the angle on its ring [rad].
  * @param {Page} page @param {Pose} pose @param {Handle} handle @param {Pixel} pixel @returns {Vec | number | null} */
-function coordinateAt(page, { p }, { kind, way }, pixel) {
+function coordinateAt(page, { p }, { kind, way, sides: [u, v] }, pixel) {
   const ray = rayAt(page, pixel);
   if (kind === "move") return alongLine(ray, p, way);
   const spot = onPlane(ray, p, way);
   if (kind === "plane") return spot;
-  const [u, v] = planeAxes(way);
   if (spot && Math.abs(dot(ray.way, way)) > 0.12) return Math.atan2(dot(minus(spot, p), v), dot(minus(spot, p), u));
   const tangent = unit(cross(way, ray.way)), px = page.scene.view.scaleAt(p), s = alongLine(ray, p, tangent);  // the ring is seen from the side
   return s === null ? null : (-s * px) / RING;
@@ -95,8 +88,8 @@ export function pulled(page, held, pixel, free) {
   if (now === null || start === null || held.typed) return next;
   const step = stepAt(page, before.p), toStep = (/** @type {number} */ v) => (free ? v : Math.round(v / step) * step);
   if (handle.kind === "plane") {
-    const axes = planeAxes(handle.way), raw = minus(/** @type {Vec} */ (now), /** @type {Vec} */ (start));
-    const shift = axes.reduce((sum, axis) => plus(sum, times(axis, onGrid(before.p, axis, dot(raw, axis), toStep))), [0, 0, 0]);
+    const raw = minus(/** @type {Vec} */ (now), /** @type {Vec} */ (start));
+    const shift = handle.sides.reduce((sum, axis) => plus(sum, times(axis, onGrid(before.p, axis, dot(raw, axis), toStep))), [0, 0, 0]);
     return { ...next, after: { p: tidy(page, before.p, shift, free), q: before.q }, value: size(shift) };
   }
   const raw = /** @type {number} */ (now) - /** @type {number} */ (start);
@@ -117,10 +110,12 @@ function onGrid(p, axis, shift, toStep) {
 /** Displaced place; coordinates that change have few digits. @param {Page} page @param {Vec} p @param {Vec} shift @param {boolean} free */
 const tidy = (page, p, shift, free) => { const next = plus(p, shift), clean = cleaned(page, next, free ? 10 : 100); return next.map((v, k) => (Math.abs(shift[k]) < 1e-12 ? p[k] : clean[k])); };
 
-/** The grip with a typed displacement in metres, or angle in degrees. @param {Grip} held @param {string} typed @returns {Grip} */
+/** The grip with a typed displacement in metres, or angle in degrees; a beginning such as "-" or "." is none yet, and what is no number is left out. @param {Grip} held @param {string} typed @returns {Grip} */
 export function withTyped(held, typed) {
-  const value = Number(typed) * (held.handle.kind === "turn" ? Math.PI / 180 : 1);
-  return Number.isFinite(value) && held.handle.kind !== "plane" ? { ...held, typed, value, after: shifted(held, value) } : { ...held, typed: "" };
+  const text = typed.replace(",", ".");
+  if (held.handle.kind === "plane" || !/^-?\d*\.?\d*$/.test(text)) return held;
+  const value = (Number(text) || 0) * (held.handle.kind === "turn" ? Math.PI / 180 : 1);
+  return { ...held, typed: text, value, after: shifted(held, value) };
 }
 
 /** Text of a grip beside the pointer. @param {Grip} held */

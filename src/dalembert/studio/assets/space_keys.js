@@ -35,8 +35,8 @@ export function answer(space, key) {
 function type(space, character) {
   const page = /** @type {Page} */ (space.boundPage), next = (/** @type {string} */ text) => (character ? text + character : text.slice(0, -1));
   if (space.held) {
-    const typed = next(space.held.typed), value = withTyped(space.held, typed);
-    space.held = typed === "-" ? { ...space.held, typed } : typed ? value : pulled(page, { ...space.held, typed: "" }, space.held.pixel, space.held.free);
+    const typed = next(space.held.typed);
+    space.held = typed ? withTyped(space.held, typed) : pulled(page, { ...space.held, typed: "" }, space.held.pixel, space.held.free);
     space.preview();
   } else space.typed = next(space.typed);
   return true;

@@ -36,7 +36,7 @@ function whileHeld(structure, key) {
   else if (key === "Escape") structure.revert();
   else if (/^[-\d.]$/.test(key) || (key === "Backspace" && held.typed)) {
     const typed = key === "Backspace" ? held.typed.slice(0, -1) : held.typed + key;
-    structure.held = typed === "-" ? { ...held, typed } : typed ? withTyped(held, typed) : pulled(page, { ...held, typed: "" }, held.pixel, held.free);
+    structure.held = typed ? withTyped(held, typed) : pulled(page, { ...held, typed: "" }, held.pixel, held.free);
     structure.preview();
   } else return false;
   return true;
