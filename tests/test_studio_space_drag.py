@@ -137,3 +137,39 @@ def test_a_gizmo_with_the_axes_of_the_body(
         )
     finally:
         desk.page.keyboard.press("g")
+
+
+@pytest.mark.usefixtures("desk")
+def test_what_is_drawn_at_typed_places_is_exact(desk: SpaceDesk) -> None:  # noqa: F811
+    """Places at named points and above places have all digits of these, not those of the screen."""
+    desk.show(BOXES.split("[parameters]")[0] + "[bodies]\n")
+
+    def typed(tool: str, *places: str) -> None:
+        desk.js(f"studio.space.choose('{tool}')")
+        for k, place in enumerate(places):
+            for key in place:
+                desk.page.keyboard.press("Space" if key == " " else key)
+            if k + 1 < len(places):
+                desk.page.keyboard.press("Enter")
+        desk.changed(lambda: desk.page.keyboard.press("Enter"))
+
+    start, end = [0.0137, 0.0291, 0.1234567891], [0.3334567891, 0.1333, 0.1234567891]
+    typed("bar", *(", ".join(map(str, place)) for place in (start, end)))
+    desk.js("studio.space.choose('joint')")
+    desk.page.select_option("#joint-axis", "z")
+    desk.draw("j", tuple(end), (-0.3, -0.3, 0))
+    ground, bar = desk.document["joints"]["A"]["connect"]
+    assert ground["at"] == pytest.approx(end, abs=1e-9)  # numbers of a page have ten digits
+    half = math.dist(start, end) / 2
+    assert bar["at"] == pytest.approx([half, 0, 0], abs=1e-9)
+    desk.js("studio.space.choose('bar')")
+    for key in ", ".join(map(str, start)):
+        desk.page.keyboard.press("Space" if key == " " else key)
+    desk.page.keyboard.press("Enter")
+    desk.page.keyboard.down("Shift")
+    desk.changed(lambda: desk.click(*start[:2], 0.3))
+    desk.page.keyboard.up("Shift")
+    position = desk.document["bodies"]["bar2"]["position"]
+    assert position[:2] == start[:2]
+    length = desk.document["bodies"]["bar2"]["length"]
+    assert position[2] == pytest.approx(start[2] + length / 2, abs=1e-12)

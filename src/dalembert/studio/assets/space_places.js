@@ -3,6 +3,7 @@
 /** @import { Page } from "./pictures.js" */
 /** @import { Vec } from "./space_math.js" */
 
+import { neat } from "./neat.js";
 import { gridStep, rounded } from "./snapping.js";
 import { alongLine, minus, onPlane, plus, times, unit } from "./space_math.js";
 
@@ -10,8 +11,6 @@ import { alongLine, minus, onPlane, plus, times, unit } from "./space_math.js";
 const CATCH = 11;
 /** Size of the whole motion, relative to the position at the start, above which it is far. */
 const FAR = 4;
-/** Places in a pixel to which points of the picture are exact. */
-const FINE = 100;
 
 /** A place: its coordinates, the names of the points there, the body it is on, and the normal of the surface there.
  * @typedef {{ p: Vec, names: string[], body: string | null, joint: string | null, normal: Vec | null, how: string }} SpacePlace */
@@ -62,8 +61,8 @@ export function joinedPlace(page, place) {
   return { ...place, names: points?.names ?? [], body: points?.bodies[0] ?? centre?.name ?? null, joint: joint?.name ?? null };
 }
 
-/** Coordinates without the noise of the picture. @param {Page} page @param {Vec} p @param {number} [fine] */
-export const cleaned = ({ scene }, p, fine = FINE) => p.map((v) => rounded(v, fine * scene.view.scaleAt(p)));
+/** Coordinates without the noise of the pointer. @param {Page} page @param {Vec} p @param {number} fine places in a pixel */
+export const cleaned = ({ scene }, p, fine) => p.map((v) => rounded(v, fine * scene.view.scaleAt(p)));
 
 /** Distance of lines of the grid near a place [m]. @param {Page} page @param {Vec} p */
 export const stepAt = ({ scene }, p) => gridStep(scene.view.scaleAt(p));
@@ -76,14 +75,14 @@ export function spaceSnap(page, pixel, plane, { free = false, onBody = false, fr
   const snapped = (/** @type {number} */ v, /** @type {number} */ step) => (free ? v : Number((Math.round(v / step) * step).toPrecision(9)));
   if (lift && from) {
     const s = alongLine(ray, from, plane.normal);
-    return s === null ? null : { ...none, p: cleaned(page, plus(from, times(plane.normal, snapped(s, stepAt(page, from))))), how: `along ${plane.axis}` };
+    return s === null ? null : { ...none, p: plus(from, times(plane.normal, free ? rounded(s, scene.view.scaleAt(from)) : snapped(s, stepAt(page, from)))).map(neat), how: `along ${plane.axis}` };
   }
   const away = (/** @type {Vec | null} */ p) => { const at = p && scene.view.screen(p); return at ? Math.hypot(at[0] - pixel[0], at[1] - pixel[1]) : Infinity; };
   const joint = motion.joints.map((/** @type {any} */ item) => ({ name: item.name, p: motion.placeOf(item) })).filter((/** @type {any} */ { p }) => away(p) < CATCH)[0] ?? null;
   if (!free) {
     const near = namedPoints(page).map((place) => ({ ...place, away: away(place.p) })).filter((place) => place.away < CATCH).sort((a, b) => a.away - b.away)[0];
-    if (near) return { p: cleaned(page, near.p), names: near.names, body: near.bodies[0], joint: joint?.name ?? null, normal: null, how: near.names[0] };
-    if (joint) return { ...none, p: cleaned(page, joint.p), joint: joint.name, how: joint.name };
+    if (near) return { p: near.p.map(neat), names: near.names, body: near.bodies[0], joint: joint?.name ?? null, normal: null, how: near.names[0] };
+    if (joint) return { ...none, p: joint.p.map(neat), joint: joint.name, how: joint.name };
   }
   const hit = onBody ? scene.painter.struck(pixel) : null;
   if (hit?.object.userData.kind === "body") {
