@@ -159,6 +159,7 @@ export class SpatialPainter {
     if (geometry) {
       const mesh = this.add(group, geometry, role, body.fixed ? null : { kind: "body", item: body }), inside = new THREE.Mesh(geometry, this.materials.inside(role));
       group.add(inside);
+      if (!body.fixed) { inside.userData = mesh.userData; this.picks.push(inside); }
       this.solids.push({ mesh, inside, body, shape });
       solid.push(mesh, inside);
     }
@@ -320,9 +321,18 @@ export class SpatialPainter {
     const { clientWidth: w, clientHeight: h } = this.scene.canvas, ray = new THREE.Raycaster();
     ray.setFromCamera(new THREE.Vector2((2 * x) / w - 1, 1 - (2 * y) / h), this.view.camera);
     /** @type {{ distance: number, point: THREE.Vector3, face: any, object: THREE.Mesh }[]} */
-    const hits = ray.intersectObjects(this.picks, false).filter((/** @type {any} */ { point, object }) => visible(object) && !(this.materials.section && this.materials.cut.distanceToPoint(point) < 0 && object.userData.kind === "body"));
+    const hits = ray.intersectObjects(this.picks, false).filter((/** @type {any} */ { point, object }) => visible(object) && !(this.materials.section && this.materials.cut.distanceToPoint(point) < 0 && object.userData.kind === "body"))
+      .map((/** @type {any} */ hit) => (hit.object.material.side === THREE.BackSide ? this.onSection(hit, ray.ray) : hit));
     const symbol = hits.find(({ object }) => object.userData.kind !== "body");
     return (symbol && symbol.distance < hits[0].distance + 4 * this.unit ? symbol : hits[0]) ?? null;
+  }
+
+  /** A hit inside a solid that is cut: its section seems filled, so the ray ends in the plane of the section. @param {any} hit @param {any} ray */
+  onSection(hit, ray) {
+    const { cut } = this.materials, point = ray.intersectPlane(cut, new THREE.Vector3());
+    if (!point) return hit;
+    const normal = cut.normal.clone().negate().transformDirection(hit.object.matrixWorld.clone().invert());
+    return { ...hit, point, distance: point.distanceTo(ray.origin), face: { ...hit.face, normal } };
   }
 
   labels() { return spatialLabels(this); }
