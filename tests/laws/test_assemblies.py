@@ -194,29 +194,3 @@ def test_a_run_that_changes_branch_says_so():
     (warnings,) = BranchJumps(record.kernel, replace(record.steps, x=x)).warnings
     assert warnings.startswith("at t = 0.05 s rocker.angle jumps by")
     assert "another assembly" in warnings
-
-
-def square_frame(turns: int, closing: type[planar.Weld] | type[planar.Prismatic]) -> da.System:
-    """Four bars at right angles on a pivot; the last joint is given with whole revolutions."""
-    system, middles = da.System("frame", gravity=(0, -9.81)), [(1, 0), (2, 1), (1, 2), (0, 1)]
-    bars = [
-        system.add(planar.Bar(f"b{k}", length=2, mass=1, angle=k * np.pi / 2, position=middle))
-        for k, middle in enumerate(middles)
-    ]
-    system.add(planar.Revolute("O", system.ground.center, bars[0].start))
-    for k in range(3):
-        system.add(planar.Weld(f"w{k}", bars[k].end, bars[k + 1].start, angle=np.pi / 2))
-    angle = np.pi / 2 + 2 * np.pi * turns
-    system.add(closing("closing", bars[3].end, bars[0].start, angle=angle))
-    return system
-
-
-@pytest.mark.parametrize("closing", [planar.Weld, planar.Prismatic])
-@pytest.mark.parametrize("turns", [-2, -1, 0, 1])
-def test_angles_of_rigid_joints_around_a_loop_count_up_to_revolutions(turns, closing):
-    """The frame is a pendulum: ``(I + m a²) α = m g a`` about its pivot at a corner."""
-    motion = da.solve_dynamics(square_frame(turns, closing).build(), 0.01, step=1e-3)
-    assert motion.status.success
-    inertia = sum(2**2 / 12 + d for d in (1.0, 5.0, 5.0, 1.0))  # squares of the distances
-    expected = -9.81 * 4 / inertia  # the middle is 1 m to the side
-    assert motion["b0.angular_acceleration"][0] == pytest.approx(expected, rel=1e-9)

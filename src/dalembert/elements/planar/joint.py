@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -109,14 +108,6 @@ class TreeJoint(PinJoint):
     def joint_coordinates(self) -> dict[str, tuple[ca.SX, str]]:
         """Free coordinates except the rotation: name → (expression of the poses, unit)."""
         return {}
-
-    def turn_from(self, angle: ca.SX) -> ca.SX:
-        """Relative rotation beyond a constant angle, within half a revolution to either side.
-
-        Around a loop, constant angles add up to whole revolutions, which no pose can express.
-        """
-        beyond = self.turn - angle
-        return beyond - 2 * math.pi * ca.floor(beyond / (2 * math.pi) + 0.5)
 
     def fixed_turn(self, z: ca.SX) -> ca.SX | None:
         """``φ_j − φ_i`` if the joint prescribes it; None if the rotation is free."""

@@ -71,7 +71,7 @@ class Prismatic(GuidingJoint):
 
     Parameters
     ----------
-    angle : constant angle of the second body relative to the first, up to whole revolutions [rad]
+    angle : constant angle of the second body relative to the first [rad]
 
     Examples
     --------
@@ -89,7 +89,7 @@ class Prismatic(GuidingJoint):
     angle: Scalar = quantity("rad", "angle of the second body relative to the first", default=0.0)
 
     def residual(self) -> ca.SX:
-        return ca.vertcat(self.offset, self.turn_from(self.angle.sx))
+        return ca.vertcat(self.offset, self.turn - self.angle.sx)
 
     def units(self) -> list[str]:
         return ["m", "rad"]

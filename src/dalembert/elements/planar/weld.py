@@ -19,7 +19,7 @@ class Weld(TreeJoint):
 
     Parameters
     ----------
-    angle : angle of the second body relative to the first, up to whole revolutions [rad]
+    angle : angle of the second body relative to the first [rad]
 
     Examples
     --------
@@ -36,7 +36,7 @@ class Weld(TreeJoint):
     angle: Scalar = quantity("rad", "angle of the second body relative to the first", default=0.0)
 
     def residual(self) -> ca.SX:
-        return ca.vertcat(self.between, self.turn_from(self.angle.sx))
+        return ca.vertcat(self.between, self.turn - self.angle.sx)
 
     def look(self) -> list[Look]:
         return [Clamp(self.point_j, self.point_i)]
