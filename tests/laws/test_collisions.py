@@ -151,7 +151,6 @@ def test_discs_are_drawn():
 @pytest.mark.parametrize(
     ("change", "wrong"),
     [
-        ({"balls": []}, "there is no ball"),
         ({"balls": [("disc", 0.1)]}, r"shapes\[0\]: is \('disc', 0.1\); give shapes"),
         ({"balls": [3]}, r"is 3; give shapes such as contact.Circle"),
         ({"radius": -0.1}, r"radius.*above 0"),
@@ -170,6 +169,19 @@ def test_bad_input(change, wrong):
     ]
     with pytest.raises(ModelError, match=wrong):
         system.add(planar.Collisions("collisions", [*balls, *walls], **change)) and system.build()
+
+
+def test_walls_alone_do_not_touch():
+    """Those of one body may wait for bodies; such a model is refused when it is to move."""
+    system = da.System("walls", gravity=(0, -9.81))
+    disc = system.add(planar.Body("disc", mass=1.0, inertia=1.0))
+    kit = planar.contact
+    floor, plate = kit.HalfPlane(system.ground.point(0, 0)), kit.HalfPlane(disc.center)
+    with pytest.raises(ModelError, match="there is no ball"):
+        planar.Collisions("collisions", [floor, plate])
+    system.add(planar.Collisions("collisions", [floor]))
+    with pytest.raises(da.AnalysisError, match=r"add a shape of another body.*Circle"):
+        da.solve_nonsmooth(system.build(), 0.1, step=1e-2)
 
 
 def test_nothing_to_touch_and_wrong_strategies():
