@@ -152,7 +152,8 @@ def opened(
     visit.js(look)
     try:
         yield visit
-        assert (visit.requests, visit.console, visit.errors) == ([], [], [])
+        noted = visit.requests, visit.console, visit.errors
+        assert noted == ([], [], []), noted
     finally:
         page.close()
 

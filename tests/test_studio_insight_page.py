@@ -189,7 +189,7 @@ def test_targets_are_clicked_and_a_candidate_is_inserted(desk: tuple[Desk, Studi
     visit.until("studio.insight.synthesis.task?.status === 'done'", 60)
     assert visit.page.locator(".candidate").count() >= 1
     visit.until(
-        "[...document.querySelectorAll('.candidate canvas')].every((c) => c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some((v) => v))",
+        "[...document.querySelectorAll('.candidate canvas')].every((c) => { const copy = new OffscreenCanvas(c.width, c.height).getContext('2d', { willReadFrequently: true }); copy.drawImage(c, 0, 0); return copy.getImageData(0, 0, c.width, c.height).data.some((v) => v); })",
         10,
     )
     assert visit.js(
