@@ -189,7 +189,7 @@ def test_a_geneva_drive_turns_by_quarters_and_dwells():
     off = turned - (ideal - math.pi / 4 - number * math.pi / 2)
     narrow = APART - CRANK
     assert np.abs(off[inside]).max() < 1.5 * CLEARANCE / narrow
-    outside = np.abs(passed) > 0.3 * math.pi
+    outside = np.abs(passed) > 0.35 * math.pi  # where the wheel has come to rest
     moved = np.abs(np.diff(angle))[outside[:-1] & outside[1:]]
     assert moved.max() < 1e-6
     assert turned[-1] == pytest.approx(-math.pi, abs=3 * CLEARANCE / narrow)

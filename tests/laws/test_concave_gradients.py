@@ -1,6 +1,7 @@
 """Gradients of motions along concave gaps: direct, adjoint, differences.
 
-Steps of ``AnticipatedImpacts`` take means of velocities over the path there. Bodies begin in
+Steps of ``AnticipatedImpacts`` take means of velocities over the path where bodies on these become
+faster, as directions in the middle of the step then leave gaps closed at its end. Bodies begin in
 contact for all parameters, so that differences of the run confirm the derivatives.
 """
 
@@ -21,7 +22,7 @@ def rolling_disc() -> da.Model:
     """A disc in a bore, on its circle at any angle, with a speed along it."""
     system = da.System("disc in a bore", gravity=(0.0, -9.81))
     size, mass = system.parameter("size", 0.1, "m"), system.parameter("mass", 2.0, "kg")
-    lean, speed = system.parameter("lean", 0.6, "rad"), system.parameter("speed", 0.3, "m/s")
+    lean, speed = system.parameter("lean", 0.6, "rad"), system.parameter("speed", -0.3, "m/s")
     friction, bowl = system.parameter("friction", 0.1), system.parameter("bowl", BOWL, "m")
     arm = bowl - size
     start = {"position": (arm * da.sin(lean), -arm * da.cos(lean)), "angle": 0.0}
@@ -37,7 +38,7 @@ def box_in_a_bore() -> da.Model:
     """Two corners slide on the circle."""
     system = da.System("box in a bore", gravity=(0.0, -9.81))
     width, height = system.parameter("width", 0.3, "m"), system.parameter("height", 0.2, "m")
-    lean, turn = system.parameter("lean", 0.5, "rad"), system.parameter("turn", 1.0, "rad/s")
+    lean, turn = system.parameter("lean", 0.5, "rad"), system.parameter("turn", -1.0, "rad/s")
     friction = system.parameter("friction", 0.1)
     arm = da.sqrt(BOWL**2 - width**2 / 4) - height / 2
     start = {"position": (arm * da.sin(lean), -arm * da.cos(lean)), "angle": lean}
@@ -53,7 +54,7 @@ def disc_in_a_valley() -> da.Model:
     """A disc on a smooth curve, from its lowest point."""
     system = da.System("disc in a valley", gravity=(0.0, -9.81))
     size, speed = system.parameter("size", 0.1, "m"), system.parameter("speed", 0.8, "m/s")
-    friction, pull = system.parameter("friction", 0.2), system.parameter("pull", 1.0, "N")
+    friction, pull = system.parameter("friction", 0.2), system.parameter("pull", 5.0, "N")
     start = {"position": (0.0, size), "velocity": (speed, 0.0), "angle": 0.0}
     disc = system.add(planar.Body("body", mass=1.0, inertia=0.005, **start))
     system.add(planar.Force("pull", disc.center, (pull, 0.0)))

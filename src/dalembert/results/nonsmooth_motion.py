@@ -31,6 +31,7 @@ class ContactRecord:
     impulse : (c, k) [N s], the normal component first, those of rotations last [N m s]
     offset : (c, k) velocity offset of the condition at the end of the step [m/s]
     curved : (c,) whether the velocities are means over the path of the step, as for concave gaps
+    kept : (c,) whether the directions are those at the start of the step, as for impacts
     linear : number of components that are not rotations
     loss : (K,) energy dissipated by contacts [J]
     work : (c,) work of the normal force of a compliant contact, zero for a rigid one [J]
@@ -51,6 +52,7 @@ class ContactRecord:
     impulse: np.ndarray
     offset: np.ndarray
     curved: np.ndarray
+    kept: np.ndarray
     linear: int
     loss: np.ndarray
     work: np.ndarray

@@ -38,10 +38,9 @@ def advance(
     Where the gap of a compliant contact is not linear, its force acts along the mean of its
     direction over the path, so that its work is the change of its elastic energy.
     """
-    smooth = step.smooth.step(t, y, v, step.p, h, step.scheme.theta)
-    start = StepStart(smooth, smooth.free, before is None)
+    start = step.begin(t, h, y, v, before is None)
     near = step.near(step.at(t, y), AHEAD * h * np.column_stack([v, start.free]))
-    contacts = step.turned(v, h, near)
+    contacts = step.in_middle(start, near)
     result = _advanced(step, start, contacts, before)
     for _ in range(PATHS if step.force_laws.elements else 0):
         if not result.impulses.accepted or not np.isfinite(result.y).all():

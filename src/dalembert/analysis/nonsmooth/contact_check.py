@@ -15,7 +15,6 @@ from dalembert.analysis.nonsmooth.contact_durations import duration_warnings
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.lifted_bodies import lifting_warnings
 from dalembert.analysis.nonsmooth.missing_rebounds import rebound_warnings
-from dalembert.analysis.nonsmooth.spinning_bodies import spin_warnings
 from dalembert.analysis.nonsmooth.touching_shapes import bodies_of
 from dalembert.analysis.residual_check import EXACT, ResidualCheck
 from dalembert.formulations.base import Level
@@ -139,5 +138,4 @@ class ContactCheck(ResidualCheck):
         warnings += duration_warnings(record, self.energy.moved)
         if self.step.scheme.anticipates:
             warnings += alternation_warnings(record)
-        warnings += spin_warnings(self.step, record)
         return warnings + rebound_warnings(self.step, record, self.energy.moved)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.contact_step import APART
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapSource
+from dalembert.analysis.nonsmooth.gaps.model_gaps import APART
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.results.contact_forces import ContactForces
 from dalembert.results.nonsmooth_motion import NonsmoothMotion

@@ -10,17 +10,15 @@ import numpy as np
 from dalembert.analysis.nonsmooth.compliant_contacts import CompliantContacts
 from dalembert.analysis.nonsmooth.force_laws import ForceLaws
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
-from dalembert.analysis.nonsmooth.gaps.gap_source import GapSource
-from dalembert.analysis.nonsmooth.gaps.joined_gaps import selected_of, separating_of
+from dalembert.analysis.nonsmooth.gaps.model_gaps import ModelGaps
 from dalembert.analysis.nonsmooth.impact_stage import impact_stage
+from dalembert.analysis.nonsmooth.middle_directions import in_middle, with_clearance
 from dalembert.analysis.nonsmooth.mobility import delassus
 from dalembert.analysis.nonsmooth.smooth_motion import FreeMotion, SmoothMotion
 from dalembert.analysis.nonsmooth.step_state import LastImpulses, StepResult, StepStart, warm_start
-from dalembert.analysis.nonsmooth.turned_speeds import turned
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.contact.approach import Approach
-from dalembert.integrators.contact.contact_laws import widest_groups
 from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.integrators.contact.impulses import Impulses, compliant_problem
@@ -32,7 +30,6 @@ from dalembert.integrators.contact.static_friction import (
     solve_with_static_friction,
     sticks,
 )
-from dalembert.model.graph.model import Model
 
 ROUNDS = 50
 """Upper limit of the changes of the contact offsets in one step."""
@@ -43,35 +40,25 @@ PATHS = 20
 """Upper limit of the repetitions of a step with means over its path."""
 SAME_PATH = 1e-14
 """Estimated error of the means over a path, by which joints are open at its end [-]."""
-CLOSED = 1e-12
-"""Penetration that counts as rounding, by the natural length."""
-APART = 2**54
-"""Offset between the keys of gaps of different sources."""
+TRAVEL = 1e-6
+"""Part of a gap closed in a step that counts as an impact, by the natural length [-]."""
+CLEARANCE = 2e-7
+"""Clearance of gaps whose directions turn, by the natural length [-]."""
 
 
 @dataclass(frozen=True, eq=False)
-class ContactStep:
+class ContactStep(ModelGaps):
     """Time steps of one model.
 
     Attributes
     ----------
-    model : Model
-    smooth, sources : functions of the model
+    smooth : functions of the model
     scheme, solver : strategies
-    p : (np,) parameters
     """
 
-    model: Model
     smooth: SmoothMotion
-    sources: list[GapSource]
     scheme: ContactScheme
     solver: ContactSolver
-    p: np.ndarray
-
-    @cached_property
-    def groups(self) -> tuple[int, ...]:
-        """Widths of the groups of tangential components of the relative velocities."""
-        return widest_groups([source.groups for source in self.sources])
 
     @cached_property
     def force_laws(self) -> ForceLaws:
@@ -102,41 +89,45 @@ class ContactStep:
             )
         return laws
 
-    def at(self, t: float, y: np.ndarray) -> Configuration:
-        """The configuration with the parameters of the steps."""
-        return Configuration(t, y, self.p)
+    def begin(self, t: float, h: float, y: np.ndarray, v: np.ndarray, first: bool) -> StepStart:
+        """Start of a step, ``first`` of a run or not."""
+        smooth = self.smooth.step(t, y, v, self.p, h, self.scheme.theta)
+        return StepStart(smooth, smooth.free, first)
 
-    def near(self, configuration: Configuration, travels: np.ndarray) -> Contacts:
-        """Gaps of all sources within reach of the displacements ``travels``."""
-        parts, elements = [], 0
-        for number, source in enumerate(self.sources):
-            contacts = source.near(configuration, travels)
-            parts.append(
-                replace(
-                    contacts, owner=contacts.owner + elements, key=contacts.key + number * APART
-                )
-            )
-            elements += len(source.elements)
-        return Contacts.joined(parts)
+    def in_middle(self, start: StepStart, contacts: Contacts, lasting: bool = False) -> Contacts:
+        """Gaps at the start of a step with the directions in its middle, except those of impacts,
+        which ``lasting`` contacts do not have."""
+        lead, v, manifold = (
+            (1 - self.scheme.theta) * start.h,
+            start.v,
+            self.model.equations.manifold,
+        )
+        if not (contacts.count and lead):
+            return contacts
+        kept = np.zeros(contacts.count, dtype=bool)
+        if not lasting:
+            speeds = contacts.speeds(v), contacts.speeds(start.smooth.free.speeds)
+            approach = Approach(contacts, *speeds, start.h)
+            kept = approach.impacting & (-start.h * approach.before[:, 0] > self.least_travel)
+        if kept.all():
+            return replace(contacts, kept=kept)
+        at = self.at(start.t + lead, manifold.go(start.y, manifold.halfway(2 * lead * v)))
+        moved = in_middle(contacts, self.selected(at, contacts.key), kept, v)
+        rigid = ~self.force_laws.compliant(contacts)
+        distance = self.cleared(moved.distance, rigid[:, None] * moved.turning, start.h)
+        return replace(moved, distance=distance)
 
-    def selected(self, configuration: Configuration, keys: np.ndarray) -> Contacts:
-        """Gaps with some keys, at any distance."""
-        gaps = selected_of(self.sources, APART, configuration, keys)
-        elements = np.cumsum([0, *(len(source.elements) for source in self.sources)])
-        return replace(gaps, owner=gaps.owner + elements[keys // APART])
-
-    def turned(self, v: np.ndarray, h: float, contacts: Contacts) -> Contacts:
-        """Gaps at the start of a step of length ``h`` with the directions ``W E`` of its end."""
-        return turned(self.model.equations.manifold, (1 - self.scheme.theta) * h * v, contacts)
+    def cleared(
+        self, distance: np.ndarray, turning: np.ndarray, h: float | np.ndarray
+    ) -> np.ndarray:
+        """(n,) distances in the conditions of gaps, for ``turning`` (n, k) of ``Contacts``."""
+        if not self.scheme.anticipates:
+            return distance
+        return with_clearance(distance, h * turning[:, 0], self.rounding, self.clearance)
 
     def starting(self, start: StepStart, keys: np.ndarray) -> Contacts:
         """Gaps with some keys in a step from ``start``."""
-        return self.turned(start.v, start.h, self.selected(self.at(start.t, start.y), keys))
-
-    def separating(self, start: Configuration, end: Configuration, keys: np.ndarray) -> np.ndarray:
-        """Keys of gaps between the shapes of the gaps ``keys`` that separate them at ``start`` and
-        are closed at ``end``."""
-        return separating_of(self.sources, APART, start, end, keys, self.rounding)
+        return self.in_middle(start, self.selected(self.at(start.t, start.y), keys))
 
     def deepest(self, configuration: Configuration) -> float:
         """The smallest gap of rigid contacts if it is negative, else 0 [m]."""
@@ -150,19 +141,20 @@ class ContactStep:
         contacts = self.rigid(self.touching(configuration))
         return contacts.some(contacts.distance < -self.rounding)
 
-    def touching(self, configuration: Configuration) -> Contacts:
-        """Gaps that are not open."""
-        return self.near(configuration, np.zeros((self.model.equations.speed_count, 1)))
-
     def rigid(self, contacts: Contacts) -> Contacts:
         """Those of the contacts that have no force law."""
         compliant = self.force_laws.compliant(contacts)
         return contacts.some(~compliant) if compliant.any() else contacts
 
     @property
-    def rounding(self) -> float:
-        """Penetration that counts as rounding [m]."""
-        return CLOSED * self.model.scales.length
+    def least_travel(self) -> float:
+        """Part of a gap closed in a step that counts as an impact [m]."""
+        return TRAVEL * self.model.scales.length
+
+    @property
+    def clearance(self) -> float:
+        """Clearance of gaps whose directions turn [m]."""
+        return CLEARANCE * self.model.scales.length
 
     def struck(self, start: StepStart, contacts: Contacts) -> StepStart:
         """The start with the impacts of some contacts by other laws than Newton's, if any."""
@@ -235,7 +227,7 @@ class ContactStep:
         position = self.model.equations.manifold.go(start.y, displacement)
         position = start.smooth.states.added(position, after - v)
         mean = 0.5 * (contacts.directions @ (after + v)).reshape(offsets.shape)
-        ends = contacts.speeds(after)[:, 0]
+        ends = contacts.at_end(after)[:, 0]
         work = np.zeros(contacts.count)
         work[compliant.rows] = (impulses.impulses * mean)[compliant.rows, 0]
         if start.impact is not None:
@@ -258,7 +250,7 @@ class ContactStep:
             absent = CompliantContacts(*soft, np.zeros(0), self.scheme.theta)
             return empty, np.zeros(shape), contacts.key[:0], absent
         matrix = delassus(contacts.directions, motion.mobility)
-        free, own = contacts.speeds(motion.speeds), np.zeros(contacts.count)
+        free, own = contacts.at_end(motion.speeds), np.zeros(contacts.count)
         if self.force_laws.elements:
             own = matrix.diagonal().reshape(shape)[:, 0]
         compliant = CompliantContacts(*soft, own, self.scheme.theta)

@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.contact_step import CLOSED, ContactStep
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
+from dalembert.analysis.nonsmooth.gaps.model_gaps import CLOSED
 from dalembert.analysis.nonsmooth.mobility import Mobility, delassus
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.symbolic.equations import newton

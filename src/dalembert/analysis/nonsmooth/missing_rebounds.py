@@ -109,29 +109,28 @@ def _rebounds(step: ContactStep, record: ContactRecord, k: int) -> Rebounds | No
     h = float(record.t[k + 1]) - t
     if not keys.size:
         return None
-    contacts = step.rigid(step.turned(v, h, step.selected(step.at(t, y), keys)))
+    start = step.begin(t, h, y, v, k == 0)
+    contacts = step.rigid(step.starting(start, keys))
     contacts = contacts.some(contacts.laws.restitution > 0)
     if not contacts.count:
         return None
-    motion = step.smooth.step(t, y, v, step.p, h, step.scheme.theta).free
-    free, mobility = motion.speeds, motion.mobility
-    start = -contacts.speeds(v)[:, 0]
-    acceleration = (-contacts.speeds(free)[:, 0] - start) / h
+    closing = -contacts.at_start(v)[:, 0]
+    acceleration = (-contacts.at_end(start.free)[:, 0] - closing) / h
     fall = 2 * np.maximum(acceleration, 0.0) * np.maximum(contacts.distance, 0.0)
-    speed = np.sqrt(np.maximum(start, 0.0) ** 2 + fall)
+    speed = np.sqrt(np.maximum(closing, 0.0) ** 2 + fall)
     rebound = contacts.laws.restitution * speed
-    after = contacts.speeds(record.ends.v[:, k + 1])[:, 0]
+    after = contacts.at_end(record.ends.v[:, k + 1])[:, 0]
     rebounds = after >= REBOUND * rebound
     if step.scheme.anticipates:  # of which the impact may be in the next step
         next_v = record.ends.v[:, min(k + 2, record.t.size - 1)]
-        rebounds |= contacts.speeds(next_v)[:, 0] >= REBOUND * rebound
+        rebounds |= contacts.at_end(next_v)[:, 0] >= REBOUND * rebound
         newton = contacts.laws.follows(ImpactLaw.NEWTON)
         rebounds |= ~newton & (speed > SLOW * float(np.abs(h * acceleration).max()))
-    masses = _masses(contacts, mobility)
+    masses = _masses(contacts, start.motion.mobility)
     missing = np.where(rebounds, 0.0, masses * rebound**2 / 2)
     end = step.selected(step.at(t + h, record.ends.y[:, k + 1]), contacts.key)
     height = np.maximum(acceleration, 0.0) * np.maximum(end.distance, 0.0)
-    share = np.divide(after, start, out=np.zeros_like(after), where=start > 0)
+    share = np.divide(after, closing, out=np.zeros_like(after), where=closing > 0)
     newton = contacts.laws.follows(ImpactLaw.NEWTON)
     exact = np.where(newton, rebound, share * speed)
     error = masses * np.abs(after**2 / 2 + height - exact**2 / 2)

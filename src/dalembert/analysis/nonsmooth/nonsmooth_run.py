@@ -80,9 +80,8 @@ class NonsmoothRun:
             )
         elements = [element for source in sources for element in source.elements]
         refuse_moving_places(elements)
-        self.step = ContactStep(
-            model, smooth_motion(model), sources, analysis.integrator, analysis.solver, self.p
-        )
+        smooth, scheme = smooth_motion(model), analysis.integrator
+        self.step = ContactStep(model, sources, self.p, smooth, scheme, analysis.solver)
 
     def execute(self, progress) -> NonsmoothMotion:
         state = self.model.assemble(self.p, self.start)

@@ -9,7 +9,7 @@ from dalembert.analysis.nonsmooth.mean_gaps import mean_gaps
 from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart
 from dalembert.integrators.contact.contacts import Contacts
 
-LINEAR = 1e-8
+LINEAR = 1e-9
 """Deviation of a gap from its linear part, relative to its penetration, that counts as zero [-]."""
 
 
@@ -36,8 +36,8 @@ def bent_gaps(step: ContactStep, start: StepStart, result: StepResult) -> np.nda
     contacts = result.contacts
     acting = step.force_laws.compliant(contacts) & (result.impulses.impulses[:, 0] > 0)
     pressing = contacts.some(acting)
-    path = displacement(step, start, result)
-    change = start.h * pressing.speeds(path / start.h)[:, 0]
+    theta, ends_of = step.scheme.theta, (pressing.at_start(start.v), pressing.at_end(result.v))
+    change = start.h * ((1 - theta) * ends_of[0] + theta * ends_of[1])[:, 0]
     end = step.at(start.t + start.h, result.y)
     ends = step.selected(end, pressing.key).distance
     deviation = np.abs(ends - pressing.distance - change)

@@ -1,8 +1,9 @@
 """Error estimate of a nonsmooth run by repetition with steps of twice the length.
 
-The schemes are of first order, and of second order with force laws alone: the error of the run is
-the difference of both runs, or a third of it. The estimate includes errors of the instants of
-impacts and their amplification by the motion. Only coordinates are compared, as speeds jump.
+The schemes are of first order, and of second order with force laws alone, ``AnticipatedImpacts``
+also without impacts: the error of the run is the difference of both runs, or a third of it. The
+estimate includes errors of the instants of impacts and their amplification by the motion. Only
+coordinates are compared, as speeds jump.
 """
 
 from __future__ import annotations
@@ -63,7 +64,8 @@ class RunAccuracy:
         if not status.success:
             return ErrorEstimate(np.inf, "", float(status.time), "twice")
         y = record.ends.y
-        order = 2 if self.step.force_laws.are_all else 1
+        lasting = self.step.scheme.anticipates and not record.kept.any()
+        order = 2 if lasting or self.step.force_laws.are_all else 1
         error = (y[:, chosen] - positions) / (2**order - 1)
         ranges = np.ptp(y, axis=1)
         sizes = motion_sizes(ranges, model.guesses.units, model.scales.coordinates)

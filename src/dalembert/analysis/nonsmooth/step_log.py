@@ -30,6 +30,7 @@ class StepEntries:
     count : (K,) numbers of pressing contacts
     owner, key, impulse, offset : element, gap, impulse and velocity offset of each pressing contact
     curved : whether the step had means over its path for the gap of a pressing contact
+    kept : whether a pressing contact had its directions at the start of the step
     loss, friction : (K,) energy dissipated by the contacts, and its part by tangential impulses
     work, fraction : of each pressing contact, as in ``StepResult``
     residual, rounds, converged : (K,) of the solutions of the friction problems
@@ -42,6 +43,7 @@ class StepEntries:
     impulse: np.ndarray
     offset: np.ndarray
     curved: np.ndarray
+    kept: np.ndarray
     loss: np.ndarray
     friction: np.ndarray
     work: np.ndarray
@@ -65,6 +67,7 @@ class StepEntries:
             impulses.impulses[pressing],
             result.offsets[pressing],
             np.isin(contacts.key[pressing], result.curved),
+            contacts.kept_mask[pressing],
             np.array([result.loss]),
             np.array([friction]),
             result.work[pressing],
@@ -80,7 +83,20 @@ class StepEntries:
         impulses."""
         whole, number, flag = np.zeros(0), np.zeros(0, dtype=int), np.zeros(0, dtype=bool)
         table = np.zeros((0, components))
-        entries = number, number, number, table, table, flag, whole, whole, whole, whole, whole
+        entries = (
+            number,
+            number,
+            number,
+            table,
+            table,
+            flag,
+            flag,
+            whole,
+            whole,
+            whole,
+            whole,
+            whole,
+        )
         none = cls(np.zeros((joints, 0)), *entries, number, flag)
         parts = [none, *parts]
         columns = {f.name: [getattr(part, f.name) for part in parts] for f in fields(cls)}
@@ -195,6 +211,7 @@ class StepLog:
             impulse=entries.impulse,
             offset=entries.offset,
             curved=entries.curved,
+            kept=entries.kept,
             linear=1 + sum(self.step.groups[:1]),
             loss=loss,
             work=entries.work,

@@ -42,7 +42,7 @@ class StepResult:
     loss : energy dissipated by the contacts
     work : (n,) work of the normal forces of compliant contacts on the bodies [J]
     fractions : (n,) length of the step over the duration of compliant contacts, else zero [-]
-    curved : keys of the contacts with means over the path; others have the values of the start
+    curved : keys of the contacts with means over the path; others have directions in the middle
     path : the solution whose displacement is the path of the means
     impact : impacts at the start of the step; their impulses are part of ``impulses``
     """
@@ -124,11 +124,12 @@ class StepStart:
 
     def approach(self, contacts: Contacts, rounding: float) -> Approach:
         """Contacts with their velocities; gaps up to ``rounding`` count as closed."""
-        speeds = contacts.speeds(self.v), contacts.speeds(self.free)
+        speeds = contacts.at_start(self.v), contacts.at_end(self.free)
         approach = Approach(contacts, *speeds, self.h, self.begins, rounding)
         if self.impact is None:
             return approach
-        struck = contacts.speeds(self.v + self.impact.change)
+        change = contacts.directions @ self.impact.change
+        struck = approach.before + change.reshape(approach.before.shape)
         return replace(approach, struck=struck, hit=self.impact.rows(contacts))
 
 

@@ -7,7 +7,8 @@ from dataclasses import fields
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.nonsmooth.contact_step import APART as OFFSET, ContactStep
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.gaps.model_gaps import APART as OFFSET
 from dalembert.elements.base import Element
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.pairs import APART

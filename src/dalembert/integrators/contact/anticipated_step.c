@@ -10,14 +10,6 @@ static casadi_real casadi_margin(casadi_real gap, casadi_real before, casadi_rea
   casadi_real open = casadi_open(gap, before, h);
   return margin>open ? margin : open;
 }
-/* whether the speed at the contact, after the fall over the gap, is that of an impact */
-static int casadi_fast(casadi_real gap, casadi_real before, casadi_real free, casadi_real h,
-    casadi_real forced, casadi_real slow) {
-  casadi_real fall = before - free;
-  if (!(fall>0)) fall = 0;
-  if (!(gap>0)) gap = 0;
-  return before*before + 2*fall*gap/h>slow*forced*slow*forced;
-}
 /* minimum speed of a contact under pressure: impacting, resting or separating */
 static casadi_real casadi_bounce(casadi_real gap, casadi_real before, casadi_real h,
     casadi_real restitution, casadi_real forced, casadi_real closing, int fast) {
@@ -27,37 +19,6 @@ static casadi_real casadi_bounce(casadi_real gap, casadi_real before, casadi_rea
   if (before<=0 && speed<-gradual) speed = -gradual;
   if (before<0 && fast) speed = -restitution*before;
   return speed>open ? speed : open;
-}
-/* the largest change of a normal speed by forces at the bodies of each contact, by their first
-   speeds */
-static void casadi_changes(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
-  casadi_real* largest = res[28];
-  const int* pair = (const int*) res[23];
-  casadi_int i, j, s, body;
-  casadi_real change;
-  for (j=0; j<iw[3]; ++j) largest[j] = 0;
-  for (i=0; i<iw[0]; ++i) {
-    change = fabs(res[25][i*iw[1]] - res[24][i*iw[1]]);
-    for (s=0; s<2; ++s) {
-      body = ((const int*) arg[29])[((const int*) arg[31+s])[pair[i]]];
-      if (body<0) continue;
-      j = ((const int*) arg[30])[body];
-      if (!(change<=largest[j])) largest[j] = change;
-    }
-  }
-}
-/* whether a contact has an impact, by the changes at its bodies */
-static int casadi_strikes(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
-    casadi_int i) {
-  casadi_int s, body, r = i*iw[1];
-  casadi_real largest = 0, change;
-  for (s=0; s<2; ++s) {
-    body = ((const int*) arg[29])[((const int*) arg[31+s])[((const int*) res[23])[i]]];
-    if (body<0) continue;
-    change = res[28][((const int*) arg[30])[body]];
-    if (!(change<=largest)) largest = change;
-  }
-  return casadi_fast(res[22][i], res[24][r], res[25][r], arg[36][0], largest, arg[37][19]);
 }
 /* velocity offsets by Newton's law of impact, and the largest change of a normal speed by forces
    and the largest speed in limits */
@@ -186,6 +147,7 @@ static void casadi_record(const casadi_real** arg, casadi_real** res, casadi_int
     if (!(impulse[r]>0)) continue;
     last[pressing] = key[i];
     keys[iw[21]+pressing] = key[i];
+    ((int*) res[46])[iw[21]+pressing] = ((const int*) res[45])[i];
     for (a=0; a<width; ++a) {
       res[29][pressing*width+a] = impulse[r+a];
       res[32][(iw[21]+pressing)*width+a] = impulse[r+a];
@@ -238,6 +200,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   deepest = casadi_contacts(arg, res, iw, reach);
   iw[6] = 7;
   if (iw[0]>iw[19]) return 0;
+  casadi_take_middle(arg, res, iw);
   iw[6] = 0;
   if (((const casadi_int*) arg[47])[6]==2) return 0;
   iw[6] = 3;

@@ -35,6 +35,8 @@ class Contacts:
     groups : widths of the groups of tangential components, as in ``FrictionProblem``
     key : (n,) integer that identifies a gap from step to step
     owner : (n,) number of the element of the gap
+    turning : (n, k) ``b``, half of the change of ``u`` by that of ``W``, ``w`` in the step [m/s]
+    kept : (n,) mask of the gaps that keep their directions at the start of the step
     """
 
     distance: np.ndarray
@@ -44,6 +46,8 @@ class Contacts:
     groups: tuple[int, ...]
     key: np.ndarray
     owner: np.ndarray
+    turning: np.ndarray | float = 0.0
+    kept: np.ndarray | bool = False
 
     @property
     def count(self) -> int:
@@ -51,8 +55,16 @@ class Contacts:
         return self.distance.size
 
     def speeds(self, v: np.ndarray) -> np.ndarray:
-        """(n, k) ``u`` for speeds ``v`` of the model."""
+        """(n, k) ``u`` for speeds ``v`` of the model, where the directions are."""
         return (self.directions @ v).reshape(self.drift.shape) + self.drift
+
+    def at_start(self, v: np.ndarray) -> np.ndarray:
+        """(n, k) ``u⁻ = W v + w − b`` for speeds at the start of the step."""
+        return self.speeds(v) - self.turning
+
+    def at_end(self, v: np.ndarray) -> np.ndarray:
+        """(n, k) ``u⁺ = W v + w + b`` for speeds at the end of the step."""
+        return self.speeds(v) + self.turning
 
     @property
     def linear(self) -> int:
@@ -73,6 +85,8 @@ class Contacts:
             self.groups,
             self.key[selected],
             self.owner[selected],
+            self._turnings[selected],
+            self.kept_mask[selected],
         )
 
     @classmethod
@@ -84,15 +98,25 @@ class Contacts:
         if any(part.groups != groups for part in parts):
             groups = widest_groups([part.groups for part in parts])
             parts = [part.padded(groups) for part in parts]
-        columns = zip(*((p.distance, p.drift, p.key, p.owner) for p in parts), strict=True)
-        distance, drift, key, owner = (np.concatenate(column) for column in columns)
+        rows = [(p.distance, p.drift, p.key, p.owner, p._turnings, p.kept_mask) for p in parts]
+        columns = (np.concatenate(column) for column in zip(*rows, strict=True))
+        distance, drift, key, owner, turning, kept = columns
         laws = ContactLaws.joined([p.laws for p in parts])
-        rows = [p.directions for p in parts]
-        if any(scipy.sparse.issparse(part) for part in rows):
-            stacked: Matrix = scipy.sparse.csr_array(scipy.sparse.vstack(rows))
+        across = [p.directions for p in parts]
+        if any(scipy.sparse.issparse(part) for part in across):
+            stacked: Matrix = scipy.sparse.csr_array(scipy.sparse.vstack(across))
         else:
-            stacked = np.vstack(rows)
-        return cls(distance, stacked, drift, laws, groups, key, owner)
+            stacked = np.vstack(across)
+        return cls(distance, stacked, drift, laws, groups, key, owner, turning, kept)
+
+    @property
+    def kept_mask(self) -> np.ndarray:
+        """(n,) ``kept``."""
+        return np.broadcast_to(self.kept, self.key.shape)
+
+    @property
+    def _turnings(self) -> np.ndarray:
+        return np.broadcast_to(self.turning, self.drift.shape)
 
     def padded(self, groups: tuple[int, ...]) -> Contacts:
         """The gaps with zeros for the components of wider groups that they lack."""
@@ -109,6 +133,7 @@ class Contacts:
             self,
             directions=directions,
             drift=np.pad(self.drift, missing),
+            turning=np.pad(self._turnings, missing),
             laws=self.laws.padded(len(groups)),
             groups=groups,
         )

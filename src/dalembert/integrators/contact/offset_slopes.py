@@ -10,6 +10,10 @@ from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.approach import Approach
 
+TIED = 1e-12
+"""Rounding error of the speed after an impact without restitution, relative to the speed before
+[-]."""
+
 
 @dataclass(frozen=True, eq=False)
 class OffsetSlopes:
@@ -54,7 +58,7 @@ def _rebound(approach: Approach) -> tuple[np.ndarray, ...]:
     hit, speed, restitution, struck = np.broadcast_to(approach.hit, u.shape), e, u, 0 * u
     if approach.struck is not None:
         after = approach.struck[:, 0]
-        free = (after > 0) & (after < -u)
+        free = (after > TIED * u) & (after < -u)
         speed = np.where(hit, (after >= -u) & (u < 0), speed)
         restitution, struck = np.where(hit, 0.0, restitution), np.where(hit & free, -1.0, 0.0)
     return -approach.rebound, speed, restitution, struck

@@ -191,7 +191,6 @@ static void casadi_add_contact(const casadi_real** arg, casadi_real** res, casad
     casadi_take_means(arg, iw, count, slot);
     res[22][count] = arg[56][slot];
   }
-  casadi_response_rows(arg, res, iw, count, contact[1], contact[3]);
   ((int*) res[23])[count] = pair;
   ((casadi_int*) arg[43])[count] = key;
   for (a=0; a<6; ++a) ((int*) arg[51])[6*count+a] = contact[a];
@@ -324,6 +323,83 @@ static casadi_real casadi_contacts(const casadi_real** arg, casadi_real** res, c
     casadi_add_contact(arg, res, iw, (const int*) arg[53] + 6*k, on_path[k], gap, direction, point);
   }
   return deepest;
+}
+/* whether the speed at the contact, after the fall over the gap, is that of an impact */
+static int casadi_fast(casadi_real gap, casadi_real before, casadi_real free, casadi_real h,
+    casadi_real forced, casadi_real slow) {
+  casadi_real fall = before - free;
+  if (!(fall>0)) fall = 0;
+  if (!(gap>0)) gap = 0;
+  return before*before + 2*fall*gap/h>slow*forced*slow*forced;
+}
+/* the largest change of a normal speed by forces at the bodies of each contact, by their first
+   speeds */
+static void casadi_changes(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
+  casadi_real* largest = res[47];
+  const int* pair = (const int*) res[23];
+  casadi_int i, j, s, body;
+  casadi_real change;
+  for (j=0; j<iw[3]; ++j) largest[j] = 0;
+  for (i=0; i<iw[0]; ++i) {
+    change = fabs(res[25][i*iw[1]] - res[24][i*iw[1]]);
+    for (s=0; s<2; ++s) {
+      body = ((const int*) arg[29])[((const int*) arg[31+s])[pair[i]]];
+      if (body<0) continue;
+      j = ((const int*) arg[30])[body];
+      if (!(change<=largest[j])) largest[j] = change;
+    }
+  }
+}
+/* whether a contact has an impact, by the changes at its bodies */
+static int casadi_strikes(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+    casadi_int i) {
+  casadi_int s, body, r = i*iw[1];
+  casadi_real largest = 0, change;
+  for (s=0; s<2; ++s) {
+    body = ((const int*) arg[29])[((const int*) arg[31+s])[((const int*) res[23])[i]]];
+    if (body<0) continue;
+    change = res[47][((const int*) arg[30])[body]];
+    if (!(change<=largest)) largest = change;
+  }
+  return casadi_fast(res[22][i], res[24][r], res[25][r], arg[36][0], largest, arg[37][19]);
+}
+/* directions of the contacts in the middle of the step, except of impacts and of means over the path,
+   with the velocities at the end of the step that follow, a clearance of gaps that turn, and rows of X
+   of all contacts */
+static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
+  const casadi_real* ahead[64];
+  const casadi_int* key = (const casadi_int*) arg[43];
+  const int* contact = (const int*) arg[51];
+  const int* row = (const int*) arg[9];
+  const int* column = (const int*) arg[10];
+  int* kept = (int*) res[45];
+  casadi_int i, r, width = iw[1];
+  casadi_real gap, direction[9], point[3], middle;
+  for (i=0; i<64; ++i) ahead[i] = arg[i];
+  ahead[40] = arg[59];
+  ahead[24] = arg[60];
+  ahead[25] = arg[61];
+  ahead[27] = arg[62];
+  ahead[41] = arg[63];
+  casadi_all_axes(ahead, iw);
+  casadi_changes(arg, res, iw);
+  for (i=0; i<iw[0]; ++i, contact+=6) {
+    r = i*width;
+    kept[i] = res[24][r]<0 && -arg[36][0]*res[24][r]>arg[36][5] && casadi_strikes(arg, res, iw, i);
+    if (casadi_on_path(arg, key[i])>=0) kept[i] = 0;
+    else if (!kept[i]) {
+      gap = casadi_described_gap(ahead, iw, contact, direction, point);
+      casadi_direction_rows(ahead, iw, i, contact[1], contact[3], direction, point, gap);
+      for (r=i*width; r<(i+1)*width; ++r) {
+        middle = casadi_row(arg[0], column, row[r], row[r+1], arg[22]);
+        if (r==i*width && arg[36][0]*fabs(middle - res[24][r])>arg[36][6]) {
+          res[22][i] = res[22][i]>arg[36][7] ? res[22][i] - arg[36][7] : 0.0;
+        }
+        res[25][r] = casadi_row(arg[0], column, row[r], row[r+1], res[19]) + middle - res[24][r];
+      }
+    }
+    casadi_response_rows(arg, res, iw, i, contact[1], contact[3]);
+  }
 }
 /* gaps of the contacts of the path at a position and, with a weight, the part of this position in the
    means of their directions */

@@ -124,6 +124,28 @@ class Manifold:
             shares[turn] = _turning_share(s, (delta[turn] ** 2).sum(axis=0))
         return shares
 
+    def halfway(self, delta: np.ndarray) -> np.ndarray:
+        """Displacement (n,) after which rotations are half of those of ``y ⊕ δ``, and other
+        coordinates in the middle."""
+        half = 0.5 * delta
+        if self.attitudes:
+            turns = self._turns
+            half[turns] *= _half_turn((delta[turns] ** 2).sum(axis=1, keepdims=True))
+        return half
+
+    def halfway_formula(self, delta: ca.SX) -> ca.SX:
+        """``halfway`` of a formula."""
+        half = 0.5 * delta
+        for turn in self._turns.tolist():
+            half[turn] *= _half_turn(ca.sumsqr(delta[turn]))
+        return half
+
+    @cached_property
+    def _turns(self) -> np.ndarray:
+        """(m, 3) numbers of the speeds of each rotation."""
+        first = np.array([speed for _, speed in self.attitudes], dtype=int)
+        return first[:, None] + np.arange(3)
+
     @cached_property
     def path(self) -> tuple[ca.SX, ca.SX, ca.SX]:
         """Symbol ``s``, ``y ⊕ s δ``, and the displacement per ``s`` there relative to ``δ``."""
@@ -156,6 +178,15 @@ class Manifold:
 def _turning_share(s: Any, square: Any) -> Any:
     """Rate of a rotation ``e ⊗ (1, s δ/2)``, normalised, relative to ``δ``, with ``|δ|²``."""
     return 1 / (1 + s**2 * square / 4)
+
+
+def _half_turn(square: Any) -> Any:
+    """Ratio to ``δ/2`` of the displacement by half of the rotation by ``δ``, with ``|δ|²``.
+
+    The rotation ``e ⊗ (1, δ/2)``, normalised, has the angle ``2 atan(|δ|/2)``.
+    """
+    root = (ca.sqrt if isinstance(square, ca.SX) else np.sqrt)(1 + square / 4)
+    return 2 / (1 + root)
 
 
 def _attitudes(groups: Sequence[Coordinates]) -> tuple[tuple[int, int], ...]:

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from dalembert.sensitivity.nonsmooth.active_contacts import ContactEquations
+from dalembert.sensitivity.nonsmooth.contact_equations import ContactEquations
 
 MARGIN = 0.01
 """Threshold of the reserve of friction, slip or resting speed near a change of state [-]."""

@@ -8,15 +8,19 @@ then ``y⁺ = y ⊕ h (θ v⁺ + (1−θ) v)``; correction of gaps along ``M⁻�
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import scipy
 
 from dalembert.analysis.nonsmooth.advance import AHEAD
-from dalembert.analysis.nonsmooth.contact_step import APART, ContactStep
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.gaps.model_gaps import APART
 from dalembert.analysis.nonsmooth.impact_stage import ImpactStage
 from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.contact_laws import FIRST
-from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations
+from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts
+from dalembert.sensitivity.nonsmooth.contact_equations import ContactEquations
 from dalembert.sensitivity.nonsmooth.force_slopes import ForceSlopes
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps, Part
 from dalembert.sensitivity.nonsmooth.impact_slopes import ImpactSlopes, Motions
@@ -54,6 +58,7 @@ class ContactMaps:
         curved: np.ndarray | None = None,
         path: Path | None = None,
         owner: np.ndarray | None = None,
+        kept: np.ndarray | None = None,
     ) -> Gaps:
         """Gaps with some keys, in their order, and their derivatives.
 
@@ -62,16 +67,22 @@ class ContactMaps:
         impulses : (n, k)
         curved, path : (n,) mask of means over a path, none by default, and the path
         owner : (n,) column of the state of each gap; the first one by default
+        kept : (n,) mask of directions at the start of the step, none by default
         """
         numbers, laws = keys // APART, FIRST + len(self.contact_step.groups)
-        means = np.zeros(keys.size, dtype=bool) if curved is None else curved
+        none = np.zeros(keys.size, dtype=bool)
+        means, still = (none if mask is None else mask for mask in (curved, kept))
         parts: list[Part] = []
         for number, source in enumerate(self._sources):
-            rows, own = (np.flatnonzero((numbers == number) & m) for m in (~means, means))
-            if rows.size or len(self._sources) == 1 or not (keys.size or parts):
-                place = None if owner is None else owner[rows]
-                own_keys = keys[rows] % APART
-                parts.append(source.at(state, rows, own_keys, impulses[rows], laws, place))
+            moving, fixed, own = (
+                np.flatnonzero((numbers == number) & mask)
+                for mask in (~(means | still), still & ~means, means)
+            )
+            for rows, at in ((moving, state), (fixed, replace(state, lead=0.0))):
+                if rows.size or not (keys.size or parts):
+                    place = None if owner is None else owner[rows]
+                    own_keys = keys[rows] % APART
+                    parts.append(source.at(at, rows, own_keys, impulses[rows], laws, place))
             if own.size and path is not None:
                 arguments = own, keys[own] % APART, impulses[own], laws
                 parts.append(path_gaps(source, state, path, *arguments))
@@ -121,9 +132,9 @@ class ContactMaps:
             if pressing.keys.size:
                 state = StepState(t, y, self.p, v, smooth[:n], lead=self.lead(h))
                 own = pressing.keys, pressing.impulses, pressing.curved
-                gaps = self.gaps(state, *own, path)
+                gaps = self.gaps(state, *own, path, kept=pressing.kept)
                 inertia = np.maximum(np.abs(by_z.diagonal()[:n]), np.finfo(float).tiny)
-                given = self.contact_step, pressing, h, inertia
+                given = self.contact_step, pressing, h, inertia, smooth[:n] - v
                 forces = self._forces(gaps, y, t, h, pressing.keys)
                 contacts = ContactEquations.of(gaps, *given, impact, forces)
                 right, below = self.joined(value, contacts, impulses)
@@ -166,11 +177,16 @@ class ContactMaps:
             return self.equations.linear(start + change, *state)[1]
 
         def gaps(own: np.ndarray, impulses: np.ndarray, change: np.ndarray) -> Gaps:
-            return self.gaps(StepState(t, y, p, v, v + change, lead=lead), own, impulses)
+            state = StepState(t, y, p, v, v + change, lead=lead, end=-1.0)
+            return self.gaps(state, own, impulses, kept=kept_of(own))
+
+        def kept_of(own: np.ndarray) -> np.ndarray:
+            return np.isin(own, stage.contacts.key[stage.contacts.kept_mask])
 
         def means(change: np.ndarray) -> Gaps:
             own = active.keys, np.zeros_like(active.impulses), active.curved, path
-            return self.gaps(StepState(t, y, p, v, v + change, lead=lead), *own)
+            state = StepState(t, y, p, v, v + change, lead=lead, end=-1.0)
+            return self.gaps(state, *own, kept=active.kept)
 
         by_z, by_q = slopes(0 * start)
         factors = ProximalFactors.of([(0, 0, by_z)], self._weight(0))
@@ -196,8 +212,8 @@ class ContactMaps:
         _, (_, by_q), following, slopes = self.equations.linear(z, *state)
         free = z[: self.speeds]
         near = step.near(step.at(t, y), AHEAD * h * np.column_stack([v, free]))
-        contacts = step.turned(v, h, near)
-        changes = (contacts.speeds(free) - contacts.speeds(v))[:, 0]
+        contacts = step.in_middle(step.begin(t, h, y, v, False), near)
+        changes = (contacts.at_end(free) - contacts.at_start(v))[:, 0]
         row = int(np.argmax(np.abs(changes)))
         if not np.allclose(offsets[:, 0], abs(changes[row]), rtol=SOLVED, atol=0):
             raise AnalysisError(
@@ -206,7 +222,8 @@ class ContactMaps:
             )
         own = contacts.key[row : row + 1]
         none = np.zeros((1, 1 + sum(step.groups)))
-        gaps = self.gaps(StepState(t, y, self.p, v, free, lead=self.lead(h)), own, none)
+        after = StepState(t, y, self.p, v, free, lead=self.lead(h))
+        gaps = self.gaps(after, own, none, kept=contacts.kept_mask[row : row + 1])
         free_map = MapAt(z, following, factors, by_q, *slopes)
         return ForcedChange(free_map, gaps, float(np.sign(changes[row])))
 

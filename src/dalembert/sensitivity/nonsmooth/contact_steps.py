@@ -20,8 +20,9 @@ from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contact_laws import FIRST, IMPACT
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
-from dalembert.sensitivity.nonsmooth.active_contacts import STICK_MARGIN, ActiveContacts
+from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts
 from dalembert.sensitivity.nonsmooth.contact_changes import ContactChanges
+from dalembert.sensitivity.nonsmooth.contact_equations import STICK_MARGIN
 from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
 from dalembert.sensitivity.nonsmooth.linear_map import MapAt
 from dalembert.sensitivity.nonsmooth.recorded_contacts import RecordedContacts
@@ -235,16 +236,17 @@ class ContactSteps:
     ) -> tuple[np.ndarray, np.ndarray]:
         """``acceleration``, and the same without contacts."""
         y, v = x[: self.size], x[self.size :]
-        step, scheme = self.step, self.step.scheme
-        free = step.smooth.step(t, y, v, self.p, h, scheme.theta).free
-        after, mobility = free.speeds, free.mobility
+        step = self.step
+        start = step.begin(t, h, y, v, False)
+        after, mobility = start.free, start.motion.mobility
         alone = np.asarray((after - v) / h)
         if lasting.keys.size:
-            contacts = step.turned(v, h, step.selected(step.at(t, y), lasting.keys))
-            before = contacts.speeds(v)
-            offsets = Approach(contacts, before, contacts.speeds(after), h).newton()
+            contacts = step.selected(step.at(t, y), lasting.keys)
+            contacts = step.in_middle(start, contacts, lasting=True)
+            before, end = contacts.at_start(v), contacts.at_end(after)
+            offsets = Approach(contacts, before, end, h).newton()
             offsets[:, 0] = -before[:, 0]
-            speeds = contacts.speeds(after) + offsets
+            speeds = end + offsets
             scale = float(np.abs(speeds).max(initial=0.0)) or 1.0
             matrix = delassus(contacts.directions, mobility)
             friction, laws = contacts.laws.friction.copy(), contacts.laws

@@ -48,12 +48,12 @@ class FreeSteps:
     Parameters
     ----------
     maps : ContactMaps of a model of free bodies
-    state : states at the starts in columns; ``after`` is not used
+    state : states at the starts in columns
     h : (K,) lengths
     """
 
     def __init__(self, maps: ContactMaps, state: StepState, h: np.ndarray):
-        self._maps, self._h, self._v = maps, h, state.before
+        self._maps, self._h, self._state = maps, h, state
         arguments = state.before, state.y, state.before, state.t, state.p, h[None]
         value, (matrix, _), *_ = maps.equations.linear(*arguments)
         self._mobility = mobility_of(maps, matrix, h.size)
@@ -69,7 +69,7 @@ class FreeSteps:
 
         Parameters
         ----------
-        gaps : at the starts, ``before`` with the speeds there
+        gaps : of the same states
         """
         if not lasting.rows.size:
             return self.accelerations
@@ -81,6 +81,7 @@ class FreeSteps:
         offsets[:, 0] = -values.before[:, 0]
         offsets[:, 1:linear] = laws.tangential[:, None] * values.before[:, 1:linear]
         change = (directions @ self._change).reshape(values.before.shape)
+        change += self.turning(gaps)[lasting.rows]
         speeds, friction = values.before + change + offsets, laws.friction.copy()
         static = laws.higher_at_rest & lasting.sticks
         friction[static, :1] = laws.static_friction[static, None]
@@ -89,6 +90,10 @@ class FreeSteps:
         impulses = self._impulses(problem, lasting, first)
         total = self._change + self._mobility(directions.T @ impulses.ravel())[0]
         return np.asarray(total.reshape(self._h.size, -1).T / self._h)
+
+    def turning(self, gaps: Gaps) -> np.ndarray:
+        """(n, k) changes of the velocities of gaps of the same states at constant speeds."""
+        return gaps.turning((self._state.after - self._state.before).T.ravel())
 
     def _delassus(self, directions: Sparse) -> Delassus:
         """Operator of contacts of all steps."""
@@ -123,7 +128,7 @@ class FreeSteps:
     ) -> FrictionProblem:
         """Problem of one step."""
         assert isinstance(problem.matrix, Delassus)
-        (n, _), width, operator = self._v.shape, problem.shape[1], problem.matrix
+        (n, _), width, operator = self._state.before.shape, problem.shape[1], problem.matrix
         rows = width * own.start, width * own.stop, n * k, n
         across, moved = (
             diagonal_block(part, *rows) for part in (operator.directions, operator.responses)

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
-from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps, SourceGaps
+from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps, PlaceSlopes, SourceGaps
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 
 NAMES = "distance", "before", "after", "laws"
@@ -89,32 +89,43 @@ class _Blocks:
 def gap_matrices(gaps: SourceGaps) -> dict[str, Sparse]:
     """Derivatives by ``q`` of the fields of ``GapChanges``, and of ``momentum``, ``Wᵀ P``."""
     count, (width, laws) = gaps.rows.size, gaps.shape
-    place, (entry, size) = gaps.moving.shape[0], gaps.geometry.shape
-    rows = {"distance": count, "before": count * width, "after": count * width}
-    rows |= {"laws": count * laws, "wrench": place}
+    place, (entry, size) = gaps.middle.moving.shape[0], gaps.start.geometry.shape
+    rows = {"distance": count, "before": count * width, "laws": count * laws}
+    rows |= {"both": count * width, "wrench": place}
     local = {name: _Blocks(number, entry) for name, number in rows.items()}
-    across = _Blocks(count * width, place)
+    across = [_Blocks(count * width, place) for _ in range(2)]
     for part in gaps.kinds:
         kind, row = part.kind, part.kind.row[:, None]
         components = width * row + np.arange(width)
         local["distance"].add(part.distance[:, None], row, part.entries)
         local["before"].add(part.before, components, part.entries)
-        local["after"].add(part.after, components, part.entries)
+        local["both"].add(part.both, components, part.entries)
         local["wrench"].add(part.wrenches, kind.velocities, part.entries)
-        across.add(part.blocks, components, kind.velocities)
+        for total, blocks in zip(across, (part.start, part.blocks), strict=True):
+            total.add(blocks, components, kind.velocities)
         one = np.ones((row.size, 1, 1))
         for column, entries in enumerate(kind.laws.T):
             local["laws"].add(one, laws * row + column, entries[:, None])
-    slopes = {name: blocks.matrix @ gaps.geometry for name, blocks in local.items()}
-    before, after = gaps.velocities
-    moving = gaps.moving.tocoo()
-    columns = gaps.speeds[moving.coords[1]]
-    moved = scipy.sparse.csr_array((moving.data, (moving.coords[0], columns)), shape=(place, size))
-    slopes["before"] = slopes["before"] + across.matrix @ (before + moved)
-    slopes["after"] = slopes["after"] + across.matrix @ after
-    momentum = gaps.moving.T @ slopes.pop("wrench") + gaps.momenta
-    slopes["momentum"] = scipy.sparse.csr_array(momentum)
+    slopes = {name: local[name].matrix @ gaps.start.geometry for name in ("distance", "laws")}
+    before, both = (
+        local[name].matrix @ at.geometry + blocks.matrix @ (at.velocities + moved)
+        for name, at, blocks, moved in (
+            ("before", gaps.start, across[0], _moved(gaps, gaps.start, size)),
+            ("both", gaps.middle, across[1], gaps.end * _moved(gaps, gaps.middle, size)),
+        )
+    )
+    slopes |= {"before": before, "after": both - gaps.end * before}
+    wrench = local["wrench"].matrix @ gaps.middle.geometry
+    slopes["momentum"] = scipy.sparse.csr_array(gaps.middle.moving.T @ wrench + gaps.momenta)
     return slopes
+
+
+def _moved(gaps: SourceGaps, at: PlaceSlopes, size: int) -> Sparse:
+    """``J`` in the columns of the speeds in ``q``."""
+    moving = at.moving.tocoo()
+    row, column = moving.coords
+    places = row, gaps.speeds[column]
+    return scipy.sparse.csr_array((moving.data, places), shape=(moving.shape[0], size))
 
 
 def joined_matrices(gaps: Gaps) -> dict[str, Sparse]:

@@ -1,8 +1,10 @@
 """Derivatives of gaps by the variables of a step, applied to changes or to weights.
 
-With the geometry ``s(t, y, p)``, velocities ``τ = J v + τ₀`` and ``u = B(s) τ``,
+With the geometry ``s(t, y, p)`` and velocities ``τ = J v + τ₀`` of the shapes, at the start of the
+step and in its middle, ``u⁻ = B(s) τ⁻`` and ``u⁺ + u⁻ = B(s_m) τ_m`` of the speeds ``v⁺ + v``,
 
-    dg = g_s ds,      du = (B τ)_s ds + B dτ,      d(Wᵀ P) = Jᵀ (Bᵀ P)_s ds + d(Jᵀ f),   f = Bᵀ P
+    dg = g_s ds,      d(B τ) = (B τ)_s ds + B dτ
+    d(Wᵀ P) = Jᵀ (Bᵀ P)_s ds + d(Jᵀ f),   f = Bᵀ P      in the middle
 
 Derivatives are applied to changes of ``q`` (``push``), or transposed to weights (``pull``).
 """
@@ -30,19 +32,37 @@ class KindSlopes:
     kind, entries : the gaps, (n, m) all arguments
     values : of the gaps
     wrench : (n, w) ``Bᵀ P``
-    blocks : (n, k, w) ``B``
-    distance, before, after, wrenches : derivatives (n, …, m) by the arguments
+    start, blocks : (n, k, w) ``B`` at the start and in the middle
+    distance, before : derivatives (n, …, m) of ``g`` and ``u⁻`` by the arguments at the start
+    both, wrenches : of ``B τ_m`` and ``f`` by those in the middle
     """
 
     kind: GapKind
     entries: np.ndarray
     values: GapChanges
     wrench: np.ndarray
+    start: np.ndarray
     blocks: np.ndarray
     distance: np.ndarray
     before: np.ndarray
-    after: np.ndarray
+    both: np.ndarray
     wrenches: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class PlaceSlopes:
+    """Shapes of a source at one position of a step.
+
+    Attributes
+    ----------
+    geometry : ``s_q``
+    velocities : ``τ_q`` at constant speeds
+    moving : ``J``
+    """
+
+    geometry: Sparse
+    velocities: Sparse
+    moving: Sparse
 
 
 class Part(Protocol):
@@ -73,62 +93,69 @@ class SourceGaps:
     ----------
     rows : (n,) numbers of the gaps among all
     kinds : list of KindSlopes
-    geometry : ``s_q``
-    velocities : ``τ_q`` for both speeds, without the first one's own change
-    moving : ``J``
+    start, middle : PlaceSlopes
     momenta : derivative of ``Jᵀ f``
+    end : as in ``StepState``: velocities after are ``B τ_m − end u⁻``, where ``τ_m`` are those of
+        the speeds ``after + end v``
     speeds : numbers of the speeds in ``q``
     shape : components of gap velocities, number of coefficients
     """
 
     rows: np.ndarray
     kinds: list[KindSlopes]
-    geometry: Sparse
-    velocities: list[Sparse]
-    moving: Sparse
+    start: PlaceSlopes
+    middle: PlaceSlopes
     momenta: Sparse
+    end: float
     speeds: np.ndarray
     shape: tuple[int, int]
 
     def push(self, dq: np.ndarray, path: np.ndarray | None = None) -> tuple[GapChanges, np.ndarray]:
         """Changes of the gaps and of ``Wᵀ P`` by those of ``q`` (n_q, c), on any path."""
-        count, c = self.moving.shape[0], dq.shape[1]
-        geometry, (before, after) = self.geometry @ dq, (slope @ dq for slope in self.velocities)
-        before = before + self.moving @ dq[self.speeds]
+        (count, _), c = self.middle.moving.shape, dq.shape[1]
+        dv = dq[self.speeds]
+        geometry, ahead = self.start.geometry @ dq, self.middle.geometry @ dq
+        before = self.start.velocities @ dq + self.start.moving @ dv
+        both = self.middle.velocities @ dq + self.end * (self.middle.moving @ dv)
         changes, wrench = GapChanges.zero(self.rows.size, *self.shape, c), np.zeros((count, c))
         for part in self.kinds:
-            local, place = geometry[part.entries], part.kind.velocities
+            local, moved = geometry[part.entries], ahead[part.entries]
+            place = part.kind.velocities
+            first = part.before @ local + part.start @ before[place]
             own = GapChanges(
                 (part.distance[:, None] @ local)[:, 0],
-                part.before @ local + part.blocks @ before[place],
-                part.after @ local + part.blocks @ after[place],
+                first,
+                part.both @ moved + part.blocks @ both[place] - self.end * first,
                 geometry[part.kind.laws],
             )
             changes.add(part.kind.row, own)
-            scatter(wrench, place, part.wrenches @ local)
-        return changes, self.moving.T @ wrench + self.momenta @ dq
+            scatter(wrench, place, part.wrenches @ moved)
+        return changes, self.middle.moving.T @ wrench + self.momenta @ dq
 
     def pull(self, weights: GapChanges, momentum: np.ndarray) -> np.ndarray:
         """Weights of ``q`` from those of the gaps and of ``Wᵀ P``."""
-        r = momentum.shape[1]
-        geometry = np.zeros((self.geometry.shape[0], r))
-        speeds = np.zeros((2, self.moving.shape[0], r))
-        wrench = self.moving @ momentum
+        places, r = (self.start, self.middle), momentum.shape[1]
+        geometry, ahead = (np.zeros((place.geometry.shape[0], r)) for place in places)
+        before, both = (np.zeros((place.moving.shape[0], r)) for place in places)
+        wrench = self.middle.moving @ momentum
         for part in self.kinds:
             own, place = weights.some(part.kind.row), part.kind.velocities
+            first = own.before - self.end * own.after
             local = part.distance[:, :, None] * own.distance[:, None]
-            local += part.before.swapaxes(1, 2) @ own.before
-            local += part.after.swapaxes(1, 2) @ own.after
-            local += part.wrenches.swapaxes(1, 2) @ wrench[place]
+            local += part.before.swapaxes(1, 2) @ first
+            moved = part.both.swapaxes(1, 2) @ own.after
+            moved += part.wrenches.swapaxes(1, 2) @ wrench[place]
             scatter(geometry, part.entries, local)
+            scatter(ahead, part.entries, moved)
             laws = part.kind.laws
             scatter(geometry, laws, own.laws[:, : laws.shape[1]])
-            for total, weight in zip(speeds, (own.before, own.after), strict=True):
-                scatter(total, place, part.blocks.swapaxes(1, 2) @ weight)
-        q_bar = self.geometry.T @ geometry + self.momenta.T @ momentum
-        for slope, weight in zip(self.velocities, speeds, strict=True):
-            q_bar += slope.T @ weight
-        q_bar[self.speeds] += self.moving.T @ speeds[0]
+            scatter(before, place, part.start.swapaxes(1, 2) @ first)
+            scatter(both, place, part.blocks.swapaxes(1, 2) @ own.after)
+        q_bar = self.start.geometry.T @ geometry + self.middle.geometry.T @ ahead
+        q_bar += self.momenta.T @ momentum
+        q_bar += self.start.velocities.T @ before + self.middle.velocities.T @ both
+        moving = self.start.moving.T @ before + self.end * (self.middle.moving.T @ both)
+        q_bar[self.speeds] += moving
         return np.asarray(q_bar)
 
     def pull_path(self, weights: GapChanges, momentum: np.ndarray) -> np.ndarray:
@@ -144,22 +171,20 @@ class SourceGaps:
         return values
 
     def directions(self) -> Sparse:
-        """``W`` (n k, n_v) of the gaps of the source."""
-        parts, width = [], self.shape[0]
+        """``W_m`` (n k, n_v) of the gaps of the source."""
+        parts, width, moving = [], self.shape[0], self.middle.moving
         for part in self.kinds:
             row = part.kind.row[:, None, None] * width + np.arange(width)[:, None]
             place = np.broadcast_to(part.kind.velocities[:, None], part.blocks.shape)
             used = part.blocks != 0
             row = np.broadcast_to(row, part.blocks.shape)
             parts.append((part.blocks[used], row[used], place[used]))
-        shape = self.rows.size * width, self.moving.shape[0]
+        shape = self.rows.size * width, moving.shape[0]
         if not parts:
-            return scipy.sparse.csr_array((shape[0], self.moving.shape[1]))
+            return scipy.sparse.csr_array((shape[0], moving.shape[1]))
         values, row, column = (np.concatenate(entries) for entries in zip(*parts, strict=True))
-        return (
-            scipy.sparse.csr_array(scipy.sparse.coo_array((values, (row, column)), shape=shape))
-            @ self.moving
-        )
+        across = scipy.sparse.coo_array((values, (row, column)), shape=shape)
+        return scipy.sparse.csr_array(across) @ moving
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,6 +219,12 @@ class Gaps:
             across = across[(order[:, None] * width + np.arange(width)).ravel()]
         across.sort_indices()
         return cls(list(parts), values, across)
+
+    def turning(self, change: np.ndarray) -> np.ndarray:
+        """(n, k) changes ``2 b`` of the velocities at constant speeds, for the change (n_v,) of
+        these between the velocities before and after."""
+        by_speeds = (self.directions @ change).reshape(self.values.before.shape)
+        return np.asarray(self.values.after - self.values.before - by_speeds)
 
     def push(self, dq: np.ndarray, path: np.ndarray | None = None) -> tuple[GapChanges, np.ndarray]:
         """Changes of the gaps and of ``Wᵀ P`` by those of ``q`` (n_q, c), and of the speeds

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from dalembert.errors import SingularityError
-from dalembert.sensitivity.nonsmooth.active_contacts import ContactEquations
 from dalembert.sensitivity.nonsmooth.connected_contacts import (
     closing_times,
     connections,
     remain_closed,
 )
+from dalembert.sensitivity.nonsmooth.contact_equations import ContactEquations
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.stacked_impacts import SIMULTANEOUS

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dalembert.sensitivity.nonsmooth.active_contacts import ContactEquations
+from dalembert.sensitivity.nonsmooth.contact_equations import ContactEquations
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
 from dalembert.sensitivity.nonsmooth.proximal_factors import ProximalFactors, arbitrary
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse

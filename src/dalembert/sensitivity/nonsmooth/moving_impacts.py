@@ -19,9 +19,10 @@ from typing import Any
 import numpy as np
 
 from dalembert.integrators.contact.approach import SLOW
-from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations
+from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts
 from dalembert.sensitivity.nonsmooth.break_away import BreakAways, break_aways
 from dalembert.sensitivity.nonsmooth.contact_changes import MARGIN, ContactChanges, near_change
+from dalembert.sensitivity.nonsmooth.contact_equations import ContactEquations
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
 from dalembert.sensitivity.nonsmooth.impact_groups import closed_after, moving_parts
 from dalembert.sensitivity.nonsmooth.instant_shifts import InstantShifts
@@ -205,8 +206,9 @@ def _closing(
     (t, h), width = steps.span(k), values.before.shape[1]
     state = steps.x[:, k], t, h
     before, alone = steps.accelerations(*state, _persistent(steps, k))
-    normals = contacts.gaps.directions[rows * width]
-    forced = h * np.maximum(np.abs(normals @ before), np.abs(normals @ alone))
+    normals, v = contacts.gaps.directions[rows * width], steps.x[steps.size :, k : k + 2]
+    turning = contacts.gaps.turning(v[:, 1] - v[:, 0])[rows, 0]
+    forced = np.maximum(*(np.abs(h * (normals @ a) + turning) for a in (before, alone)))
     fall = 2 * forced / h * np.maximum(values.distance[rows], 0.0)
     return Closing(rows, np.sqrt(values.before[rows, 0] ** 2 + fall), forced), before
 

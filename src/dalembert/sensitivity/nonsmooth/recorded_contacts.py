@@ -26,7 +26,7 @@ class RecordedContacts:
 
     def __init__(self, record: ContactRecord):
         order = np.lexsort((record.key, record.step))
-        fields = record.key, record.impulse, record.offset, record.curved
+        fields = record.key, record.impulse, record.offset, record.curved, record.kept
         self.all, self.owner = ActiveContacts(*fields).some(order), record.step[order]
         self.first = np.searchsorted(self.owner, np.arange(record.t.size))
 

@@ -7,18 +7,22 @@ on the pattern of contacts.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from functools import lru_cache
 
 import casadi as ca
 import numpy as np
 
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
-from dalembert.analysis.nonsmooth.gaps.gap_source import GapKind, GapSource
-from dalembert.analysis.nonsmooth.turned_speeds import turned_speeds
+from dalembert.analysis.nonsmooth.gaps.gap_source import GapFormulas, GapKind, GapSource
 from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.model import Model
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
-from dalembert.sensitivity.nonsmooth.gap_slopes import KindSlopes, SourceGaps, scatter
+from dalembert.sensitivity.nonsmooth.gap_slopes import (
+    KindSlopes,
+    PlaceSlopes,
+    SourceGaps,
+    scatter,
+)
 from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction
 from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.once import once
@@ -39,7 +43,8 @@ class StepState:
     t, y, p : position
     before, after : speeds at the start and at the end
     drift : 1 for velocities, 0 for displacements in their place
-    lead : ``(1−θ) h``, by which bodies turn with the speeds ``before`` for the directions ``W E``
+    lead : ``(1−θ) h``, time from the start to the middle of the step
+    end : 1 if the speeds ``after`` act at the end of the step, −1 at its start
     """
 
     t: float | np.ndarray
@@ -49,11 +54,34 @@ class StepState:
     after: np.ndarray
     drift: float = 1.0
     lead: float | np.ndarray = 0.0
+    end: float = 1.0
 
     @property
     def count(self) -> int:
         """Number of steps."""
         return 1 if self.y.ndim == 1 else self.y.shape[1]
+
+
+class PlaceFunctions:
+    """Geometry and velocities of the shapes of a source at one position of a step.
+
+    Parameters
+    ----------
+    e : equations of the model
+    formulas : at that position
+    start, lead : symbols of the speeds at the start, and of the time since then
+    """
+
+    def __init__(self, e: Equations, formulas: GapFormulas, start: ca.SX, lead: ca.SX):
+        q, place = ca.vertcat(e.y, start, e.t, e.p), [e.t, e.y, e.p, start, lead]
+        share, wrench = ca.SX.sym("share"), ca.SX.sym("f", formulas.velocities.numel())
+        still = ca.substitute(formulas.velocities, e.v, ca.SX.zeros(e.v.numel()))
+        moving = ca.sparsify(ca.jacobian(formulas.velocities, e.v))
+        velocities = ca.mtimes(moving, e.v) + share * still
+        self.geometry = SlopeFunction("geometry", place, formulas.geometry, [q])
+        self.velocities = SlopeFunction("velocities", [*place, e.v, share], velocities, [q, e.v])
+        momenta = ca.mtimes(moving.T, wrench)
+        self.momenta = SlopeFunction("momenta", [*place, wrench], momenta, [q])
 
 
 class SourceSlopes:
@@ -66,28 +94,20 @@ class SourceSlopes:
     """
 
     def __init__(self, source: GapSource, e: Equations):
-        self.source, self._e = source, e
-        formulas = source.formulas
-        q = ca.vertcat(e.y, e.v, e.t, e.p)
-        still = ca.substitute(formulas.velocities, e.v, ca.SX.zeros(e.v.numel()))
-        share, wrench = ca.SX.sym("share"), ca.SX.sym("f", formulas.velocities.numel())
+        self.source, self._e, formulas = source, e, source.formulas
         start, lead = ca.SX.sym("start", e.v.numel()), ca.SX.sym("lead")
-        turned = turned_speeds(e.manifold, lead * start, e.v)
-        moving = ca.mtimes(ca.jacobian(formulas.velocities, e.v), ca.jacobian(turned, e.v))
-        moving = ca.sparsify(moving)
-        velocities = ca.mtimes(moving, e.v) + share * still
-        elsewhere = ca.vertcat(e.y, start, e.t, e.p)
-        self._geometry = SlopeFunction("geometry", [e.t, e.y, e.p], formulas.geometry, [q])
-        self._velocities = SlopeFunction(
-            "velocities", [e.t, e.y, e.v, e.p, share, start, lead], velocities, [elsewhere, e.v]
+        self._start = PlaceFunctions(e, formulas, start, lead)
+        here, there = (
+            ca.vertcat(e.t, e.y),
+            ca.vertcat(
+                e.t + lead, e.manifold.retract(e.y, e.manifold.halfway_formula(2 * lead * start))
+            ),
         )
-        self._momenta = SlopeFunction(
-            "momenta",
-            [e.t, e.y, e.p, wrench, start, lead],
-            ca.mtimes(moving.T, wrench),
-            [elsewhere],
+        geometry, velocities = (
+            ca.substitute(part, here, there) for part in (formulas.geometry, formulas.velocities)
         )
-        self._kernels: dict[tuple[ca.Function, int, int], Kernel] = {}
+        self._middle = PlaceFunctions(e, GapFormulas(geometry, velocities), start, lead)
+        self._kernels: dict[tuple[ca.Function, int, int], list[Kernel]] = {}
 
     def at(
         self,
@@ -107,61 +127,76 @@ class SourceSlopes:
         laws : number of coefficients
         owner : (n,) column of the state of each gap; the first one by default
         """
-        t, y, p, share, count = state.t, state.y, state.p, state.drift, state.count
-        geometry, (by_q,) = self._geometry(t, y, p, count=count)
-        velocities, turn = partial(self._velocities, count=count), (state.before, state.lead)
-        before, (before_by_q, moving) = velocities(t, y, state.before, p, share, *turn)
-        after, (after_by_q, _) = velocities(t, y, state.after, p, share, *turn)
+        place = state.t, state.y, state.p, state.before, state.lead
+        count, end, share = state.count, state.end, state.drift
+        middle = self._middle if np.any(state.lead) else self._start
+        geometry, (by_q,) = self._start.geometry(*place, count=count)
+        ahead, (ahead_by_q,) = geometry, (by_q,)
+        if middle is not self._start:
+            ahead, (ahead_by_q,) = middle.geometry(*place, count=count)
+        before, slopes = self._start.velocities(*place, state.before, share, count=count)
+        start = PlaceSlopes(by_q, *slopes)
+        both, slopes = middle.velocities(
+            *place, state.after + end * state.before, (1 + end) * share, count=count
+        )
         features = self.source.kinds(keys)
         if owner is not None:
             sizes = geometry.size // count, before.size // count
             features = [_in_columns(kind, owner[kind.row], *sizes) for kind in features]
         kinds = [
-            self._evaluate(kind, geometry, before, after, impulses[kind.row]) for kind in features
+            self._evaluate(kind, (geometry, ahead), (before, both), impulses[kind.row], end)
+            for kind in features
         ]
         wrench = np.zeros((before.size, 1))
         for part in kinds:
             scatter(wrench, part.kind.velocities, part.wrench[..., None])
         columns = wrench.reshape(count, -1).T
-        momenta = self._momenta(t, y, p, columns, *turn, count=count)[1][0]
-        slopes = [before_by_q, after_by_q]
+        momenta = middle.momenta(*place, columns, count=count)[1][0]
         first, n, width = self._e.y.numel(), self._e.v.numel(), by_q.shape[1] // count
         speeds = (width * np.arange(count)[:, None] + first + np.arange(n)).ravel()
         shape = impulses.shape[1], laws
-        return SourceGaps(rows, kinds, by_q, slopes, moving, momenta, speeds, shape)
+        places = start, PlaceSlopes(ahead_by_q, *slopes)
+        return SourceGaps(rows, kinds, *places, momenta, end, speeds, shape)
 
     def _evaluate(
         self,
         kind: GapKind,
-        geometry: np.ndarray,
-        before: np.ndarray,
-        after: np.ndarray,
+        geometry: tuple[np.ndarray, np.ndarray],
+        velocities: tuple[np.ndarray, np.ndarray],
         impulses: np.ndarray,
+        end: float,
     ) -> KindSlopes:
+        """Gaps of a kind, by the geometry and the velocities at the start and in the middle."""
         count, width = impulses.shape
         size = SMALLEST << max(0, int(np.ceil(np.log2(count / SMALLEST))))
         size = min(size, LARGEST)
         key = kind.function, width, size
         if key not in self._kernels:
-            self._kernels[key] = Kernel(_gap_slopes(kind.function, width).map(size))
+            self._kernels[key] = [Kernel(f.map(size)) for f in _gap_slopes(kind.function, width)]
         padded = np.arange(-(-count // size) * size) % count
-        columns = [geometry[entries[padded]] for entries in kind.arguments]
-        columns += [speeds[kind.velocities[padded]] for speeds in (before, after)]
-        columns.append(impulses[padded])
-        parts = [
-            self._kernels[key](*(column[begin : begin + size].T for column in columns))
-            for begin in range(0, padded.size, size)
-        ]
-        results = [
-            np.concatenate([part.T.reshape(size, -1, part.shape[0]) for part in output])
-            for output in zip(*parts, strict=True)
-        ]
-        results = [result[:count].swapaxes(1, 2) for result in results]
-        distance, speeds, wrench, blocks, by_distance, *slopes = results
-        laws = geometry[kind.laws]
-        values = GapChanges(distance[:, 0, 0], speeds[..., 0], speeds[..., 1], laws)
+        results = []
+        for kernel, place, speeds, rest in zip(
+            self._kernels[key], geometry, velocities, ([], [impulses[padded]]), strict=True
+        ):
+            columns = [place[entries[padded]] for entries in kind.arguments]
+            columns += [speeds[kind.velocities[padded]], *rest]
+            parts = [
+                kernel(*(column[begin : begin + size].T for column in columns))
+                for begin in range(0, padded.size, size)
+            ]
+            outputs = [
+                np.concatenate([part.T.reshape(size, -1, part.shape[0]) for part in output])
+                for output in zip(*parts, strict=True)
+            ]
+            results.append([output[:count].swapaxes(1, 2) for output in outputs])
+        distance, start, blocks, by_distance, by_start = results[0]
+        both, wrench, ahead, by_both, by_wrench = results[1]
+        before = start[..., 0]
+        laws = geometry[0][kind.laws]
+        values = GapChanges(distance[:, 0, 0], before, both[..., 0] - end * before, laws)
+        slopes = by_distance[:, 0], by_start, by_both, by_wrench
         entries = np.hstack(kind.arguments)
-        return KindSlopes(kind, entries, values, wrench[..., 0], blocks, by_distance[:, 0], *slopes)
+        return KindSlopes(kind, entries, values, wrench[..., 0], blocks, ahead, *slopes)
 
 
 def _in_columns(kind: GapKind, owner: np.ndarray, geometry: int, velocities: int) -> GapKind:
@@ -182,19 +217,23 @@ def source_slopes(model: Model) -> list[SourceSlopes]:
 
 
 @lru_cache(CACHED)
-def _gap_slopes(function: ca.Function, width: int) -> ca.Function:
-    """``(arguments, τ⁻, τ⁺, P) → g, (u⁻, u⁺), f, B``, and derivatives of ``g``, ``u⁻``, ``u⁺`` and
-    ``f`` by the arguments."""
+def _gap_slopes(function: ca.Function, width: int) -> tuple[ca.Function, ca.Function]:
+    """``(arguments, τ) → g, B τ, B`` and derivatives of ``g`` and ``B τ`` by the arguments; and
+    ``(arguments, τ, P) → B τ, f, B`` and derivatives of ``B τ`` and ``f``."""
     arguments = [ca.SX.sym("s", function.numel_in(k)) for k in range(function.n_in())]
     distance, blocks, *_ = function.call(arguments)
     rows = min(width, blocks.shape[0])
     blocks = ca.vertcat(blocks[:rows, :], ca.SX.zeros(width - rows, blocks.shape[1]))
-    before, after = (ca.SX.sym(name, blocks.shape[1]) for name in ("before", "after"))
-    impulse = ca.SX.sym("P", width)
-    speeds = [ca.mtimes(blocks, twist) for twist in (before, after)]
-    wrench, geometry = ca.mtimes(blocks.T, impulse), ca.vertcat(*arguments)
-    slopes = [ca.jacobian(value, geometry) for value in (distance, *speeds, wrench)]
-    outputs = [distance, ca.horzcat(*speeds), wrench, blocks, *slopes]
-    inputs = [*arguments, before, after, impulse]
-    dense = [ca.densify(output) for output in outputs]
-    return ca.Function("gap_slopes", inputs, dense, {"cse": True})
+    twist, impulse = ca.SX.sym("twist", blocks.shape[1]), ca.SX.sym("P", width)
+    speeds, wrench = ca.mtimes(blocks, twist), ca.mtimes(blocks.T, impulse)
+    geometry = ca.vertcat(*arguments)
+    by_distance, by_speeds, by_wrench = (
+        ca.jacobian(value, geometry) for value in (distance, speeds, wrench)
+    )
+    start = [*arguments, twist], [distance, speeds, blocks, by_distance, by_speeds]
+    middle = [*arguments, twist, impulse], [speeds, wrench, blocks, by_speeds, by_wrench]
+    first, second = (
+        ca.Function("gap_slopes", inputs, [ca.densify(part) for part in outputs], {"cse": True})
+        for inputs, outputs in (start, middle)
+    )
+    return first, second

@@ -66,9 +66,10 @@ class StackedImpacts:
         has = np.bincount(owner, minlength=steps.count) > 0
         free = FreeSteps(maps.maps, maps.state, steps.h)
         before = free.with_contacts(*self._carrying(has))
-        normals, h = maps.contacts.gaps.directions[rows * width], steps.h[owner]
-        changes = [np.abs(normals @ a.T.ravel()) for a in (before, free.accelerations)]
-        forced = h * np.maximum(*changes)
+        gaps, h = maps.contacts.gaps, steps.h[owner]
+        normals, turning = gaps.directions[rows * width], free.turning(gaps)[rows, 0]
+        moved = [h * (normals @ a.T.ravel()) for a in (before, free.accelerations)]
+        forced = np.maximum(*(np.abs(change + turning) for change in moved))
         fall = 2 * forced / h * np.maximum(values.distance[rows], 0.0)
         speed = np.sqrt(values.before[rows, 0] ** 2 + fall)
         margin = np.abs(speed - SLOW * forced)

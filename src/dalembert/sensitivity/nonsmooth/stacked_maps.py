@@ -12,8 +12,9 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts, ContactEquations
+from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts
 from dalembert.sensitivity.nonsmooth.contact_changes import near_change
+from dalembert.sensitivity.nonsmooth.contact_equations import ContactEquations
 from dalembert.sensitivity.nonsmooth.contact_maps import SOLVED, ContactMaps, terms_of
 from dalembert.sensitivity.nonsmooth.free_steps import LastingContacts
 from dalembert.sensitivity.nonsmooth.gap_matrices import NAMES, MatrixGaps
@@ -105,10 +106,12 @@ class StackedMaps:
         self._by_z, self._by_q, self._next = by_z, by_q, slopes
         active, owner = steps.active, steps.owner
         self.state = StepState(t, y, maps.p, v, after, lead=maps.lead(h))
-        gaps = maps.gaps(self.state, active.keys, active.impulses, owner=owner)
+        own = active.keys, active.impulses
+        gaps = maps.gaps(self.state, *own, owner=owner, kept=active.kept)
         inertia = np.maximum(np.abs(by_z.diagonal()), np.finfo(float).tiny)
         step, width = maps.contact_step, active.impulses.shape[1]
-        self.contacts = ContactEquations.of(gaps, step, active, steps.h[owner], inertia)
+        change = (after - v).T.ravel()
+        self.contacts = ContactEquations.of(gaps, step, active, steps.h[owner], inertia, change)
         self._z = np.concatenate([after.T.ravel(), active.impulses.ravel()])
         right, blocks = maps.joined(value, self.contacts, active.impulses.ravel())
         matrix: list[Block] = [(0, 0, by_z), *blocks]
@@ -126,8 +129,8 @@ class StackedMaps:
         np.maximum.at(largest, self._step_of, terms)
         self.solved = residual <= SOLVED * largest
         self.forced = np.bincount(owner, self.contacts.slopes.forced != 0, steps.count) > 0
-        change = np.abs(after - v).max(axis=0)
-        near = near_change(self.contacts, active.impulses, step.groups, change[owner])
+        largest_change = np.abs(after - v).max(axis=0)
+        near = near_change(self.contacts, active.impulses, step.groups, largest_change[owner])
         self.changing = np.bincount(owner, near, steps.count) > 0
         self._factors: dict[int, ProximalFactors] = {}
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -52,7 +52,7 @@ class FreeBodyMarch:
 
     def __init__(self, step: ContactStep, motion: FreeBodyMotion, steps: FreeBodySteps):
         self._step, self._motion, self._steps = step, motion, steps
-        self._t, self._h, self._lead = np.zeros(1), np.zeros(1), np.zeros(1)
+        self._t, self._h, self._middle = np.zeros(1), np.zeros(1), np.zeros(1)
         self._y = np.zeros(step.model.equations.coordinate_count)
         self._next, self._still = np.zeros_like(self._y), np.zeros_like(steps.v)
         self._ys, self._vs = np.zeros((CHUNK, self._y.size)), np.zeros((CHUNK, steps.v.size))
@@ -60,16 +60,20 @@ class FreeBodyMarch:
         geometry = steps.corners, steps.references, steps.normals, steps.velocities
         forces = FixedCalls(motion.forces, compiled=False)
         self._forces = forces.on([t, self._y, v, p, self._h], [steps.force, steps.inertia])
-        move = [t, self._y, steps.displacement, p, v, self._lead], [self._next, *geometry]
-        self._move = places.on(*([flat(a) for a in part] for part in move))
-        self._part = np.zeros_like(steps.v)
-        part = [t, self._y, self._part, p, v, self._lead], [self._next, *geometry]
-        self._place_part = places.on(*([flat(a) for a in group] for group in part))
-        self._repeats = PathRepeats(steps, step.model.equations.manifold, step.rounding)
+        self._manifold = step.model.equations.manifold
+        self._part, self._half = np.zeros_like(steps.v), np.zeros_like(steps.v)
+
+        def placed(t: np.ndarray, displacement: np.ndarray, geometry: Sequence[np.ndarray]):
+            arrays = [t, self._y, displacement, p], [self._next, *geometry]
+            return places.on(*([flat(a) for a in part] for part in arrays))
+
+        self._move = placed(t, steps.displacement, geometry)
+        self._place_part = placed(t, self._part, geometry)
+        self._place = placed(t, self._still, geometry)
+        self._place_middle = placed(self._middle, self._half, steps.ahead)
+        self._repeats = PathRepeats(steps, self._manifold, step.rounding)
         self._curved: dict[int, np.ndarray] = {}
         self._inexact: dict[int, float] = {}
-        place = [t, self._y, self._still, p, v, self._lead], [self._next, *geometry]
-        self._place = places.on(*([flat(a) for a in part] for part in place))
 
     @classmethod
     def of(cls, step: ContactStep) -> FreeBodyMarch | None:
@@ -93,8 +97,8 @@ class FreeBodyMarch:
         Returns the number of the instant reached, and the last impulses.
         """
         steps, span, self._last = self._steps, grid[-1] - grid[0], last
-        self._turn(grid, k)
         self._load(log)
+        self._look_ahead(grid, k)
         begin = k
         try:
             while k < grid.size - 1:
@@ -111,10 +115,10 @@ class FreeBodyMarch:
                 if outcome is not StepOutcome.DONE:
                     break
                 self._t[0] = grid[k + 1]
-                self._turn(grid, k + 1)
                 if not self._move():
                     break
                 self._y[:] = self._next
+                self._look_ahead(grid, k + 1)
                 self._ys[k - begin], self._vs[k - begin] = self._y, steps.v
                 k += 1
                 if k - begin == CHUNK:
@@ -130,10 +134,13 @@ class FreeBodyMarch:
             steps.counts[[STEPS, PRESSING]] = 0
         return k, self._last
 
-    def _turn(self, grid: np.ndarray, k: int) -> None:
-        """Select the directions of gaps in the step that begins at instant ``k``."""
+    def _look_ahead(self, grid: np.ndarray, k: int) -> None:
+        """Place the shapes in the middle of the step that begins at instant ``k``."""
         if k < grid.size - 1:
-            self._lead[0] = (1 - AnticipatedImpacts.theta) * (grid[k + 1] - grid[k])
+            lead = (1 - AnticipatedImpacts.theta) * (grid[k + 1] - grid[k])
+            self._middle[0] = grid[k] + lead
+            self._half[:] = self._manifold.halfway(2 * lead * self._steps.v)
+            self._place_middle()
 
     def _settled(self, k: int) -> bool:
         """Whether the step that ended at instant ``k`` is not repeated for its gaps, which are as
@@ -171,20 +178,19 @@ class FreeBodyMarch:
         steps.v[:] = self._vs[row - 1] if row else log.v
         self._h[0] = steps.limits[0] = length
         steps.limits[2] = self._limit(k - 1)
-        self._lead[0] = 0.0
+        self._look_ahead(grid, k - 1)
         if not repeats.select(place, self._forces, displacement):
             steps.leave_path()
             return False
         repeats.average(place, displacement)
-        self._turn(grid, k - 1)
         place(0.0, displacement)
         outcome = self._attempt()
         steps.leave_path()
         self._t[0] = grid[k]
-        self._turn(grid, k)
         if outcome is not StepOutcome.DONE or steps.lists > lists or not self._move():
             return False
         self._y[:] = self._next
+        self._look_ahead(grid, k)
         self._ys[row], self._vs[row] = self._y, steps.v
         self._curved[k] = repeats.keys
         return True
@@ -209,10 +215,11 @@ class FreeBodyMarch:
         end = begin + count
         numbers = steps.numbers[:count].copy()
         contacts = int(numbers[:, PRESSED].sum())
-        keys, impulses, offsets = steps.pressing(0, contacts)
+        keys, impulses, offsets, kept = steps.pressing(contacts)
         owner = np.repeat(np.arange(count), numbers[:, PRESSED].astype(int))
         order = np.lexsort((keys, owner))
         keys, impulses, offsets = keys[order], impulses[order], offsets[order]
+        kept = kept[order] > 0
         y, v = self._ys[:count].copy(), self._vs[:count].copy()
         depth = self._step.deepest(self._step.at(grid[end], y[-1]))
         none, zero = np.zeros(contacts, dtype=int), np.zeros(contacts)
@@ -227,6 +234,7 @@ class FreeBodyMarch:
             impulse=impulses,
             offset=offsets,
             curved=curved,
+            kept=kept,
             loss=numbers[:, LOSS],
             friction=numbers[:, FRICTION],
             work=zero,

@@ -13,7 +13,6 @@ from dalembert.analysis.nonsmooth.free_bodies.step_shapes import StepShapes, ste
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
 from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
-from dalembert.analysis.nonsmooth.turned_speeds import turned_speeds
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.elements.contact.pairs import COEFFICIENTS
 from dalembert.integrators.contact.block_ordering import BlockOrderings
@@ -32,8 +31,7 @@ class FreeBodyMotion:
     Attributes
     ----------
     forces : ``(t, y, v, p, h) → F, A``, forces and entries of the matrix of a step by rows
-    places : ``(t, y, δ, p, v, τ) → y ⊕ δ, corners, references, normals, J E`` of shapes, for a
-        displacement ``τ v`` (``turned_speeds``)
+    places : ``(t, y, δ, p) → y ⊕ δ, corners, references, normals, J`` of shapes there
     shapes : StepShapes
     starts, columns : pattern of ``A`` by rows
     body : (shapes,) body of each shape, -1 for the ground
@@ -96,9 +94,7 @@ def _functions(model: Model) -> FreeBodyMotion | None:
     forces, matrix, h = _step_formulas(model)
     pattern = matrix.T.sparsity()
     column, row = np.array(pattern.row(), dtype=np.int32), _columns(pattern)
-    lead, after = ca.SX.sym("lead"), ca.SX.sym("after", n)
     jacobian = ca.jacobian(shapes.twists, e.v)
-    jacobian = ca.mtimes(jacobian, ca.jacobian(turned_speeds(e.manifold, lead * e.v, after), after))
     body, velocities = _shape_velocities(shapes, jacobian, body_of, first)
     if body is None or (body_of[row] != body_of[column]).any():
         return None
@@ -109,7 +105,7 @@ def _functions(model: Model) -> FreeBodyMotion | None:
     placed = ca.vertcat(moved, ca.substitute(ca.vertcat(*geometry), e.y, moved))
     cuts = np.cumsum([0, moved.numel(), *(part.numel() for part in geometry)])
     parts = [placed[i:j] for i, j in pairwise(cuts.tolist())]
-    inputs = [e.t, e.y, e.manifold.delta, e.p, e.v, lead]
+    inputs = [e.t, e.y, e.manifold.delta, e.p]
     entries = stack(matrix.T.nonzeros())  # type: ignore[arg-type]
     return FreeBodyMotion(
         forces=condensed("forces", [e.t, e.y, e.v, e.p, h], [forces, ca.densify(entries)]),

@@ -76,8 +76,10 @@ class FreeBodySteps(PathContacts):
     ----------
     v, force, inertia, displacement : (n,) of the step; entries of ``A``
     corners, references, normals, velocities : of the shapes
+    ahead : the same in the middle of the step
     limits : length of the step, tolerance, rounding of gaps, reach of the list, weight of a
-        position on the path
+        position on the path, least travel of an impact, change of a gap by its turn that counts as
+        zero, clearance
     lists : number of lists of pairs so far
     """
 
@@ -92,7 +94,10 @@ class FreeBodySteps(PathContacts):
         self.corners = np.zeros((int(motion.shapes.corner_starts[-1]), 3))
         self.references, self.normals = np.zeros((shapes, 3)), np.zeros((walls, 3))
         self.velocities = np.zeros((shapes, TWIST, widest))
-        self.limits = np.array([0.0, step.solver.tolerance, step.rounding, -1.0, 0.0])
+        geometry = self.corners, self.references, self.normals, self.velocities
+        self.ahead = [np.zeros_like(part) for part in geometry]
+        limits = [0.0, step.solver.tolerance, step.rounding, -1.0, 0.0, step.least_travel]
+        self.limits = np.array([*limits, step.rounding, step.clearance])
         coefficients = motion.laws(step.p)
         used = [0, 1, *range(FIRST, FIRST + len(step.groups))]
         self._radii = motion.radii(step.p)
@@ -102,7 +107,7 @@ class FreeBodySteps(PathContacts):
         self._shares = np.array(shares)
         self._groups = np.cumsum([1, *step.groups]).astype(np.int32)
         self._loop: Loop | None = None
-        self._pressed = np.zeros(0, np.int64)
+        self._pressed, self._kept = np.zeros(0, np.int64), np.zeros(0, np.int32)
         self._impulses, self._offsets = np.zeros((2, 0, self.width))
         self._old = np.full((shapes, 3), np.inf), np.full((walls, 3), np.inf)
         self._pairs = np.zeros((3, 0), dtype=np.int32)
@@ -185,17 +190,20 @@ class FreeBodySteps(PathContacts):
         self._last[0][:count], self._last[1][:count] = keys, impulses
         self._sizes[LAST_IMPULSES] = count
 
-    def pressing(self, begin: int, end: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Keys, impulses and offsets of recorded contacts."""
-        recorded = self._pressed, self._impulses, self._offsets
-        keys, impulses, offsets = (array[begin:end].copy() for array in recorded)
-        return keys, impulses, offsets
+    def pressing(self, count: int) -> list[np.ndarray]:
+        """Keys, impulses and offsets of the first recorded contacts, and the mask of those with the
+        directions at the start of their steps."""
+        return [array[:count].copy() for array in self._recorded]
+
+    @property
+    def _recorded(self) -> tuple[np.ndarray, ...]:
+        return self._pressed, self._impulses, self._offsets, self._kept
 
     def forget(self, steps: int, contacts: int) -> None:
         """Remove the first steps, and their contacts, from the record."""
         done, pressing = self.counts[STEPS], self.counts[PRESSING]
         self.numbers[: done - steps] = self.numbers[steps:done].copy()
-        for array in (self._pressed, self._impulses, self._offsets):
+        for array in self._recorded:
             array[: pressing - contacts] = array[contacts:pressing].copy()
         self.counts[STEPS] -= steps
         self.counts[PRESSING] -= contacts
@@ -258,11 +266,11 @@ class FreeBodySteps(PathContacts):
         for own, old_part in zip((*path, *before), (*self._path, *self._before), strict=True):
             own[: old_part.shape[0]] = old_part
         records = max(RECORDS, 4 * contacts)
-        pressed, impulses, offsets = np.zeros(records, np.int64), *np.zeros((2, records, k))
+        recorded = np.zeros(records, np.int64), *np.zeros((2, records, k)), whole(records)
         used = self.counts[PRESSING]
-        pressed[:used], impulses[:used] = self._pressed[:used], self._impulses[:used]
-        offsets[:used] = self._offsets[:used]
-        self._pressed, self._impulses, self._offsets = pressed, impulses, offsets
+        for own, old_part in zip(recorded, self._recorded, strict=True):
+            own[:used] = old_part[:used]
+        self._pressed, self._impulses, self._offsets, self._kept = recorded
         row, column = whole(rows + 1), whole(pattern)
         motion, bodies = self._motion, (self._motion.body, self._motion.first)
         inputs = [real(pattern), real(pattern), real(rows), real(contacts * groups), real(contacts)]
@@ -277,7 +285,7 @@ class FreeBodySteps(PathContacts):
         inputs += [whole(4 * shapes.most), self._keys, self._last[0], self._gaps]
         inputs += [whole(slots), self._sizes, self._centers, self.arms, real(3 * shapes.longest)]
         inputs += [self._described, self._shares_of_path, path[1], path[0], self._means, path[2]]
-        inputs += [*before]
+        inputs += [*before, *self.ahead, real(3 * shapes.axes)]
         self._sizes[SLOTS] = slots
         self._status, self._pair_of = real(4), whole(contacts)
         outputs = [real(rows), real(entries), real(n), real(rows), real(rows * k)]
@@ -288,8 +296,9 @@ class FreeBodySteps(PathContacts):
         self._speeds = real(rows), real(rows)
         outputs += [self._pair_of, *self._speeds, real(rows), real(rows), self.displacement]
         outputs += [self._last[1]]
-        outputs += [self.numbers, pressed, impulses, offsets, real(3 * rows)]
+        outputs += [self.numbers, *recorded[:3], real(3 * rows)]
         outputs += [*(real(rows) for _ in range(8)), real(contacts), real(rows * k)]
+        outputs += [whole(contacts), self._kept, real(n)]
         blocks, size = self.counts[[BLOCKS, SIZE]]
         work = 12 * k**2 + 3 * k * (k + 1) + 2 * k + 4 * k * widest
         work = int(max(work, blocks * size + size**2))

@@ -1,0 +1,78 @@
+"""All gaps of a model with given parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
+from dalembert.analysis.nonsmooth.gaps.gap_source import GapSource
+from dalembert.analysis.nonsmooth.gaps.joined_gaps import selected_of, separating_of
+from dalembert.integrators.contact.contact_laws import widest_groups
+from dalembert.integrators.contact.contacts import Contacts
+from dalembert.model.graph.model import Model
+
+CLOSED = 1e-12
+"""Penetration that counts as rounding, by the natural length."""
+APART = 2**54
+"""Offset between the keys of gaps of different sources."""
+
+
+@dataclass(frozen=True, eq=False)
+class ModelGaps:
+    """Gaps of all sources of a model.
+
+    Attributes
+    ----------
+    model : Model
+    sources : of its gaps
+    p : (np,) parameters
+    """
+
+    model: Model
+    sources: list[GapSource]
+    p: np.ndarray
+
+    @cached_property
+    def groups(self) -> tuple[int, ...]:
+        """Widths of the groups of tangential components of the relative velocities."""
+        return widest_groups([source.groups for source in self.sources])
+
+    def at(self, t: float, y: np.ndarray) -> Configuration:
+        """The configuration with the parameters of the steps."""
+        return Configuration(t, y, self.p)
+
+    def near(self, configuration: Configuration, travels: np.ndarray) -> Contacts:
+        """Gaps of all sources within reach of the displacements ``travels``."""
+        parts, elements = [], 0
+        for number, source in enumerate(self.sources):
+            contacts = source.near(configuration, travels)
+            parts.append(
+                replace(
+                    contacts, owner=contacts.owner + elements, key=contacts.key + number * APART
+                )
+            )
+            elements += len(source.elements)
+        return Contacts.joined(parts)
+
+    def selected(self, configuration: Configuration, keys: np.ndarray) -> Contacts:
+        """Gaps with some keys, at any distance."""
+        gaps = selected_of(self.sources, APART, configuration, keys)
+        elements = np.cumsum([0, *(len(source.elements) for source in self.sources)])
+        return replace(gaps, owner=gaps.owner + elements[keys // APART])
+
+    def separating(self, start: Configuration, end: Configuration, keys: np.ndarray) -> np.ndarray:
+        """Keys of gaps between the shapes of the gaps ``keys`` that separate them at ``start`` and
+        are closed at ``end``."""
+        return separating_of(self.sources, APART, start, end, keys, self.rounding)
+
+    def touching(self, configuration: Configuration) -> Contacts:
+        """Gaps that are not open."""
+        return self.near(configuration, np.zeros((self.model.equations.speed_count, 1)))
+
+    @property
+    def rounding(self) -> float:
+        """Penetration that counts as rounding [m]."""
+        return CLOSED * self.model.scales.length

@@ -1,0 +1,118 @@
+"""Order of lasting contacts: bodies that roll or turn over a corner, with steps of half the length.
+
+Directions of impulses in the middle of a step have errors of second order, those at its start of
+first order.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import dalembert as da
+from dalembert import planar, spatial
+from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
+
+G, LOWER, UPPER, PLACE = 9.81, 0.5, 0.1, 0.05
+SCHEMES = [da.AnticipatedImpacts(), da.MoreauJean()]
+SECOND = 3.6
+"""Least ratio of the errors with steps of twice the length; 4 for second order, 2 for first."""
+
+
+def rolling_disc() -> da.Model:
+    """A disc on top of a fixed one."""
+    system = da.System("disc on a disc", gravity=(0, -G))
+    size = LOWER + UPPER
+    place = (PLACE, np.sqrt(size**2 - PLACE**2))
+    disc = planar.Body("disc", mass=1.0, inertia=UPPER**2 / 2, position=place)
+    kit = planar.contact
+    shapes = [kit.Circle(system.add(disc).center, UPPER), kit.Circle(system.ground.center, LOWER)]
+    system.add(planar.Collisions("touch", shapes, friction=0.6))
+    return system.build()
+
+
+def rolling_ball() -> da.Model:
+    """A ball on top of a fixed one."""
+    system = da.System("ball on a ball", gravity=(0, 0, -G))
+    size = LOWER + UPPER
+    place = (PLACE, 0.0, np.sqrt(size**2 - PLACE**2))
+    moments = (2 / 5 * UPPER**2,) * 3
+    ball = spatial.Body("disc", mass=1.0, inertia=moments, position=place)
+    kit = spatial.contact
+    shapes = [
+        kit.Sphere(system.add(ball).center, UPPER),
+        kit.Sphere(system.ground.point(0, 0, 0), LOWER),
+    ]
+    system.add(spatial.Collisions("touch", shapes, friction=0.6))
+    return system.build()
+
+
+def lean(inertia: float, time: float) -> float:
+    """Angle of the centre line of a body that rolls without slip, ``(1 + J/m r²) (R + r) θ̈ = g sin
+    θ``."""
+    rate = G / ((1 + inertia) * (LOWER + UPPER))
+    start = np.arcsin(PLACE / (LOWER + UPPER))
+    options = {"rtol": 1e-12, "atol": 1e-14}
+    course = solve_ivp(lambda _, z: [z[1], rate * np.sin(z[0])], (0, time), [start, 0.0], **options)
+    return float(course.y[0, -1])
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize(("build", "inertia"), [(rolling_disc, 0.5), (rolling_ball, 0.4)])
+def test_bodies_roll_with_second_order(build, inertia, scheme, compiled, monkeypatch):
+    if not compiled:
+        monkeypatch.setattr(FreeBodyMarch, "of", lambda step: None)
+    model, time, errors = build(), 0.56, []
+    exact = (LOWER + UPPER) * np.sin(lean(inertia, time))
+    for step in (8e-3, 4e-3):
+        motion = da.solve_nonsmooth(model, time, step=step, integrator=scheme)
+        assert motion.status.success
+        errors.append(abs(motion.trajectory.y[0, -1] - exact))
+    assert errors[0] > SECOND * errors[1] and errors[1] < 1e-4
+
+
+def tipped_box() -> da.Model:
+    """A force tips a box over its corner."""
+    system = da.System("tipped box", gravity=(0, -G))
+    body = system.add(planar.Body("box", mass=2.0, inertia=0.2 / 6, position=(0, 0.2)))
+    system.add(planar.Force("push", body.point(-0.1, 0.2), (1.1 * 2 * G / 4, 0)))
+    shapes = [planar.contact.Rectangle(body, (0.2, 0.4)), planar.contact.HalfPlane(system.ground)]
+    system.add(planar.Collisions("floor", shapes, friction=0.9))
+    return system.build()
+
+
+def turned(time: float) -> float:
+    """Angle of the box about its lower right corner, to which the mass centre is at ``r (−sin, cos)
+    (α − θ)`` after turning by θ."""
+    radius, alpha, push = np.hypot(0.1, 0.2), np.arctan2(0.1, 0.2), 1.1 * 2 * G / 4
+    inertia = 0.2 / 6 + 2 * radius**2
+
+    def rate(_: float, z: np.ndarray) -> list[float]:
+        weight = -2 * G * radius * np.sin(alpha - z[0])
+        lever = 0.4 * np.cos(z[0]) + 0.2 * np.sin(z[0])  # height of the corner that is pushed
+        return [z[1], (weight + push * lever) / inertia]
+
+    return float(solve_ivp(rate, (0, time), [0.0, 0.0], rtol=1e-12, atol=1e-14).y[0, -1])
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_a_box_turns_over_its_corner_with_second_order(compiled, monkeypatch):
+    if not compiled:
+        monkeypatch.setattr(FreeBodyMarch, "of", lambda step: None)
+    model, time = tipped_box(), 0.56
+    errors = [
+        abs(-da.solve_nonsmooth(model, time, step=step).values("box.angle")[-1] - turned(time))
+        for step in (8e-3, 4e-3)
+    ]
+    assert errors[0] > SECOND * errors[1] and errors[1] < 3e-4
+
+
+def test_half_of_a_rotation_twice_is_the_rotation():
+    system = da.System("body")
+    system.add(spatial.Body("body", mass=1.0, inertia=(1.0, 1.0, 1.0)))
+    manifold = system.build().equations.manifold
+    y, delta = np.array([0.1, 0.2, 0.3, 1.0, 0, 0, 0]), np.array([0.3, 0.1, -0.2, 0.9, -0.4, 1.1])
+    half = manifold.halfway(delta)
+    np.testing.assert_allclose(manifold.go(manifold.go(y, half), half), manifold.go(y, delta))
