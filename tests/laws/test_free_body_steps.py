@@ -191,7 +191,7 @@ def two_boxes(seed: int) -> da.Model:
     return system.build()
 
 
-@pytest.mark.parametrize(("seed", "steps", "separated"), [(170, 45, False)])
+@pytest.mark.parametrize(("seed", "steps", "separated"), [(170, 45, False), (1271, 45, True)])
 def test_edges_that_were_closed_before_need_no_general_step(seed, steps, separated, monkeypatch):
     """Edges of boxes that cross within a step may be closed at its start, where faces separate the
     boxes: gaps of these, or none, take part in its repetition."""
