@@ -202,7 +202,7 @@ class Studio {
       this.pending = 0;
       this.editor.show(text);
     }
-    if (file.opened !== this.file.opened && this.pictures.page) this.pictures.page.scene.view.fitted = true;  // and with it the picture of another file
+    if (file.opened !== this.file.opened) this.pictures.forget();
     this.file = file;
     this.drawing.show(file.document);
     this.space.show(file.document ?? this.known);
