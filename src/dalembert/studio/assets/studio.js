@@ -185,7 +185,7 @@ class Studio {
         this.space.revert();
         this.say(message.text, true);
         return this.commands.proceed();
-      case "conflict": return void this.saving.resolve(message.text, message.path);
+      case "conflict": return void this.saving.resolve(message);
       default: this.handlers[/** @type {{ kind: string }} */ (message).kind]?.(message);
     }
   }
