@@ -8,6 +8,7 @@
 import { groupsOf } from "./contact_shapes.js";
 import { beamLengths } from "./beam_ends.js";
 import { isSame, linkLengths } from "./ends.js";
+import { gearRadii } from "./gear_radii.js";
 import { anglesAfter, movedPoints } from "./operations.js";
 import { bodiesAmong, group, sectionOf } from "./selection.js";
 import { namedPlaces } from "./snapping.js";
@@ -51,8 +52,9 @@ export function transform(page, document, selected, map, label) {
     return body !== null && bodies.has(body) ? { x, y } : followers.find(({ from }) => isSame(page, from, place))?.to;
   };
   const done = new Set(group(document, bodies).map(({ name }) => name));
-  const points = movedPoints(page, document, followers, new Set([...done, ...Object.keys(document.beams ?? {})])), isOther = (/** @type {string} */ name) => !done.has(name);
-  const all = [...operations, ...points, ...linkLengths(page, document, linked, isOther), ...beamLengths(page, document, linked, anglesAfter(page, [...operations, ...points]), isOther)];
+  const isOther = (/** @type {string} */ name) => !done.has(name), isRadius = (/** @type {Operation} */ { keys }) => Array.isArray(keys) && keys[0] === "joints" && /^radius_[ij]$/.test(String(keys[2]));
+  const points = movedPoints(page, document, followers, new Set([...done, ...Object.keys(document.beams ?? {})])).filter((operation) => !isRadius(operation));  // radii need all centres
+  const all = [...operations, ...points, ...linkLengths(page, document, linked, isOther), ...gearRadii(page, document, linked, isOther), ...beamLengths(page, document, linked, anglesAfter(page, [...operations, ...points]), isOther)];
   return all.length ? { label, operations: all } : null;
 }
 

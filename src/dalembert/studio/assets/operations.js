@@ -6,6 +6,7 @@
 
 import { beamLengths } from "./beam_ends.js";
 import { isSame, linkLengths } from "./ends.js";
+import { gearRadii } from "./gear_radii.js";
 import { neat } from "./neat.js";
 import { angleOf, inBody, namedPlaces, onOutline, placeOf } from "./snapping.js";
 
@@ -144,7 +145,7 @@ export function movedPoints(page, document, moves, done = new Set()) {
     });
   }
   const next = (/** @type {{ x: number, y: number }} */ place) => moves.find(({ from }) => isSame(page, from, place))?.to;
-  return [...operations, ...linkLengths(page, document, next), ...beamLengths(page, document, next, anglesAfter(page, operations), (name) => !done.has(name))];
+  return [...operations, ...linkLengths(page, document, next), ...gearRadii(page, document, next, (name) => !done.has(name)), ...beamLengths(page, document, next, anglesAfter(page, operations), (name) => !done.has(name))];
 }
 
 /** World coordinates of the other end of a bar. @param {Page} page @param {string} body @param {string} point */
