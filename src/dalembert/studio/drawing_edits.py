@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from dalembert.errors import ModelError
+from dalembert.io.messages import key_path
 from dalembert.studio.array_edits import append_item, remove_item
 from dalembert.studio.contact_edits import remove_group, without_shapes_of
 from dalembert.studio.key_edits import drop_key
@@ -45,7 +46,8 @@ def apply(text: str, operations: Any) -> str:
         for a removed one. ``append`` has ``section``, a list of tables such as ``supports``, and
         ``fields``; ``remove_entry`` has ``section`` and ``index``. ``append_item`` has the
         ``keys`` of an array and a ``value``, ``remove_item`` the ``keys`` of an item.
-        ``drop`` has the ``keys`` of a value that is removed from its table, if it is there.
+        ``drop`` has the ``keys`` of a value that is removed from its table, if it is there,
+        ``remove point`` those of a named point or frame, which takes along what refers to it.
 
     Raises
     ------
@@ -179,6 +181,18 @@ def _drop(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) ->
     drop_key(edits, _path(operation))
 
 
+def _remove_point(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    *owner, part, key = ("", *_path(operation))
+    is_owner = owner[1:] == ["ground"] or (len(owner) == 3 and owner[1] == "bodies")
+    if not is_owner or part not in ("points", "frames"):
+        raise ModelError(
+            "is no point or frame of a body or the ground", key_path(*owner[1:], part, key)
+        )
+    for section, name in dependents(edits.data, "bodies", f"{owner[-1]}.{key}"):
+        _remove(edits, {"section": section, "name": name, "missing": True}, names)
+    drop_key(edits, (*owner[1:], part, key))
+
+
 def _remove_group(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
     remove_group(edits, _text(operation, "name"), _text(operation, "group"))
 
@@ -197,6 +211,7 @@ OPERATIONS: dict[str, Callable[[TextEdits, dict[str, Any], dict[str, str]], None
     "append_item": _append_item,
     "remove_item": _remove_item,
     "drop": _drop,
+    "remove point": _remove_point,
 }
 
 
