@@ -165,7 +165,8 @@ function axesChange(document, keys, turn) {
   if (entry.rotation) return rotationChange(document, [...keys, "rotation"], product(turn, now));
   const turnAxis = (/** @type {string} */ key, /** @type {Vec} */ old) => coordinates(document, [...keys, key], old, turned(turn, old).map((v) => neat(v)));
   const [axis, x] = [entry.axis, entry.x].map((value) => value && vectorOf(value, document));
-  return [...turnAxis("axis", axis ?? [0, 0, 1]), ...(x ? turnAxis("x", x) : [])];
+  const changes = [...turnAxis("axis", axis ?? [0, 0, 1]), ...(x ? turnAxis("x", x) : [])], isFrame = keys.at(-2) === "frames";
+  return changes.length || x || !isFrame ? changes : [set([...keys, "x"], turned(product(turn, now), [1, 0, 0]).map((v) => neat(v)))];  // about its own axis
 }
 
 /** Operations that move an end of a bar, whose other end stays. @param {Poses} poses @param {Document} document @param {string} name @param {string} end @param {Vec} to */
