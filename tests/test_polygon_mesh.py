@@ -230,3 +230,20 @@ def test_formulas_need_their_parameters() -> None:
         structures.polygon_mesh(corners, 0.5)
     mesh = structures.polygon_mesh(corners, 0.5, parameters=system.parameters)
     assert mesh.points.shape[1] == 2
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place"),
+    [
+        ('["l/2", 0.5]', "[5.0, 0.5]", r"holes\[0\]: is not within the outline"),
+        ('[[0, 0], ["l", 0]', '[[0, 0], [0, 0], ["l", 0]', r"vertices\[1\]: is at the same place"),
+        ('"r" }', "0.5 }", r"holes\[0\]: crosses or touches the outline"),
+        ("size = 0.1", "size = 0", "size: .*positive length"),
+    ],
+)
+def test_errors_of_files_name_the_corner_or_the_hole(
+    old: str, new: str, place: str, tmp_path: Path
+) -> None:
+    path = written(tmp_path, FILE.replace(old, new))
+    with pytest.raises(da.ModelError, match=rf"meshes\.plate\.polygon\.{place}"):
+        da.load_model(path)

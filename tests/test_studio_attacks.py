@@ -20,7 +20,7 @@ from studio_runs import Studio, running_studio
 from test_studio_server import FOUR_BAR, get, page, receive, send
 
 from dalembert.errors import FileError
-from dalembert.studio.draft import Draft
+from dalembert.studio.draft import Draft, Missing
 from dalembert.studio.journal import Journal
 from dalembert.studio.session import Session
 
@@ -183,7 +183,9 @@ def test_a_file_that_is_deleted_or_a_folder_while_open(tmp_path: Path) -> None:
         draft.reload()
     assert draft.text == "a = 1\n" and draft.is_changed
     path.rmdir()
-    draft.save()
+    with pytest.raises(Missing, match="moved, renamed or deleted by another program"):
+        draft.save()
+    draft.save(replace=True)
     assert path.read_text() == "a = 1\n"
 
 

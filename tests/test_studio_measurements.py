@@ -141,3 +141,13 @@ def test_a_stiffness_is_identified_by_clicks(desk: tuple[Desk, Studio], tmp_path
     visit.until("studio.file.undo.startsWith('adopt')", 20)
     assert visit.document["parameters"]["k"]["value"] == pytest.approx(STIFFNESS, rel=1e-4)
     assert (model.parent / "run.csv").read_bytes() == data.read_bytes()
+    expected = visit.document["identify"]
+    (tmp_path / "letters.csv").write_text("a;b\nx;y\n")
+    page.set_input_files(".measurements input[type=file]", str(tmp_path / "letters.csv"))
+    page.wait_for_selector(".measurements .reason", timeout=1000 * WAIT)
+    page.wait_for_selector("[name='column-laser']", timeout=1000 * WAIT)  # those of the former file
+    assert "letters.csv" in page.inner_text(".measurements .reason")
+    assert visit.document["identify"] == expected
+    assert not (model.parent / "letters.csv").exists()
+    assert all("400" in line for line in visit.console)  # Chromium notes the refusal
+    visit.console.clear()

@@ -194,3 +194,30 @@ def test_a_body_is_taken_at_its_section(desk: SpaceDesk) -> None:  # noqa: F811
     assert name == "two"
     assert point == pytest.approx([-0.2, 0.02, 0.1], abs=1e-6)
     assert normal == pytest.approx([0, -1, 0], abs=1e-6)
+
+
+FRAME = """
+[ground.frames]
+socket = { at = [-0.1, -0.1, 0.0], axis = [0.0, 0.0, 1.0] }
+"""
+
+
+@pytest.mark.usefixtures("desk")
+def test_a_frame_turns_about_its_own_axis(desk: SpaceDesk) -> None:  # noqa: F811
+    """Its direction x is written, which the axis alone leaves open."""
+    desk.show(BOXES + FRAME)
+    desk.js("studio.space.choose('select')")
+    choice = '{ section: "ground", name: "ground", part: "frames", key: "socket" }'
+    desk.js(f"studio.space.select({choice})")
+    desk.page.mouse.move(*desk.place(*map(float, desk.page.evaluate(CORNERS, "turn")[0][4])))
+    desk.page.mouse.down()
+    for key in "30":
+        desk.page.keyboard.press(key)
+    desk.changed(lambda: desk.page.keyboard.press("Enter"))
+    desk.page.mouse.up()
+    frame = desk.document["ground"]["frames"]["socket"]
+    assert frame["axis"] == [0.0, 0.0, 1.0]
+    assert frame["x"] == pytest.approx([math.cos(math.pi / 6), 0.5, 0.0], abs=1e-9)
+    assert not desk.errors_shown()
+    desk.changed(lambda: desk.page.keyboard.press("Control+z"))
+    assert desk.text == BOXES + FRAME

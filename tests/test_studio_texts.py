@@ -18,7 +18,7 @@ from hypothesis import given, settings, strategies as st
 import dalembert as da
 from dalembert.io.model_file import check_model_data
 from dalembert.io.toml_places import line_and_column, parse_keys, toml_places
-from dalembert.studio.draft import PAUSE, Draft, Unconfirmed
+from dalembert.studio.draft import PAUSE, Draft, Missing, Unconfirmed
 from dalembert.studio.drawing_edits import apply
 from dalembert.studio.drawn_numbers import with_drawn_parameters
 from dalembert.studio.journal import Journal
@@ -325,6 +325,28 @@ def test_a_file_that_another_program_changed_is_not_replaced(tmp_path: Path) -> 
     path.write_text("a = 4\n")
     assert draft.reload() and draft.text == "a = 4\n"
     assert draft.undo() and draft.text == "a = 2\n"
+
+
+def test_a_file_that_was_renamed_is_not_written_under_its_former_name(tmp_path: Path) -> None:
+    path, renamed = tmp_path / "model.toml", tmp_path / "better.toml"
+    path.write_text("a = 1\n")
+    draft = Draft(path)
+    for text in ("a = 2\n", "a = 3\n"):  # the second time the file is one that was saved
+        draft.replace(text, "edit")
+        path.rename(renamed)
+        before = renamed.read_bytes()
+        with pytest.raises(Missing, match=r"renamed to better\.toml by another program"):
+            draft.save()
+        assert not path.exists() and renamed.read_bytes() == before
+        assert draft.is_changed and draft.text == text
+        renamed.rename(path)
+        draft.save()
+        assert path.read_text() == text
+    path.unlink()
+    with pytest.raises(Missing, match="moved, renamed or deleted"):
+        draft.save()
+    draft.save(path)  # by Save as
+    assert path.read_text() == "a = 3\n"
 
 
 def test_unsaved_changes_of_a_killed_process_are_restored(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -111,6 +112,18 @@ def test_gears_ropes_and_contacts(desk: tuple[Desk, Studio]) -> None:
     gears = visit.js("studio.file.document.joints.gears1")
     assert (gears["radius_i"], gears["radius_j"]) == pytest.approx((0.5, 0.3))
     assert visit.page.inner_text("#summary") == "1 degree of freedom"
+    for start, end in (((0.8, 0.2), (0.8, 0.6)), ((0.0, 0.2), (-0.1, 0.1))):
+        before, revision = visit.text, visit.revision
+        visit.page.keyboard.press("Escape")
+        visit.page.keyboard.press("Escape")
+        visit.drag(start, end)
+        visit.settle(revision + 1)
+        gears = visit.js("studio.file.document.joints.gears1")
+        distance = math.dist(end, (0.0, 0.2) if start[0] else (0.8, 0.2))
+        assert gears["radius_i"] + gears["radius_j"] == pytest.approx(distance)
+        assert gears["radius_i"] / gears["radius_j"] == pytest.approx(5 / 3)
+        visit.press("Control+z")
+        assert visit.text == before
     visit.show(CRANK)
     visit.page.locator("#palette button").first.focus()
     visit.page.keyboard.press("z")

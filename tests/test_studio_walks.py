@@ -224,6 +224,8 @@ SPATIAL: dict[Edit, float] = {
 # Structures --------------------------------------------------------------------------------------
 
 HANDLES = "studio.structure.plan?.handles.map(({ at }) => at)"
+CORNERS = """studio.structure.plan?.handles
+    .filter(({ kind }) => kind === "vertex").map(({ name }) => name)"""
 STRUCTURE_BOX = [(-0.3, 2.0), (-0.2, 1.2)]
 
 
@@ -248,6 +250,9 @@ def change_parts(walk: Walk) -> None:
     if not pairs:
         return
     chosen = walk.rng.sample(pairs, min(len(pairs), walk.rng.randint(1, 3)))
+    corners = walk.visit.js(CORNERS)
+    if corners and walk.rng.random() < 0.4:
+        chosen = [("points", walk.rng.choice(corners))]
     parts = [{"section": section, "name": name} for section, name in chosen]
     walk.visit.page.evaluate("parts => studio.structure.select(parts)", parts)
     key = walk.rng.choice(["Delete", "ArrowUp", "ArrowLeft", "ArrowDown", "ArrowRight"])

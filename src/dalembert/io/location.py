@@ -6,6 +6,9 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
 
 from dalembert.errors import (
     AnalysisError,
@@ -29,7 +32,7 @@ class Located:
     """
 
     def __init__(self, source: Path, document: ModelDocument):
-        self.source = source
+        self.source, self._document = source, document
         self._section = {
             name: section for section in document.sections for name in getattr(document, section)
         }
@@ -67,6 +70,19 @@ class Located:
             return here
         owner = re.split(r"[.\[]", entity, maxsplit=1)[0]
         if owner not in self._section:
-            return here or entity
+            return f"{here}.{entity}" if self._has(keys, owner) else here or entity
         named = key_path(self._section[owner], owner) + entity[len(owner) :]
         return here if here.startswith(named) else named
+
+    def _has(self, keys: tuple[str | int, ...], field: str) -> bool:
+        """Whether the table at a location has a field, such as a polygon its ``holes``."""
+        value: Any = self._document
+        for key in keys:
+            if isinstance(value, BaseModel):
+                value = getattr(value, str(key), None)
+                continue
+            try:
+                value = value[key]
+            except (IndexError, KeyError, TypeError):
+                return False
+        return isinstance(value, BaseModel) and field in type(value).model_fields

@@ -15,7 +15,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from dalembert.errors import DalembertError, FileError
 from dalembert.files import read_text
 from dalembert.io.example_files import example_folder
-from dalembert.studio.draft import Unconfirmed
+from dalembert.studio.draft import Missing, Unconfirmed
 from dalembert.studio.drawing_edits import apply
 from dalembert.studio.drawn_document import LONG
 from dalembert.studio.event_loop import in_thread
@@ -98,7 +98,9 @@ class Connection:
                 await work
         except Unconfirmed as conflict:
             path = str(_path(request) or "")
-            await self.send({"kind": "conflict", "text": str(conflict), "path": path})
+            missing = isinstance(conflict, Missing)
+            message = {"kind": "conflict", "text": str(conflict), "path": path, "missing": missing}
+            await self.send(message)
         except DalembertError as error:
             await self.send(failure(error) | {"request": kind})
         except (ValueError, RecursionError):

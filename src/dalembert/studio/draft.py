@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from hashlib import blake2b
 from pathlib import Path
@@ -83,6 +84,7 @@ class Draft:
         self._redo: list[Change] = []
         self._typed_at = -PAUSE
         self._disk = b"" if self.path is None else _read(self.path)
+        self._identity = _identity(self.path)
         self._newline = "\r\n" if b"\r\n" in self._disk else "\n"
         self._loaded = (self._disk, text if self.path is None else _decode(self._disk, self.path))
         self.text = self.saved_text = self._loaded[1]
@@ -169,7 +171,8 @@ class Draft:
         Raises
         ------
         Unconfirmed
-            The file has been changed by another program, is write-protected or exists already.
+            The file has been changed, renamed or deleted by another program, is write-protected or
+            exists already.
         FileError
             It cannot be written.
         """
@@ -181,6 +184,8 @@ class Draft:
         if not replace:
             if target != self.path and target.exists():
                 raise Unconfirmed(f"{target}: exists already")
+            if path is None and not target.exists():
+                raise Missing(f"{target}: {self._renamed(target)}")
             if target == self.path and target.exists() and self.is_replaced:
                 raise Unconfirmed(f"{target}: has been changed by another program")
             if target.exists() and not target.stat().st_mode & 0o222:
@@ -189,7 +194,16 @@ class Draft:
         with atomic_path(target) as temporary:
             temporary.write_bytes(data)
         self.path, self._disk, self.saved_text = target, data, self.text
+        self._identity = _identity(target)
         return target
+
+    def _renamed(self, missing: Path) -> str:
+        """What has become of the file that is no longer there."""
+        with suppress(OSError):
+            for other in missing.parent.iterdir():
+                if self._identity is not None and _identity(other) == self._identity:
+                    return f"has been renamed to {other.name} by another program"
+        return "has been moved, renamed or deleted by another program"
 
     def reload(self) -> bool:
         """Read the file again; the former text can be restored by ``undo``.
@@ -217,6 +231,19 @@ class Draft:
 
 class Unconfirmed(FileError):
     """A file that is not replaced without confirmation."""
+
+
+class Missing(Unconfirmed):
+    """The file of the model is no longer there, and is not written again without confirmation."""
+
+
+def _identity(path: Path | None) -> tuple[int, int] | None:
+    """Device and number of a file, which stay when it is renamed."""
+    try:
+        found = path.stat() if path is not None else None
+    except OSError:
+        return None
+    return (found.st_dev, found.st_ino) if found is not None else None
 
 
 def _read(path: Path) -> bytes:

@@ -7,11 +7,13 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from dalembert.errors import ModelError
+from dalembert.io.messages import key_path
 from dalembert.studio.array_edits import append_item, remove_item
 from dalembert.studio.contact_edits import remove_group, without_shapes_of
 from dalembert.studio.key_edits import drop_key
 from dalembert.studio.list_edits import append_entry, remove_entry, remove_from_lists
 from dalembert.studio.loose_nodes import loose_nodes
+from dalembert.studio.region_edits import groups_after, rename_groups
 from dalembert.studio.section_edits import set_section
 from dalembert.studio.text_edits import TextEdits
 
@@ -44,7 +46,8 @@ def apply(text: str, operations: Any) -> str:
         for a removed one. ``append`` has ``section``, a list of tables such as ``supports``, and
         ``fields``; ``remove_entry`` has ``section`` and ``index``. ``append_item`` has the
         ``keys`` of an array and a ``value``, ``remove_item`` the ``keys`` of an item.
-        ``drop`` has the ``keys`` of a value that is removed from its table, if it is there.
+        ``drop`` has the ``keys`` of a value that is removed from its table, if it is there,
+        ``remove point`` those of a named point or frame, which takes along what refers to it.
 
     Raises
     ------
@@ -166,11 +169,28 @@ def _remove_item(edits: TextEdits, operation: dict[str, Any], names: dict[str, s
     *keys, index = _path(operation)
     if not isinstance(index, int) or isinstance(index, bool):
         raise ModelError("the operation remove_item needs the number of an item")
+    groups = groups_after(edits.data, tuple(keys), index)
+    gone = [f"{keys[1]}.{group}" for group, after in groups.items() if after is None]
+    remove_from_lists(edits, gone)
     remove_item(edits, tuple(keys), index)
+    if groups:
+        rename_groups(edits, str(keys[1]), groups)
 
 
 def _drop(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
     drop_key(edits, _path(operation))
+
+
+def _remove_point(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    *owner, part, key = ("", *_path(operation))
+    is_owner = owner[1:] == ["ground"] or (len(owner) == 3 and owner[1] == "bodies")
+    if not is_owner or part not in ("points", "frames"):
+        raise ModelError(
+            "is no point or frame of a body or the ground", key_path(*owner[1:], part, key)
+        )
+    for section, name in dependents(edits.data, "bodies", f"{owner[-1]}.{key}"):
+        _remove(edits, {"section": section, "name": name, "missing": True}, names)
+    drop_key(edits, (*owner[1:], part, key))
 
 
 def _remove_group(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
@@ -191,6 +211,7 @@ OPERATIONS: dict[str, Callable[[TextEdits, dict[str, Any], dict[str, str]], None
     "append_item": _append_item,
     "remove_item": _remove_item,
     "drop": _drop,
+    "remove point": _remove_point,
 }
 
 

@@ -83,8 +83,9 @@ def remove_from_lists(edits: TextEdits, names: Collection[str]) -> None:
     Parameters
     ----------
     edits : of the text
-    names : of the removed parts
+    names : of the removed parts, or of groups of nodes of a mesh, such as ``plate.edge2``
     """
+    names = set(names)
     for section in (*LISTS, *OTHERS):
         entries = edits.data.get(section)
         for index in reversed(range(len(entries) if isinstance(entries, list) else 0)):
@@ -92,9 +93,14 @@ def remove_from_lists(edits: TextEdits, names: Collection[str]) -> None:
             for key in REFERENCES if isinstance(entry, dict) else ():
                 old = entry.get(key, [])
                 listed = old if isinstance(old, list) else [old]
-                kept = [name for name in listed if str(name).partition(".")[0] not in names]
+                kept = [name for name in listed if names.isdisjoint(_names_of(name))]
                 if listed and not kept:
                     remove_entry(edits, section, index)
                     break
                 if kept != listed:
                     edits.replace((section, index, key), kept[0] if len(kept) == 1 else kept)
+
+
+def _names_of(reference: Any) -> tuple[str, str]:
+    """Names of the part to which an item of a list belongs: of the item itself, and of its mesh."""
+    return str(reference), str(reference).partition(".")[0]

@@ -1,9 +1,10 @@
-// Control points of a selected element, which are dragged: of the curve of a cam, and ends of joints and forces.
+// Control points of a selected element, which are dragged: of the curve of a cam, and ends of joints, forces and flexible beams.
 
 /** @import { Page } from "./pictures.js" */
 /** @import { Change } from "./operations.js" */
 /** @import { Document } from "./types.d.ts" */
 
+import { beamControls } from "./beam_ends.js";
 import { endsOf, movedEnd } from "./ends.js";
 import { neat } from "./neat.js";
 import { inBody } from "./snapping.js";
@@ -29,7 +30,7 @@ function curvePoints({ motion }, document, selected) {
 /** Control points of a selected element. @param {Page} page @param {Document} document @param {string | null} selected @returns {Control[]} */
 export function controlPoints(page, document, selected) {
   const ends = endsOf(page, document, selected).map((end) => ({ x: end.x, y: end.y, label: `move ${end.name}`, change: (/** @type {Page} */ still, /** @type {Document} */ now, /** @type {{ x: number, y: number }} */ to) => movedEnd(still, now, end, to) }));
-  return [...curvePoints(page, document, selected), ...ends];
+  return [...curvePoints(page, document, selected), ...ends, ...beamControls(page, document, selected)];
 }
 
 /** Control point under the pointer. @param {Page} page @param {Document} document @param {string | null} name @param {[number, number]} pixel */

@@ -6,8 +6,10 @@
 /** @import { Transform } from "./transforms.js" */
 
 import { groupsOf } from "./contact_shapes.js";
+import { beamLengths } from "./beam_ends.js";
 import { isSame, linkLengths } from "./ends.js";
-import { movedPoints } from "./operations.js";
+import { gearRadii } from "./gear_radii.js";
+import { anglesAfter, movedPoints } from "./operations.js";
 import { bodiesAmong, group, sectionOf } from "./selection.js";
 import { namedPlaces } from "./snapping.js";
 import { applied, bodiesOf, mapped, mappedBody, references, renamed } from "./transforms.js";
@@ -44,13 +46,15 @@ export function transform(page, document, selected, map, label) {
     const others = place.names.filter((_, k) => !bodies.has(place.bodies[k])), [x, y] = applied(map, [place.x, place.y]);
     return others.length ? [{ from: { ...place, names: others }, to: { x, y } }] : [];
   });
-  /** @type {(place: { x: number, y: number }, body: string) => { x: number, y: number } | null | undefined} */
+  /** @type {(place: { x: number, y: number }, body: string | null) => { x: number, y: number } | null | undefined} */
   const linked = (place, body) => {
     const [x, y] = applied(map, [place.x, place.y]);
-    return bodies.has(body) ? { x, y } : followers.find(({ from }) => isSame(page, from, place))?.to;
+    return body !== null && bodies.has(body) ? { x, y } : followers.find(({ from }) => isSame(page, from, place))?.to;
   };
   const done = new Set(group(document, bodies).map(({ name }) => name));
-  const all = [...operations, ...movedPoints(page, document, followers, done), ...linkLengths(page, document, linked, (name) => !done.has(name))];
+  const isOther = (/** @type {string} */ name) => !done.has(name), isRadius = (/** @type {Operation} */ { keys }) => Array.isArray(keys) && keys[0] === "joints" && /^radius_[ij]$/.test(String(keys[2]));
+  const points = movedPoints(page, document, followers, new Set([...done, ...Object.keys(document.beams ?? {})])).filter((operation) => !isRadius(operation));  // radii need all centres
+  const all = [...operations, ...points, ...linkLengths(page, document, linked, isOther), ...gearRadii(page, document, linked, isOther), ...beamLengths(page, document, linked, anglesAfter(page, [...operations, ...points]), isOther)];
   return all.length ? { label, operations: all } : null;
 }
 

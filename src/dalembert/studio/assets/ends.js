@@ -18,7 +18,7 @@ const SECTIONS = ["joints", "forces", "drivers"];
 export const isSame = (page, p, q) => Math.hypot(p.x - q.x, p.y - q.y) * page.scene.view.s <= 1;
 
 /** Place of a reference; null if it is a formula, or not in the picture. @param {Page} page @param {any} reference @returns {Spot | null} */
-function placeOfEnd(page, reference) {
+export function placeOfEnd(page, reference) {
   if (typeof reference === "string" && !reference.includes(".")) return placeOfEnd(page, { body: reference, at: [0, 0] });
   if (typeof reference === "string") return namedPlaces(page).find(({ names }) => names.includes(reference)) ?? null;
   const { motion } = page, at = reference?.at, body = reference?.body === "ground" ? motion.ground : motion.bodies.find((/** @type {any} */ { name }) => name === reference?.body), pose = body && motion.pose(body);
@@ -28,7 +28,7 @@ function placeOfEnd(page, reference) {
 }
 
 /** Body of a reference. @param {any} reference @returns {string} */
-const ownerOf = (reference) => (typeof reference === "string" ? reference.split(".")[0] : reference.body);
+export const ownerOf = (reference) => (typeof reference === "string" ? reference.split(".")[0] : reference.body);
 
 /** Ends of the selected element that are stated by coordinates, at places without a named point: those with one are dragged by it.
  * @param {Page} page @param {Document} document @param {string | null} selected @returns {End[]} */
@@ -51,9 +51,12 @@ export function endsOf(page, document, selected) {
 /** Coordinates in the axes of a body or the ground. @param {Page} page @param {string} body @param {Spot} to */
 const coordinates = (page, body, { x, y }) => (body === "ground" ? [x, y] : inBody(page, body, x, y))?.map(neat);
 
+/** Operation that moves the coordinates of a reference. @param {Page} page @param {Keys} keys @param {string} body @param {Spot} to @returns {Operation[]} */
+export const movedReference = (page, keys, body, to) => [{ op: "set", keys, value: coordinates(page, body, to) }];
+
 /** Operations that move ends to another place. @param {Page} page @param {Document} document @param {End} end @param {Spot} to @returns {Operation[]} */
 export function movedEnd(page, document, end, to) {
-  const operations = end.ends.map(({ keys, body }) => ({ op: "set", keys, value: coordinates(page, body, to) }));
+  const operations = end.ends.flatMap(({ keys, body }) => movedReference(page, keys, body, to));
   return [...operations, ...linkLengths(page, document, (place) => (isSame(page, end, place) ? to : null), (name) => name === end.name)];
 }
 

@@ -8,6 +8,15 @@ import { button, el } from "./dom.js";
 /** Names of columns of times that need not be stated. */
 const TIMES = ["time", "t"];
 
+/** Name and columns of a file; or the reason why there are none. @typedef {{ name: string, columns: Column[], reason: string }} Answer */
+
+/** @param {string} name @param {RequestInit} [options] @returns {Promise<Answer>} */
+async function request(name, options) {
+  const reply = await fetch(`measurements?${new URLSearchParams({ name })}`, options).catch(() => null);
+  if (reply?.ok) return { ...await reply.json(), reason: "" };
+  return { name, columns: [], reason: reply ? await reply.text() : "the program does not answer" };
+}
+
 export class Measurements {
   /** @param {{ set: (fields: Record<string, unknown>) => void, table: () => Record<string, any>, measures: () => string[], render: () => void }} actions */
   constructor(actions) {
@@ -18,26 +27,34 @@ export class Measurements {
     this.columns = [];
     /** Why there are no columns. */
     this.reason = "";
+    /** Why the last chosen file was refused; the former one stays. */
+    this.refused = "";
     this.input = el("input", { type: "file", accept: ".csv,.txt", hidden: true, "aria-label": "File of measurements", onchange: () => void this.store(this.input.files?.[0]) });
   }
 
-  /** @param {string} name @param {RequestInit} [options] @returns {Promise<string>} name of the file, empty if it cannot be read */
-  async read(name, options) {
+  /** Read the columns of a file beside the model. @param {string} name */
+  async read(name) {
     this.name = name;
-    const reply = await fetch(`measurements?${new URLSearchParams({ name })}`, options).catch(() => null), answer = reply?.ok ? await reply.json() : null;
-    if (this.name !== name) return "";  // another file was chosen meanwhile
-    this.name = answer?.name ?? name;
-    this.columns = answer?.columns ?? [];
-    this.reason = answer ? "" : reply ? await reply.text() : "the program does not answer";
+    const answer = await request(name);
+    if (this.name === name) this.take(answer);  // no other file was chosen meanwhile
+  }
+
+  /** @param {Answer} answer */
+  take({ name, columns, reason }) {
+    [this.name, this.columns, this.reason] = [name, columns, reason];
     this.actions.render();
-    return answer?.name ?? "";
   }
 
   /** Store a file beside the model, and refer to it. @param {File | undefined} file */
   async store(file) {
-    this.input.value = "";
-    const name = file && await this.read(file.name, { method: "PUT", body: file });
-    if (!name) return;
+    if (!file) return;
+    [this.refused, this.input.value] = ["", ""];
+    const answer = await request(file.name, { method: "PUT", body: file }), { name } = answer;
+    if (answer.reason) {
+      this.refused = answer.reason.includes(file.name) ? answer.reason : `${file.name}: ${answer.reason}`;
+      return this.actions.render();
+    }
+    this.take(answer);
     const { columns } = this, names = columns.map((column) => column.name), known = this.actions.measures();
     const time = names.find((column) => TIMES.includes(column)) ?? names[0], same = names.filter((column) => column !== time && known.includes(column));
     const measures = same.length && same.length < names.length - 1 ? Object.fromEntries(same.map((column) => [column, column])) : null;
@@ -55,7 +72,7 @@ export class Measurements {
         void this.store(/** @type {DragEvent} */ (event).dataTransfer?.files[0]);
       } }, el("legend", {}, "Measurements"),
     el("div", { class: "row file" }, numberField({ key: "data", label: "File beside the model", text: true, empty: "none" }, data, (value) => this.actions.set({ data: value })), button("Choose…", () => this.input.click(), { title: "Choose a CSV file, which is stored beside the model; or drop it here" }), this.input),
-    this.reason && el("p", { class: "reason" }, this.reason), data && this.columns.length > 0 && this.name === data ? this.matches() : !this.reason && el("p", { class: "muted" }, "Choose a CSV file with a column of times, or drop it here."));
+    (this.refused || this.reason) && el("p", { class: "reason" }, this.refused || this.reason), data && this.columns.length > 0 && this.name === data ? this.matches() : !this.refused && !this.reason && el("p", { class: "muted" }, "Choose a CSV file with a column of times, or drop it here."));
     return box;
   }
 

@@ -5,6 +5,7 @@
 /** @import { Document } from "./types.d.ts" */
 
 import { button, el } from "./dom.js";
+import { isRemovable, removal } from "./space_targets.js";
 
 /** Sections of the tree, with their titles. */
 const SECTIONS = /** @type {const} */ ([["bodies", "Bodies"], ["joints", "Joints"], ["drivers", "Drivers"], ["forces", "Forces"], ["parameters", "Parameters"]]);
@@ -65,11 +66,11 @@ export class ModelTree {
   /** Values of the selected entry. @param {Document} document @param {Choice | null} selected */
   showValues(document, selected) {
     const entry = selected && (selected.section === "ground" ? document.ground : document[selected.section]?.[selected.name]);
-    if (!selected || entry === undefined || entry === null) return this.values.replaceChildren();
+    if (!selected || entry === undefined || entry === null || (selected.part && entry[selected.part]?.[selected.key ?? ""] === undefined)) return this.values.replaceChildren();
     const { section, name, part, key } = selected, root = section === "ground" ? ["ground"] : [section, name];
     const shown = part ? entry[part]?.[/** @type {string} */ (key)] : entry, keys = part ? [...root, part, /** @type {string} */ (key)] : root;
     const title = part ? `${name}.${key}` : name, rename = el("input", { type: "text", class: "rename", value: title, "aria-label": "Name", disabled: Boolean(part), onchange: () => this.actions.edit(`rename ${name}`, [{ op: "rename", section, name, to: rename.value.trim() }]) });
-    const remove = !part && button("Delete", () => this.actions.edit(`delete ${name}`, [{ op: "remove", section, name }]));
+    const remove = isRemovable(document, selected) ? button("Delete", () => this.actions.edit(`delete ${title}`, [removal(selected)])) : null;
     this.values.replaceChildren(el("div", { class: "heading" }, rename, remove), ...this.fields(keys, shown, ""));
   }
 

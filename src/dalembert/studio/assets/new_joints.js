@@ -6,8 +6,8 @@
 /** @import { Document } from "./types.d.ts" */
 
 import { neat, neatSpot } from "./neat.js";
-import { angleOf, bodiesAt, reference } from "./operations.js";
-import { inBody } from "./snapping.js";
+import { bodiesAt, reference } from "./operations.js";
+import { angleOf, inBody } from "./snapping.js";
 
 /** Mass of a new particle [kg]. */
 const MASS = 1;

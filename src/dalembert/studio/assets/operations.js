@@ -4,9 +4,11 @@
 /** @import { Page } from "./pictures.js" */
 /** @import { Document } from "./types.d.ts" */
 
+import { beamLengths } from "./beam_ends.js";
 import { isSame, linkLengths } from "./ends.js";
+import { gearRadii } from "./gear_radii.js";
 import { neat } from "./neat.js";
-import { inBody, namedPlaces, onOutline, placeOf, poseOf } from "./snapping.js";
+import { angleOf, inBody, namedPlaces, onOutline, placeOf } from "./snapping.js";
 
 /** Mass of a new bar per length [kg/m], and of a new plate per area [kg/m²]. */
 const BAR = 1, PLATE = 10;
@@ -96,9 +98,6 @@ export function bodiesAt(page, joint) {
   return { bodies, angle: neat(angleOf(page, bodies[1]) - angleOf(page, bodies[0])) };
 }
 
-/** @param {Page} page @param {string | null} name */
-export const angleOf = (page, name) => poseOf(page, page.motion.bodies.find((/** @type {any} */ body) => body.name === name) ?? page.motion.ground)?.a ?? 0;
-
 /** Motor at a joint. @param {Place} place @param {Page} page @param {Document} document @returns {Change | null} */
 export function motor(place, page, document) {
   const joint = place.joint === null ? null : document.joints?.[place.joint];
@@ -145,11 +144,18 @@ export function movedPoints(page, document, moves, done = new Set()) {
       else if (end.startsWith("ground.") && document.ground?.points?.[end.slice(7)]) set(["ground", "points", end.slice(7)], [neat(to.x), neat(to.y)]);
     });
   }
-  return [...operations, ...linkLengths(page, document, (place) => moves.find(({ from }) => isSame(page, from, place))?.to)];
+  const next = (/** @type {{ x: number, y: number }} */ place) => moves.find(({ from }) => isSame(page, from, place))?.to;
+  return [...operations, ...linkLengths(page, document, next), ...gearRadii(page, document, next, (name) => !done.has(name)), ...beamLengths(page, document, next, anglesAfter(page, operations), (name) => !done.has(name))];
 }
 
 /** World coordinates of the other end of a bar. @param {Page} page @param {string} body @param {string} point */
 export function otherEnd(page, body, point) {
   const name = `${body}.${point === "start" ? "end" : "start"}`, place = namedPlaces(page).find(({ names }) => names.includes(name));
   return place ? { x: place.x, y: place.y } : null;
+}
+
+/** Angles of bodies after operations. @param {Page} page @param {Operation[]} operations @returns {(body: string) => number} */
+export function anglesAfter(page, operations) {
+  const stated = new Map(operations.flatMap(({ keys, value }) => (Array.isArray(keys) && keys[0] === "bodies" && keys[2] === "angle" && typeof value === "number" ? [[String(keys[1]), value]] : [])));
+  return (body) => stated.get(body) ?? angleOf(page, body);
 }

@@ -3,6 +3,7 @@
 /** @import { PictureMessage } from "./types.d.ts" */
 
 import { PictureFrames, fill } from "./picture_frames.js";
+import { PictureSettings } from "./picture_settings.js";
 
 /** Time without a press of a key or a button after which a picture is replaced [ms]: a press during the replacement would be lost. */
 const CALM = 150;
@@ -16,6 +17,7 @@ export class Pictures {
   constructor(stage) {
     this.stage = stage;
     this.frames = new PictureFrames(stage);
+    this.settings = new PictureSettings();
     /** The shown frame. @type {HTMLIFrameElement | null} */
     this.frame = null;
     /** The frame that loads. @type {HTMLIFrameElement | null} */
@@ -93,7 +95,9 @@ export class Pictures {
     while (this.busy && frame === this.next) await new Promise((resolve) => setTimeout(resolve, 20));
     const page = partsOf(frame);
     if (frame !== this.next || !page) return;
-    keepView(this.page, page, number === this.shown);
+    const { page: before } = this;
+    if (before && this.frame?.contentDocument) this.settings.note(before, this.frame.contentDocument);
+    keepView(before, page, number === this.shown);
     setTheme(frame, document.documentElement.dataset.theme ?? "light");
     frame.classList.remove("loading");
     if (document.activeElement === this.frame) window.focus();  // keys reach the drawing by the document
@@ -102,7 +106,14 @@ export class Pictures {
     this.held = false;
     [this.frame, this.next, this.shown, this.live] = [frame, null, number, live];
     for (const listener of this.onShow) listener(page);
+    if (frame.contentDocument) this.settings.restore(page, frame.contentDocument);
     document.documentElement.dataset.picture = `${number}${live ? " live" : ""}`;
+  }
+
+  /** The next picture is that of another file, as it comes. */
+  forget() {
+    if (this.page) this.page.scene.view.fitted = true;
+    this.settings.clear();
   }
 
   /** @param {string} name */

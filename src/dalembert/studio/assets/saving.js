@@ -19,11 +19,11 @@ export class Saving {
     return true;
   }
 
-  /** Decide about a file that is not replaced without confirmation. @param {string} text @param {string} path */
-  async resolve(text, path) {
+  /** Decide about a file that is not replaced, or written again, without confirmation. @param {import("./types.d.ts").ConflictMessage} conflict */
+  async resolve({ text, path, missing }) {
     /** @type {Record<string, string>} */
-    const answers = path ? { replace: "Replace" } : { replace: "Overwrite it", reload: "Read it again", other: "Save as…" };
-    const reply = await ask("The file is not replaced yet", `${text}.`, answers);
+    const there = path ? { replace: "Replace" } : { replace: "Overwrite it", reload: "Read it again", other: "Save as…" };
+    const reply = missing ? await ask("The file is not saved yet", `${text}.`, { other: "Save as…", replace: "Write it under its former name" }) : await ask("The file is not replaced yet", `${text}.`, there);
     if (reply?.answer === "replace") this.request("save", { path, replace: true });
     if (reply?.answer === "reload") this.request("reload");
     if (reply?.answer === "other") this.saveAs();

@@ -44,6 +44,9 @@ export function poseOf({ motion, scene, document }, body) {
   return isThere ? own : pose;
 }
 
+/** Angle of a body, or of the ground [rad]. @param {Page} page @param {string | null} name */
+export const angleOf = (page, name) => poseOf(page, page.motion.bodies.find((/** @type {any} */ body) => body.name === name) ?? page.motion.ground)?.a ?? 0;
+
 /** Points of the drawing with a name, grouped by place. @param {Page} page */
 export function namedPlaces(page) {
   const { motion, scene: { view: { s: scale } } } = page;

@@ -21,7 +21,7 @@ import { drawOver } from "./space_overlay.js";
 import { SpacePalette } from "./space_palette.js";
 import { settleAtStart, spaceSnap } from "./space_places.js";
 import { Poses, stillPoses } from "./space_poses.js";
-import { axesOf, moved, poseOf, rotates } from "./space_targets.js";
+import { axesOf, isStated, moved, poseOf, rotates } from "./space_targets.js";
 import { SPACE_TOOLS } from "./space_tools.js";
 
 /** Movement of the pointer up to which a press is a click [px]. */
@@ -96,7 +96,7 @@ export class Space {
   show(document) {
     this.document = document;
     const { selected } = this;
-    if (document && selected && selected.section !== "ground" && !document[selected.section]?.[selected.name]) this.selected = null;
+    if (document && selected && !isStated(document, selected)) this.selected = null;
     this.refresh();
   }
 

@@ -5,6 +5,7 @@
 
 import { pulled, withTyped } from "./space_gizmo.js";
 import { COORDINATES, joinedPlace, typedSpacePlace } from "./space_places.js";
+import { isRemovable, removal } from "./space_targets.js";
 import { SPACE_TOOLS } from "./space_tools.js";
 
 /** Carry out a key; returns whether it has a meaning. @param {Space} space @param {string} key */
@@ -19,7 +20,7 @@ export function answer(space, key) {
     if (held || space.places.length || space.typed) [space.held, space.places, space.typed] = [null, [], ""];
     else if (tool.name === "select") space.select(null);
     else space.choose("select");
-  } else if ((key === "Delete" || key === "Backspace") && selected && !selected.part) space.send({ label: `delete ${selected.name}`, operations: [{ op: "remove", section: selected.section, name: selected.name }] });
+  } else if ((key === "Delete" || key === "Backspace") && selected && isRemovable(space.document ?? {}, selected)) space.send({ label: `delete ${selected.key ?? selected.name}`, operations: [removal(selected)] });
   else if (key === "h") space.palette.throughSelected();
   else if (key === "g" && tool.name === "select") space.local = !space.local;
   else if (page.scene.keys[key]) page.scene.keys[key]();

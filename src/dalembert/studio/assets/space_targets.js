@@ -106,6 +106,21 @@ export const within = ({ p, q }, pose) => ({ p: turned(inverse(q), minus(pose.p,
 /** Keys of a chosen element. @param {Choice} choice @returns {Keys} */
 const keysOf = ({ section, name, part, key }) => (part ? [...(section === "ground" ? ["ground"] : ["bodies", name]), part, /** @type {string} */ (key)] : [section, name]);
 
+/** Operation that deletes what is chosen, with all that depends on it. @param {Choice} choice @returns {Operation} */
+export const removal = (choice) => (choice.part ? { op: "remove point", keys: keysOf(choice) } : { op: "remove", section: choice.section, name: choice.name });
+
+/** Whether a choice exists: in the file, as an end of a bar, or as the ground. @param {Document} document @param {Choice} choice */
+export const isStated = (document, choice) => isGround(choice) || isBarEnd(document, choice) || valueAt(document, keysOf(choice)) !== undefined;
+
+/** Whether it can be deleted. @param {Document} document @param {Choice} choice */
+export const isRemovable = (document, choice) => !isGround(choice) && valueAt(document, keysOf(choice)) !== undefined;
+
+/** @param {Choice} choice */
+const isGround = ({ section, part }) => section === "ground" && !part;
+
+/** @param {Document} document @param {Choice} choice */
+const isBarEnd = (document, { section, name, part, key }) => section === "bodies" && part === "points" && document.bodies?.[name]?.type === "Bar" && (key === "start" || key === "end");
+
 /** Pose of what is chosen; null for what cannot be moved. @param {Poses} poses @param {Document} document @param {Choice} choice @returns {Pose | null} */
 export function poseOf(poses, document, choice) {
   const { section, name, part, key } = choice;
@@ -150,7 +165,8 @@ function axesChange(document, keys, turn) {
   if (entry.rotation) return rotationChange(document, [...keys, "rotation"], product(turn, now));
   const turnAxis = (/** @type {string} */ key, /** @type {Vec} */ old) => coordinates(document, [...keys, key], old, turned(turn, old).map((v) => neat(v)));
   const [axis, x] = [entry.axis, entry.x].map((value) => value && vectorOf(value, document));
-  return [...turnAxis("axis", axis ?? [0, 0, 1]), ...(x ? turnAxis("x", x) : [])];
+  const changes = [...turnAxis("axis", axis ?? [0, 0, 1]), ...(x ? turnAxis("x", x) : [])], isFrame = keys.at(-2) === "frames";
+  return changes.length || x || !isFrame ? changes : [set([...keys, "x"], turned(product(turn, now), [1, 0, 0]).map((v) => neat(v)))];  // about its own axis
 }
 
 /** Operations that move an end of a bar, whose other end stays. @param {Poses} poses @param {Document} document @param {string} name @param {string} end @param {Vec} to */

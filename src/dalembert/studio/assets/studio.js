@@ -185,7 +185,7 @@ class Studio {
         this.space.revert();
         this.say(message.text, true);
         return this.commands.proceed();
-      case "conflict": return void this.saving.resolve(message.text, message.path);
+      case "conflict": return void this.saving.resolve(message);
       default: this.handlers[/** @type {{ kind: string }} */ (message).kind]?.(message);
     }
   }
@@ -202,7 +202,7 @@ class Studio {
       this.pending = 0;
       this.editor.show(text);
     }
-    if (file.opened !== this.file.opened && this.pictures.page) this.pictures.page.scene.view.fitted = true;  // and with it the picture of another file
+    if (file.opened !== this.file.opened) this.pictures.forget();
     this.file = file;
     this.drawing.show(file.document);
     this.space.show(file.document ?? this.known);

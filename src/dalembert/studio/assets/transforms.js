@@ -15,6 +15,8 @@ import { neat, neatSpot } from "./neat.js";
 const OF_BODIES = ["RotationalDriver", "TorsionSpring", "Torque", "Coupling"];
 /** Keys of angles of the second body relative to the first. */
 const RELATIVE = { Prismatic: "angle", Weld: "angle", TorsionSpring: "free_angle", RotationalDriver: "law" };
+/** Keys of the ends of beams, and of their directions there. */
+const FRAMES = { frame_i: "angle_i", frame_j: "angle_j" };
 
 /** @param {number} x @param {number} y @returns {Transform} */
 export const shift = (x, y) => ({ turn: 0, mirrored: false, x, y });
@@ -97,6 +99,7 @@ export function mapped(context, name, entry) {
   if (moves && /Contact|Collisions|Clearance/.test(entry.type)) throw new Error(`${name}: contacts are rotated and mirrored in the text`);
   if (Array.isArray(entry.connect) && !whole) next.connect = entry.connect.map((end, k) => mappedEnd(context, name, end, next.connect[k], entry.type === "PointOnCurve" && k === 0));
   if (Array.isArray(entry.points)) next.points = entry.points.map((end, k) => mappedEnd(context, name, end, next.points[k], false));
+  if (entry.frame_i || entry.frame_j) return mappedBeam(context, name, entry, next);
   if (!moves) return next;
   const [first, second] = bodiesOf(document, entry), world = first === "ground";
   if (entry.axis || (world && ["Prismatic", "PinInSlot", "RackAndPinion", "RollingDisc", "TranslationalDriver"].includes(entry.type) && !entry.joint)) next.axis = world ? turned(map, entry.axis ?? [1, 0]) : map.mirrored ? flipped(entry.axis) : entry.axis;
@@ -110,6 +113,22 @@ export function mapped(context, name, entry) {
     const offset = world ? map.turn : second === "ground" ? -map.turn : 0;
     if (offset !== 0 || map.mirrored) next[key] = relative(name, entry[key] ?? 0, map.mirrored, neat(offset));
   }
+  return next;
+}
+
+/** Image of a flexible beam. @param {Context} context @param {string} name @param {Entry} entry @param {Entry} next with other names @returns {Entry} */
+function mappedBeam(context, name, entry, next) {
+  const { map } = context;
+  for (const [key, angle] of Object.entries(FRAMES)) {
+    if (entry[key] === undefined) continue;
+    next[key] = mappedEnd(context, name, entry[key], next[key], false);
+    const offset = bodyOf(entry[key]) === "ground" ? map.turn : 0;
+    if (offset || (map.mirrored && entry[angle] !== undefined)) next[angle] = relative(name, entry[angle] ?? 0, map.mirrored, neat(offset));
+  }
+  for (const key of ["curvature", "angular_velocity"]) if (map.mirrored && entry[key] !== undefined) next[key] = minus(entry[key]);
+  if (entry.angle !== undefined) next.angle = relative(name, entry.angle, map.mirrored, neat(map.turn));
+  if (entry.position) next.position = applied(map, entry.position).map(neat);
+  if (entry.velocity) next.velocity = turned(map, entry.velocity);
   return next;
 }
 
@@ -130,8 +149,11 @@ function relative(name, value, mirrored, offset) {
 /** The first and the second body of an element. @param {Document} document @param {Entry} entry @returns {string[]} */
 export function bodiesOf(document, entry) {
   const owner = entry.joint ? document.joints?.[entry.joint] ?? {} : entry;
-  return (owner.connect ?? []).map((/** @type {any} */ end) => (typeof end === "string" ? end.split(".")[0] : end.body));
+  return (owner.connect ?? []).map(bodyOf);
 }
+
+/** Body of an end. @param {any} end @returns {string} */
+const bodyOf = (end) => (typeof end === "string" ? end.split(".")[0] : end.body);
 
 /** @param {Context} context @param {string} name @param {any} end @param {any} next with other names @param {boolean} isBody */
 function mappedEnd({ document, map, names }, name, end, next, isBody) {

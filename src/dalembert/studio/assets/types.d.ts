@@ -12,7 +12,7 @@ export interface PictureMessage { kind: "picture"; number: number; revision: num
 export interface Facts { moving?: string[]; degrees_of_freedom?: number; free?: number; redundant?: number; redundancies?: string[] }
 /** A notice; a failure has the kind of the request that was not carried out. */
 export interface NoticeMessage { kind: "notice" | "failure"; text: string; request?: string }
-export interface ConflictMessage { kind: "conflict"; text: string; path: string }
+export interface ConflictMessage { kind: "conflict"; text: string; path: string; missing: boolean }
 export interface Example { example: string; name: string; description: string }
 export interface FilesMessage { kind: "files"; folder: string; files: string[]; recent: string[]; examples: Example[] }
 /** Progress, or the end of an export; `share` is the part that is done. */
