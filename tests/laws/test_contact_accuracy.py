@@ -131,9 +131,11 @@ def test_the_estimate_is_not_computed_before_it_is_read(monkeypatch: pytest.Monk
 
     monkeypatch.setattr(NonsmoothRun, "march", counted)
     motion = da.solve_nonsmooth(swinging(None), 0.5, step=0.1)
+    assert repr(motion).endswith("warnings incomplete>")  # and is not computed for it
     assert runs == [5]
     assert not motion.warnings or motion.error_estimate is not None
     assert runs == [5, 3]
+    assert "incomplete" not in repr(motion)
 
 
 def test_longer_steps_that_fail_give_no_number(monkeypatch: pytest.MonkeyPatch):

@@ -13,7 +13,7 @@ from dalembert.model.graph.model import Model
 from dalembert.results.analysis import Analysis
 from dalembert.results.result import Instants, Result
 from dalembert.results.sampling import checked_instants
-from dalembert.results.status import Status
+from dalembert.results.status import Status, Warnings
 from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.formulas.expression import Expression
 
@@ -176,6 +176,10 @@ class Recording(Result):
     def __repr__(self) -> str:
         span = f"{self.time[0]:g}…{self.time[-1]:g} s" if self.time.size else "no times"
         kind = type(self).__name__
-        warnings = f", {len(self.warnings)} warning(s)" if self.warnings else ""
+        warnings, unchecked = self.warnings, ""
+        if isinstance(warnings, Warnings):  # without runs for the checks that were not made
+            unchecked = "" if warnings.is_complete else ", warnings incomplete"
+            warnings = warnings.noted
+        notes = (f", {len(warnings)} warning(s)" if warnings else "") + unchecked
         size = self.time.size
-        return f"<{kind} of {self.model.name!r}: {size} times, {span}, {self.status}{warnings}>"
+        return f"<{kind} of {self.model.name!r}: {size} times, {span}, {self.status}{notes}>"
