@@ -173,13 +173,16 @@ class Recording(Result):
         """The motion at the sampling points of integrals: its outputs, or points of its steps."""
         return self.analysis.over_steps(self)
 
+    @property
+    def _noted_warnings(self) -> Sequence[str]:
+        """Warnings of the checks made so far: the others take further runs."""
+        return self.warnings.noted if isinstance(self.warnings, Warnings) else self.warnings
+
     def __repr__(self) -> str:
         span = f"{self.time[0]:g}…{self.time[-1]:g} s" if self.time.size else "no times"
         kind = type(self).__name__
-        warnings, unchecked = self.warnings, ""
-        if isinstance(warnings, Warnings):  # without runs for the checks that were not made
-            unchecked = "" if warnings.is_complete else ", warnings incomplete"
-            warnings = warnings.noted
-        notes = (f", {len(warnings)} warning(s)" if warnings else "") + unchecked
-        size = self.time.size
+        count, size = len(self._noted_warnings), self.time.size
+        notes = f", {count} warning(s)" if count else ""
+        if isinstance(self.warnings, Warnings) and not self.warnings.is_complete:
+            notes += ", warnings incomplete"
         return f"<{kind} of {self.model.name!r}: {size} times, {span}, {self.status}{notes}>"
