@@ -20,8 +20,9 @@ from dalembert.report.page import write_page
 ARGS = (
     "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run "
     "--disable-background-networking --disable-component-update --disable-sync "
-    "--use-angle=swiftshader --enable-unsafe-swiftshader"
+    "--use-angle=swiftshader --enable-unsafe-swiftshader --webgl-antialiasing-mode=none"
 ).split()
+"""Smooth edges take a quarter of the processor time of spatial pictures without a graphics card."""
 
 DRIVER = "GL Driver Message"
 """In what the machine's graphics driver says of itself, as when pixels are read back."""

@@ -58,18 +58,20 @@ def pair_directions(
     return scipy.sparse.csr_array(data, shape=(width * count, 3 * bodies))
 
 
+@pytest.mark.parametrize("columns", [256, 3])
 @pytest.mark.parametrize("joints", [False, True])
-def test_mobility_solves_the_equations_of_free_and_joined_bodies(joints):
+def test_mobility_solves_the_equations_of_free_and_joined_bodies(joints, columns, monkeypatch):
+    monkeypatch.setattr("dalembert.analysis.nonsmooth.mobility.COLUMNS", columns)
     rng = np.random.default_rng(4)
-    mobility = random_mobility(rng, 20, joints)
-    matrix, constraint = mobility.matrix.toarray(), mobility.joints.toarray()
+    solver = random_mobility(rng, 20, joints)
+    matrix, constraint = solver.matrix.toarray(), solver.joints.toarray()
     right, below = rng.normal(size=matrix.shape[0]), rng.normal(size=constraint.shape[0])
-    speeds, multipliers = mobility(right, below)
+    speeds, multipliers = solver(right, below)
     assert matrix @ speeds + constraint.T @ multipliers == pytest.approx(right)
     assert constraint @ speeds == pytest.approx(below)
     directions = random_directions(rng, 40, matrix.shape[0])
-    expected = mobility(directions.toarray().T)[0].T
-    assert mobility.responses(directions).toarray() == pytest.approx(expected)
+    expected = solver(directions.toarray().T)[0].T
+    assert solver.responses(directions).toarray() == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("joints", [False, True])

@@ -130,6 +130,5 @@ def _attributes(motion: Recording) -> dict:
         "analysis": repr(motion.analysis),
         "status": str(motion.status),
         "outcome": motion.status.outcome.name,
-        "warnings": "\n".join(motion.warnings),
         **numbers,
     }

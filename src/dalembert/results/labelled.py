@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -68,6 +68,20 @@ class LabelledRecording(Recording):
         from dalembert.results.dataset import motion_contents
 
         return motion_contents(self)
+
+    @property
+    def data(self) -> xr.Dataset:
+        """Labelled dataset of the motion; its attribute ``warnings`` has those known so far.
+
+        Reading ``warnings`` of the motion completes them by checks that take up to two more runs.
+        """
+        data = super().data
+        data.attrs["warnings"] = "\n".join(self._noted_warnings)
+        return data
+
+    def saved_contents(self) -> Contents:
+        attributes = self.contents.attributes | {"warnings": "\n".join(self.warnings)}
+        return replace(self.contents, attributes=attributes)
 
     def source(self, variable: str, **labels: str) -> Source | None:
         """Formula of a variable of ``contents`` at labels of its dimensions, if it has one."""

@@ -13,7 +13,7 @@ from dalembert.model.graph.model import Model
 from dalembert.results.analysis import Analysis
 from dalembert.results.result import Instants, Result
 from dalembert.results.sampling import checked_instants
-from dalembert.results.status import Status
+from dalembert.results.status import Status, Warnings
 from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.formulas.expression import Expression
 
@@ -173,9 +173,16 @@ class Recording(Result):
         """The motion at the sampling points of integrals: its outputs, or points of its steps."""
         return self.analysis.over_steps(self)
 
+    @property
+    def _noted_warnings(self) -> Sequence[str]:
+        """Warnings of the checks made so far: the others take further runs."""
+        return self.warnings.noted if isinstance(self.warnings, Warnings) else self.warnings
+
     def __repr__(self) -> str:
         span = f"{self.time[0]:g}…{self.time[-1]:g} s" if self.time.size else "no times"
         kind = type(self).__name__
-        warnings = f", {len(self.warnings)} warning(s)" if self.warnings else ""
-        size = self.time.size
-        return f"<{kind} of {self.model.name!r}: {size} times, {span}, {self.status}{warnings}>"
+        count, size = len(self._noted_warnings), self.time.size
+        notes = f", {count} warning(s)" if count else ""
+        if isinstance(self.warnings, Warnings) and not self.warnings.is_complete:
+            notes += ", warnings incomplete"
+        return f"<{kind} of {self.model.name!r}: {size} times, {span}, {self.status}{notes}>"

@@ -158,9 +158,13 @@ class Result(CacheOwner, Protocol):
         ...
 
     @cached_property
+    def _dataset(self) -> xr.Dataset:
+        return self.contents.dataset()
+
+    @property
     def data(self) -> xr.Dataset:
         """Labelled dataset of the result."""
-        return self.contents.dataset()
+        return self._dataset
 
     def summary(self) -> dict[str, Any]:
         """``status`` and the main numbers."""
@@ -229,7 +233,11 @@ class Result(CacheOwner, Protocol):
         from dalembert.results.files.store import save_dataset
 
         page_variable = {"report": ((), as_json(pack(page)))}
-        return save_dataset(self.contents.plus(page_variable), path)
+        return save_dataset(self.saved_contents().plus(page_variable), path)
+
+    def saved_contents(self) -> Contents:
+        """``contents`` with all that a file states."""
+        return self.contents
 
     def to_dataframe(self) -> pd.DataFrame:
         """A table of ``data``."""

@@ -142,6 +142,16 @@ class Warnings(Sequence[str]):
             self._texts += deferred()
         return self._texts
 
+    @property
+    def noted(self) -> list[str]:
+        """Texts of the checks that have been made."""
+        return self._texts
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether all checks have been made."""
+        return self._deferred is None and not self.is_postponed
+
     def postpone(self) -> Warnings:
         """The deferred warnings, which these texts no longer contain."""
         late, self._deferred = Warnings(deferred=self._deferred), None

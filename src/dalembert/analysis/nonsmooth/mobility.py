@@ -176,15 +176,17 @@ class Mobility:
         group = self.coupling.group[directions.indices]
         free = group >= 0
         parts = [self._free(row[free], directions.indices[free], directions.data[free])]
-        rows = np.unique(row[~free])
-        across = directions[rows][:, self.coupling.coupled]
+        rows, number = np.unique(row[~free], return_inverse=True)
+        own = np.searchsorted(self.coupling.coupled, directions.indices[~free])
+        values = directions.data[~free]
         for start in range(0, rows.size, COLUMNS):
             some = rows[start : start + COLUMNS]
             right = np.zeros((self.coupling.coupled.size + self.joints.shape[0], some.size))
-            right[: self.coupling.coupled.size] = across[start : start + COLUMNS].toarray().T
+            inside = (number >= start) & (number < start + COLUMNS)
+            np.add.at(right, (own[inside], number[inside] - start), values[inside])
             speeds = self._factors.solve(right)[: self.coupling.coupled.size]
-            place, number = np.nonzero(speeds)
-            parts.append((some[number], self.coupling.coupled[place], speeds[place, number]))
+            place, column = np.nonzero(speeds)
+            parts.append((some[column], self.coupling.coupled[place], speeds[place, column]))
         rows, columns, values = (np.concatenate(part) for part in zip(*parts, strict=True))
         return scipy.sparse.csr_array((values, (rows, columns)), shape=directions.shape)
 

@@ -248,9 +248,17 @@ class ImplicitFunction(CacheOwner):
     def _compile(
         self, name: str, outputs: list[ca.SX], most: int, by_trial: bool = False
     ) -> ca.Function:
-        for stage in reversed(self.stages):
-            value = stage.trial.value if by_trial and stage.trial is not None else stage.value
-            outputs = ca.substitute(outputs, [stage.unknown], [ca.densify(value)])
+        unknowns: list[ca.SX] = []
+        values: list[ca.SX] = []
+        for stage in self.stages:  # each graph is copied once, as values replace earlier unknowns
+            trial = stage.trial if by_trial else None
+            value = ca.densify(stage.value if trial is None else trial.value)
+            if values:
+                (value,) = ca.substitute([value], unknowns, values)
+            unknowns.append(stage.unknown)
+            values.append(value)
+        if values:
+            outputs = ca.substitute(outputs, unknowns, values)
         return condensed(name, self.inputs, [ca.densify(o) for o in outputs], most)
 
 
