@@ -73,10 +73,11 @@ class LabelledRecording(Recording):
     def data(self) -> xr.Dataset:
         """Labelled dataset of the motion; its attribute ``warnings`` has those known so far.
 
-        Reading ``warnings`` of the motion completes them by checks that take up to two more runs.
+        Reading ``warnings`` of the motion completes them by checks that take up to two more runs;
+        until then, a last line says so.
         """
         data = super().data
-        data.attrs["warnings"] = "\n".join(self._noted_warnings)
+        data.attrs["warnings"] = "\n".join([*self._noted_warnings, *self._missing_warnings])
         return data
 
     def saved_contents(self) -> Contents:

@@ -17,6 +17,9 @@ from dalembert.results.status import Status, Warnings
 from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.formulas.expression import Expression
 
+NOT_CHECKED = "not all checks have been made: read the warnings of the motion"
+"""Line of the warnings of a dataset whose motion has checks that take further runs."""
+
 
 @dataclass(frozen=True)
 class Trajectory:
@@ -178,11 +181,16 @@ class Recording(Result):
         """Warnings of the checks made so far: the others take further runs."""
         return self.warnings.noted if isinstance(self.warnings, Warnings) else self.warnings
 
+    @property
+    def _missing_warnings(self) -> list[str]:
+        """Note about checks that have not been made."""
+        late = isinstance(self.warnings, Warnings) and not self.warnings.is_complete
+        return [NOT_CHECKED] if late else []
+
     def __repr__(self) -> str:
         span = f"{self.time[0]:g}…{self.time[-1]:g} s" if self.time.size else "no times"
         kind = type(self).__name__
         count, size = len(self._noted_warnings), self.time.size
         notes = f", {count} warning(s)" if count else ""
-        if isinstance(self.warnings, Warnings) and not self.warnings.is_complete:
-            notes += ", warnings incomplete"
+        notes += ", warnings incomplete" if self._missing_warnings else ""
         return f"<{kind} of {self.model.name!r}: {size} times, {span}, {self.status}{notes}>"
