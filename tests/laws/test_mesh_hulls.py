@@ -110,3 +110,12 @@ def test_bad_options(arch_file, options, message):
     arch = spatial.Mesh("arch", file=arch_file, density=100.0, position=(0, 0, 0))
     with pytest.raises(ModelError, match=message):
         contact.MeshHulls(arch, **options)
+
+
+@pytest.mark.parametrize("kind", ["Corners", "MeshHulls"])
+def test_a_hull_with_too_many_corners_names_its_body(tmp_path, kind):
+    trimesh = pytest.importorskip("trimesh")
+    trimesh.creation.icosphere(subdivisions=2).export(tmp_path / "ball.stl")
+    body = spatial.Mesh("wheel", file=tmp_path / "ball.stl", density=1.0)
+    with pytest.raises(ModelError, match="hull of wheel has 162 corners and 40 are allowed"):
+        getattr(contact, kind)(body).solids()

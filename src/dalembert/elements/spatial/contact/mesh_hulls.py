@@ -77,7 +77,7 @@ class MeshHulls(Shape):
         entity = f"MeshHulls of {self.body.name}"
         hull, rounding = Qhull(surface.corners), SINGLE * np.abs(surface.corners).max()
         if hull.volume - surface.volume <= rounding * hull.area:  # convex
-            return [ConvexHull.of(surface.corners, entity)]
+            return [ConvexHull.of(surface.corners, entity, self.body.name)]
         coacd: Any = optional_package("coacd", entity, "give several contact.Polyhedron")
         coacd.set_log_level("error")
         parts = coacd.run_coacd(
