@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.elements.spatial.surface_parts import refuse_misplaced_parts
 from dalembert.errors import ModelError
 from dalembert.files import readable
 from dalembert.packages import optional_package
@@ -67,6 +66,8 @@ def read_surface(path: Path, entity: str) -> SurfaceMesh:
     UnsupportedError
         trimesh is not installed.
     """
+    from dalembert.elements.spatial.surface_parts import refuse_misplaced_parts
+
     corners, triangles = read_triangles(path, entity)
     if not len(triangles) or not np.isfinite(corners).all():
         raise ModelError(f"{path} has no triangles with finite corners; give {FORMATS}", entity)

@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import scipy.sparse
-import scipy.sparse.csgraph
 
 from dalembert.errors import ModelError
 
@@ -66,11 +64,14 @@ def refuse_misplaced_parts(
 
 def _parts(corners: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """(m,) numbers of the parts of triangles, which are connected by corners."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     ends = triangles[:, [0, 1]].T, triangles[:, [1, 2]].T
     i, j = np.hstack(ends)
     count = len(corners)
-    graph = scipy.sparse.coo_array((np.ones(i.size), (i, j)), shape=(count, count))
-    label = scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
+    graph = coo_array((np.ones(i.size), (i, j)), shape=(count, count))
+    label = connected_components(graph, directed=False)[1]
     return np.unique(label[triangles[:, 0]], return_inverse=True)[1]
 
 
