@@ -79,6 +79,23 @@ def test_hulls_of_a_library_fill_the_mesh(arch_file):
     assert motion["ball.y"][-1] == pytest.approx(0.4, abs=1e-6)
 
 
+@pytest.mark.parametrize("ending", ["stl", "obj", "ply"])
+@pytest.mark.parametrize("finer", [0, 1])
+def test_a_convex_mesh_is_convex_in_single_precision(tmp_path, monkeypatch, ending, finer):
+    """Corners of a turned box are rounded in a file, so that its faces are not quite plane."""
+    trimesh = pytest.importorskip("trimesh")
+    monkeypatch.setitem(sys.modules, "coacd", None)
+    mesh = trimesh.creation.box((0.6, 0.5, 0.2))
+    for _ in range(finer):
+        mesh = mesh.subdivide()
+    mesh.apply_transform(trimesh.transformations.rotation_matrix(0.7, (0.3, -0.4, 0.5)))
+    mesh.apply_translation((1.3, 0.2, -0.5))
+    mesh.export(tmp_path / f"box.{ending}")
+    body = spatial.Mesh("m", file=tmp_path / f"box.{ending}", density=1.0)
+    (solid,) = contact.MeshHulls(body).solids()
+    assert len(solid.hull.corners) <= len(mesh.vertices)
+
+
 def test_without_the_library(arch_file, monkeypatch):
     monkeypatch.setitem(sys.modules, "coacd", None)
     arch = spatial.Mesh("arch", file=arch_file, density=100.0, position=(0, 0, 0))
@@ -93,3 +110,12 @@ def test_bad_options(arch_file, options, message):
     arch = spatial.Mesh("arch", file=arch_file, density=100.0, position=(0, 0, 0))
     with pytest.raises(ModelError, match=message):
         contact.MeshHulls(arch, **options)
+
+
+@pytest.mark.parametrize("kind", ["Corners", "MeshHulls"])
+def test_a_hull_with_too_many_corners_names_its_body(tmp_path, kind):
+    trimesh = pytest.importorskip("trimesh")
+    trimesh.creation.icosphere(subdivisions=2).export(tmp_path / "ball.stl")
+    body = spatial.Mesh("wheel", file=tmp_path / "ball.stl", density=1.0)
+    with pytest.raises(ModelError, match="hull of wheel has 162 corners and 40 are allowed"):
+        getattr(contact, kind)(body).solids()

@@ -194,6 +194,31 @@ def test_meshes_that_are_no_solid_are_refused(tmp_path, wrong):
         spatial.Mesh("m", file=path, density=1.0)
 
 
+PARTS = {
+    "beside each other": (1, (2, 0, 0), 1.0, 2.0),
+    "a cavity": (-1, (0.25, 0.25, 0.25), 0.5, 7 / 8),
+    "inside out": (-1, (2, 0, 0), 0.5, "with inward normals that is no cavity"),
+    "overlapping": (1, (0.5, 0, 0), 1.0, "overlaps another part"),
+    "a cavity with outward normals": (1, (0.25, 0.25, 0.25), 0.5, "overlaps another part"),
+}
+"""Sign of the normals of a second cube, its place and size, and the volume or the message."""
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_parts_of_meshes_are_solids_apart_or_cavities(tmp_path, name):
+    """Overlaps would count twice, and parts that are turned inside out would be subtracted."""
+    pytest.importorskip("trimesh")
+    sign, place, size, expected = PARTS[name]
+    corners = np.vstack([CORNERS, size * CORNERS + place])
+    path = written(tmp_path / "two.obj", corners, np.vstack([TRIANGLES, 8 + TRIANGLES[:, ::sign]]))
+    if isinstance(expected, float):
+        mesh = spatial.Mesh("m", file=path, density=1.0)
+        assert float(mesh.mass) == pytest.approx(expected, rel=1e-12)
+    else:
+        with pytest.raises(da.ModelError, match=rf"^m\.file: .*two\.obj .*{expected}"):
+            spatial.Mesh("m", file=path, density=1.0)
+
+
 def test_unreadable_meshes_are_refused(tmp_path, monkeypatch):
     pytest.importorskip("trimesh")
     for name, content in {"noise.stl": b"\x00\xff" * 50, "text.txt": b"solid"}.items():

@@ -65,6 +65,20 @@ def test_a_sliding_block_keeps_sliding_until_it_stops(scheme):
     assert motion["block.x"][-1].item() == pytest.approx(-0.5 * stops / 2, abs=0.5 * 1e-3)
 
 
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("direction", [-1, 1])
+@pytest.mark.parametrize("step", [1e-2, 5e-3, 2e-3])
+def test_a_block_that_slides_uphill_rests_where_it_stops(scheme, direction, step):
+    """At ``v²/(2 g (sin α + μ cos α))``, for both directions and all places within a step."""
+    angle, speed = 0.35, 1.5  # tan α is between both coefficients
+    model = block(-direction * angle, speed=direction * speed)
+    motion = da.solve_nonsmooth(model, 0.8, step=step, integrator=scheme)
+    deceleration = G * (np.sin(angle) + SLIDING * np.cos(angle))
+    path = direction * motion["block.x"][-1].item()
+    assert path == pytest.approx(speed**2 / 2 / deceleration, abs=deceleration * step**2 / 2)
+    assert motion["block.vx"][-1].item() == pytest.approx(0.0, abs=1e-9)
+
+
 MASS, STIFFNESS, BELT = 1.0, 100.0, 0.1
 
 

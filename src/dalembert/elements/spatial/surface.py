@@ -61,10 +61,13 @@ def read_surface(path: Path, entity: str) -> SurfaceMesh:
     FileError
         The file does not exist, or is too large.
     ModelError
-        The surface is unreadable, open, or encloses no volume.
+        The surface is unreadable, open, encloses no volume, or has parts that overlap or are
+        turned inside out.
     UnsupportedError
         trimesh is not installed.
     """
+    from dalembert.elements.spatial.surface_parts import refuse_misplaced_parts
+
     corners, triangles = read_triangles(path, entity)
     if not len(triangles) or not np.isfinite(corners).all():
         raise ModelError(f"{path} has no triangles with finite corners; give {FORMATS}", entity)
@@ -72,7 +75,10 @@ def read_surface(path: Path, entity: str) -> SurfaceMesh:
     surface = SurfaceMesh(corners, triangles)
     if not abs(surface.volume) > FLAT * np.ptp(corners, axis=0).max() ** 3:
         raise ModelError(f"{path} encloses no volume; give {FORMATS} of a solid", entity)
-    return surface if surface.volume > 0 else SurfaceMesh(corners, triangles[:, ::-1])
+    if surface.volume < 0:
+        surface = SurfaceMesh(corners, triangles[:, ::-1])
+    refuse_misplaced_parts(surface.corners, surface.triangles, path, entity)
+    return surface
 
 
 def read_triangles(path: Path, entity: str) -> tuple[np.ndarray, np.ndarray]:

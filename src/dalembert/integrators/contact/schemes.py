@@ -201,7 +201,8 @@ class AnticipatedImpacts(ContactScheme):
         magnitude = np.abs(impulses) * (np.abs(after) + np.abs(approach.before))
         work = (impulses * (after + approach.before)).sum(axis=1)
         if work.sum() > ROUNDING * magnitude.sum():
-            idle = np.maximum(changed, approach.before)
+            idle = changed.copy()
+            idle[:, 0] = np.maximum(changed[:, 0], approach.before[:, 0])
             slips = ~approach.contacts.laws.higher_at_rest  # the others stop
             idle[slips, 1:] = approach.before[slips, 1:]
             changed[work > 0] = idle[work > 0]

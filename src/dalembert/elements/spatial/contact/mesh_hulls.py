@@ -17,8 +17,8 @@ from dalembert.elements.spatial.surface import SurfaceMesh
 from dalembert.errors import ModelError
 from dalembert.packages import optional_package
 
-CONVEX = 1e-9
-"""Relative difference of the volumes of a convex mesh and of its hull."""
+SINGLE = 1.2e-7
+"""Rounding of coordinates in files, by the largest one; binary files have single precision."""
 
 
 @dataclass(eq=False)
@@ -75,9 +75,9 @@ class MeshHulls(Shape):
         from scipy.spatial import ConvexHull as Qhull
 
         entity = f"MeshHulls of {self.body.name}"
-        volume = Qhull(surface.corners).volume
-        if volume - surface.volume <= CONVEX * volume:
-            return [ConvexHull.of(surface.corners, entity)]
+        hull, rounding = Qhull(surface.corners), SINGLE * np.abs(surface.corners).max()
+        if hull.volume - surface.volume <= rounding * hull.area:  # convex
+            return [ConvexHull.of(surface.corners, entity, self.body.name)]
         coacd: Any = optional_package("coacd", entity, "give several contact.Polyhedron")
         coacd.set_log_level("error")
         parts = coacd.run_coacd(

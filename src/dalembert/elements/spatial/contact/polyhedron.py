@@ -40,8 +40,8 @@ class ConvexHull:
     faces: tuple[tuple[int, ...], ...]
 
     @classmethod
-    def of(cls, points: np.ndarray, entity: str) -> ConvexHull:
-        """The hull of points (m, 3).
+    def of(cls, points: np.ndarray, entity: str, name: str = "") -> ConvexHull:
+        """The hull of points (m, 3), of the mesh of a body with a name.
 
         Raises
         ------
@@ -57,7 +57,8 @@ class ConvexHull:
             raise ModelError(text, entity) from None
         if len(hull.vertices) > MOST:
             raise ModelError(
-                f"its convex hull has {len(hull.vertices)} corners and {MOST} are allowed in "
+                f"{f'the convex hull of {name}' if name else 'its convex hull'} has "
+                f"{len(hull.vertices)} corners and {MOST} are allowed in "
                 "collisions; simplify it, or use boxes, capsules and spheres",
                 entity,
             )

@@ -216,7 +216,7 @@ class Corners(Spotted):
         if count > CORNERS:
             raise ModelError(
                 f"{self.body.name} has {count} corners and {CORNERS} are allowed; "
-                "simplify the mesh, or use a box, capsule or sphere",
+                "simplify the mesh, or use MeshHulls in Collisions, a box, capsule or sphere",
                 "Corners",
             )
         super().__post_init__()
@@ -231,7 +231,8 @@ class Corners(Spotted):
         return [Spot(Point(self.body, corner), ca.SX(0)) for corner in corners]
 
     def hull(self) -> Hull:
-        return ConvexHull.of(self.body.surface.corners, "Corners").scaled(self.body.scale.sx)
+        corners, scale = self.body.surface.corners, self.body.scale.sx
+        return ConvexHull.of(corners, "Corners", self.body.name).scaled(scale)
 
     def look(self, near: ca.SX) -> list[Look]:
         surface = self.body.surface

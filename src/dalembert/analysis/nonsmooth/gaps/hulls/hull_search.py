@@ -15,6 +15,7 @@ from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
 from dalembert.analysis.nonsmooth.gaps.hulls.compiled_features import CompiledFeatures
 from dalembert.analysis.nonsmooth.gaps.hulls.feature_pairs import EvaluatePairs, Pairs, some_pairs
 from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry, Solids
+from dalembert.analysis.nonsmooth.gaps.hulls.outline_corners import OutlineCorners
 from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import Rows, planar_features
 from dalembert.analysis.nonsmooth.gaps.hulls.spatial_features import spatial_features
 from dalembert.analysis.nonsmooth.gaps.positions import Positions
@@ -38,6 +39,7 @@ class HullSearch:
         points = [len(hull.corners) == 1 and hull.is_sharp for hull in geometry.hulls]
         self._point = np.pad(points, (0, len(geometry.shapes) - len(points)))
         self._end = np.array([shape.boundary() is not None for shape in geometry.shapes])
+        self._outlines = OutlineCorners(geometry)
         self._terrain = np.isin(np.arange(len(geometry.shapes)), geometry.terrains)
         hulls = np.flatnonzero(~self._terrain[: len(geometry.hulls)])
         self._terrains = [
@@ -48,7 +50,10 @@ class HullSearch:
     def __call__(self, at: Positions, reach: float, evaluate: EvaluatePairs) -> list[Pairs]:
         """Features that touch within reach."""
         on_terrain = [pairs for search in self._terrains for pairs in search(at, reach, evaluate)]
-        return [*self._walls(at, reach), *self._hulls(at, reach, evaluate), *on_terrain]
+        hulls = self._hulls(at, reach, evaluate)
+        if self._end.any():
+            hulls = [self._outlines.touching(pairs, at, evaluate) for pairs in hulls]
+        return [*self._walls(at, reach), *hulls, *on_terrain]
 
     def _may_touch(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """Mask of pairs of shapes that may touch, not both of balls, nor corners of boundaries and
