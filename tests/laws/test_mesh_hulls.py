@@ -5,9 +5,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import dalembert as da
 from dalembert import spatial
+from dalembert.elements.spatial.contact.polyhedron import ConvexHull
 from dalembert.errors import ModelError, UnsupportedError
 
 G = 9.81
@@ -119,3 +121,12 @@ def test_a_hull_with_too_many_corners_names_its_body(tmp_path, kind):
     body = spatial.Mesh("wheel", file=tmp_path / "ball.stl", density=1.0)
     with pytest.raises(ModelError, match="hull of wheel has 162 corners and 40 are allowed"):
         getattr(contact, kind)(body).solids()
+
+
+def test_faces_of_single_precision_are_flat():
+    """A turned box of a binary file has six faces, not twelve triangles."""
+    signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    turned = Rotation.from_rotvec([0.2, 0.4, 0.5])
+    corners = turned.apply(signs * (0.1, 0.2, 0.35)) + np.array([0.3, -0.1, 0.2])
+    hull = ConvexHull.of(corners.astype(np.float32).astype(float), "box")
+    assert sorted(map(len, hull.faces)) == [4] * 6 and len(hull.edges) == 12

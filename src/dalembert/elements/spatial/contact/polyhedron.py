@@ -20,8 +20,8 @@ from dalembert.symbolic.formulas.conversion import as_expression
 
 MOST = 40
 """Upper limit of the corners of a hull in collisions, of which all pairs of edges are tested."""
-FLAT = 1e-9
-"""Sine of the angle of triangles in one plane."""
+FLAT = 1e-6
+"""Sine of the angle of triangles in one plane, whose corners may have single precision."""
 
 
 @dataclass(frozen=True, eq=False)
