@@ -109,6 +109,18 @@ def test_a_box_turns_over_its_corner_with_second_order(compiled, monkeypatch):
     assert errors[0] > SECOND * errors[1] and errors[1] < 3e-4
 
 
+def test_balls_that_are_concentric_in_the_middle_of_a_step_collide():
+    """The direction there is not defined; the impact has the one at the start."""
+    system, kit = da.System("shot"), spatial.contact
+    target = system.add(spatial.Particle("target", mass=1.0, position=(0, 0, 0)))
+    start = {"position": (-0.1, 0, 0), "velocity": (10, 0, 0)}
+    shot = system.add(spatial.Particle("shot", mass=1.0, **start))
+    balls = [kit.Sphere(part.center, 0.02) for part in (target, shot)]
+    system.add(spatial.Collisions("hit", balls, restitution=0.5))
+    motion = da.solve_nonsmooth(system.build(), 0.1, step=0.02)
+    assert motion.values("target.vx")[-1] == pytest.approx(7.5)
+
+
 def test_half_of_a_rotation_twice_is_the_rotation():
     system = da.System("body")
     system.add(spatial.Body("body", mass=1.0, inertia=(1.0, 1.0, 1.0)))

@@ -67,5 +67,6 @@ def _chosen(rows: np.ndarray, one: Matrix, other: Matrix) -> Matrix:
     """``rows`` of one matrix, and the others of another one."""
     if isinstance(one, np.ndarray):
         return np.where(rows[:, None], one, other)
-    first, second = (scipy.sparse.diags_array(part.astype(float)) for part in (rows, ~rows))
-    return scipy.sparse.csr_array(first @ one + second @ other)
+    both = scipy.sparse.csr_array(scipy.sparse.vstack([one, other]))
+    number = np.arange(rows.size)
+    return both[np.where(rows, number, number + rows.size)]
