@@ -81,13 +81,19 @@ export function mappedBody({ page, map }, name, entry, free) {
   const pose = page.motion.pose(page.motion.bodies.find((/** @type {any} */ body) => body.name === name)), next = structuredClone(entry);
   if (!pose) throw new Error(`${name} has no place in the picture`);
   const moves = map.turn !== 0 || map.mirrored;
-  const own = (/** @type {any} */ value, /** @type {number} */ now) => (typeof value === "number" && Math.abs(value - now) < 1e-6 ? value : now);
+  const own = (/** @type {any} */ written, /** @type {number} */ now) => { const value = inRadians(written); return value !== null && Math.abs(value - now) < 1e-6 ? value : now; };
   if (moves || free || entry.position) next.position = applied(map, [own(entry.position?.[0], pose.x), own(entry.position?.[1], pose.y)]).map(neat);
   if (entry.type !== "Particle" && moves) next.angle = neat((map.mirrored ? -1 : 1) * own(entry.angle, pose.a) + map.turn);
   if (map.mirrored && entry.points) next.points = Object.fromEntries(Object.entries(entry.points).map(([point, at]) => [point, flipped(at)]));
   if (entry.velocity && moves) next.velocity = turned(map, entry.velocity);
   if (entry.angular_velocity !== undefined && map.mirrored) next.angular_velocity = minus(entry.angular_velocity);
   return next;
+}
+
+/** A written coordinate or angle; null for a formula. @param {any} value */
+function inRadians(value) {
+  const degrees = typeof value === "string" ? /^\s*(-?[\d.]+(?:[eE][-+]?\d+)?)\s*(?:deg|°)\s*$/.exec(value) : null;
+  return degrees ? (Number(degrees[1]) * Math.PI) / 180 : typeof value === "number" ? value : null;
 }
 
 /** A place or direction in the axes of a mirrored body. @param {any} at */
