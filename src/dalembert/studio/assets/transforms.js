@@ -97,12 +97,11 @@ function inRadians(value) {
 }
 
 /** A place or direction in the axes of a mirrored body. @param {any} at */
-const flipped = (at) => [at[0], minus(at[1])];
+export const flipped = (at) => [at[0], minus(at[1])];
 
 /** Image of a joint, driver or force. @param {Context} context @param {string} name @param {Entry} entry @returns {Entry} */
 export function mapped(context, name, entry) {
   const { document, map, names } = context, next = renamed(entry, names), whole = OF_BODIES.includes(entry.type), moves = map.turn !== 0 || map.mirrored;
-  if (moves && /Contact|Collisions|Clearance/.test(entry.type)) throw new Error(`${name}: contacts are rotated and mirrored in the text`);
   if (Array.isArray(entry.connect) && !whole) next.connect = entry.connect.map((end, k) => mappedEnd(context, name, end, next.connect[k], entry.type === "PointOnCurve" && k === 0));
   if (Array.isArray(entry.points)) next.points = entry.points.map((end, k) => mappedEnd(context, name, end, next.points[k], false));
   if (entry.frame_i || entry.frame_j) return mappedBeam(context, name, entry, next);
