@@ -149,3 +149,47 @@ def test_sliders_of_a_result_are_written_into_the_text(desk: tuple[Desk, Studio]
         assert visit.document["parameters"]["a"]["bounds"] == [0.12, 0.25]
         visit.press("Control+z")
         assert {key: visit.document["parameters"][key]["value"] for key in before} == before
+
+
+def test_responses_are_listed_in_words(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    visit.still_only = True
+    before, after = FOUR_BAR.split("[responses]\n", 1)
+    more = """late = { type = "At", measure = "bar1.end.x", time = 0.5 }
+last = { type = "Final", measure = "bar1.end.y" }
+root = { type = "RMS", measure = "bar1.end.y" }
+"""
+    visit.show(f"{before}[responses]\n{more}{after}")
+    visit.page.click("#tab-design")
+    listed = [
+        text.removesuffix("×").strip()
+        for text in visit.page.locator(".design .plain li").all_inner_texts()
+    ]
+    for line in (
+        "late: bar1.end.x at t = 0.5 s",
+        "last: final value of bar1.end.y",
+        "root: RMS of bar1.end.y",
+    ):
+        assert line in [" ".join(text.split()) for text in listed]
+
+
+def test_a_start_beside_a_running_task_is_not_offered(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    visit.still_only = True
+    visit.show(FOUR_BAR)
+    visit.page.click("#tab-design")
+    task = visit.js(
+        "JSON.stringify({ kind: 'task', number: 1, section: 'sweep', "
+        "status: 'running', fraction: 0.5, history: [], text: '', page: '', "
+        "designs: [], cards: [], digest: '' })"
+    )
+    visit.js(f"studio.handlers.task({task})")
+    assert visit.page.locator("#start-task").is_disabled()
+    assert "Sweep runs; stop it" in visit.page.inner_text(".design .form")
+    assert "Sweep: runs" in visit.page.inner_text(".design .states")
+    visit.page.click("#tab-synthesis")
+    assert "Sweep: runs" in visit.page.inner_text(".synthesis .states")
+    visit.js(f"studio.handlers.task({{ ...{task}, status: 'stopped' }})")
+    visit.page.click("#tab-design")
+    assert visit.page.locator("#start-task").is_enabled()
+    assert "stop it" not in visit.page.inner_text(".design .form")

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 import dalembert as da
+from dalembert.errors import ModelError
 from dalembert.io import load_model_file
 from dalembert.studio.drawing_edits import apply
 
@@ -118,6 +119,47 @@ def test_edges_of_one_list_that_become_one_are_named_once() -> None:
     text = TEXT.replace('nodes = ["plate.edge3"]', 'nodes = ["plate.edge3", "plate.edge4"]')
     data = removed(text, "vertices", 3)
     assert data["tractions"][0]["nodes"] == "plate.edge3"
+
+
+@pytest.mark.parametrize("corner", [0, 3])
+@pytest.mark.parametrize("form", ["tractions", "listed", "supports"])
+def test_equal_loads_of_edges_that_become_one_do_not_add_up(corner: int, form: str) -> None:
+    first, second = ("edge5", "edge1") if corner == 0 else ("edge3", "edge4")
+    other = '"plate.hole1", ' if form == "listed" else ""
+    section, value = ("supports", "uy = 0.0") if form == "supports" else ("tractions", "tx = 500.0")
+    elements = "" if form == "supports" else 'elements = "plate"\n'
+    added = "".join(
+        f"\n[[{section}]]\n{elements}nodes = [{names}]\n{value}\n"
+        for names in (f'"plate.{first}"', f'{other}"plate.{second}"')
+    )
+    text = TEXT[: TEXT.index("[[supports]]")] + added
+    conditions_after = removed(text, "vertices", corner)[section]
+    merged = ["plate.edge4" if corner == 0 else "plate.edge3"]
+    hole = [["plate.hole1"]] if form == "listed" else []
+    shown = [[e["nodes"]] if isinstance(e["nodes"], str) else e["nodes"] for e in conditions_after]
+    assert shown == [merged, *hole]
+
+
+def test_loads_that_were_at_one_edge_add_up_as_before() -> None:
+    load = '[[tractions]]\nelements = "plate"\nnodes = "plate.edge3"\ntx = 1000.0\n'
+    data = removed(TEXT + load, "vertices", 3)
+    assert [e["nodes"] for e in data["tractions"]] == [
+        ["plate.edge3"],
+        "plate.hole2",
+        "plate.edge3",
+    ]
+
+
+def test_different_loads_of_edges_that_become_one_are_named() -> None:
+    load = '[[tractions]]\nelements = "plate"\nnodes = "plate.edge4"\n'
+    with pytest.raises(ModelError, match=r"edge3 and edge4 of plate .* tractions differ in tx"):
+        removed(f"{TEXT}{load}tx = 2000.0\n", "vertices", 3)
+    data = removed(f"{TEXT}{load}ty = 2000.0\n", "vertices", 3)
+    assert [e["nodes"] for e in data["tractions"]] == [
+        ["plate.edge3"],
+        "plate.hole2",
+        "plate.edge3",
+    ]
 
 
 def test_the_solution_without_a_hole_is_that_of_a_model_written_without_it(tmp_path: Path) -> None:

@@ -570,3 +570,23 @@ def test_numbers_of_a_drawing_are_parameters_of_its_live_picture() -> None:
         assert drawn["parameters"][name]["value"] == value
     assert drawn["parameters"]["drawn_1"] == 5.0
     assert drawn["bodies"]["a"]["angle"] == "phi"
+
+
+@pytest.mark.parametrize(
+    ("written", "value", "after"),
+    [
+        ("0.1", 0.12000000000000001, "0.12"),
+        ('"100 mm"', 0.12000000000000001, '"120.0 mm"'),
+        ('{ value = 5.0, unit = "deg" }', 2.0943951025, '{ value = 120.0, unit = "deg" }'),
+        ("0.1", 0.08000055801133911, "0.0800005580113"),
+    ],
+)
+def test_parameters_are_written_without_noise(written: str, value: float, after: str) -> None:
+    operation = {"op": "parameter", "name": "a", "value": value}
+    assert apply(f"[parameters]\na = {written}\n", [operation]) == f"[parameters]\na = {after}\n"
+
+
+def test_an_angle_in_degrees_stays_short_when_it_is_changed() -> None:
+    text = '[bodies]\nb = { type = "Bar", angle = "60 deg" }\n'
+    operation = {"op": "set", "keys": ["bodies", "b", "angle"], "value": 2.0943951023}
+    assert '"120.0 deg"' in apply(text, [operation])

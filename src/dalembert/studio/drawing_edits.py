@@ -13,7 +13,7 @@ from dalembert.studio.contact_edits import remove_group, without_shapes_of
 from dalembert.studio.key_edits import drop_key
 from dalembert.studio.list_edits import append_entry, remove_entry, remove_from_lists
 from dalembert.studio.loose_nodes import loose_nodes
-from dalembert.studio.region_edits import groups_after, rename_groups
+from dalembert.studio.region_edits import groups_after, merge_conditions, rename_groups
 from dalembert.studio.section_edits import set_section
 from dalembert.studio.text_edits import TextEdits
 
@@ -172,6 +172,8 @@ def _remove_item(edits: TextEdits, operation: dict[str, Any], names: dict[str, s
     groups = groups_after(edits.data, tuple(keys), index)
     gone = [f"{keys[1]}.{group}" for group, after in groups.items() if after is None]
     remove_from_lists(edits, gone)
+    if groups:
+        merge_conditions(edits, str(keys[1]), groups)
     remove_item(edits, tuple(keys), index)
     if groups:
         rename_groups(edits, str(keys[1]), groups)

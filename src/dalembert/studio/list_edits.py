@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Set
 from typing import TYPE_CHECKING, Any
 
 from dalembert.errors import ModelError
@@ -89,16 +89,28 @@ def remove_from_lists(edits: TextEdits, names: Collection[str]) -> None:
     for section in (*LISTS, *OTHERS):
         entries = edits.data.get(section)
         for index in reversed(range(len(entries) if isinstance(entries, list) else 0)):
-            entry = edits.data[section][index]
-            for key in REFERENCES if isinstance(entry, dict) else ():
-                old = entry.get(key, [])
-                listed = old if isinstance(old, list) else [old]
-                kept = [name for name in listed if names.isdisjoint(_names_of(name))]
-                if listed and not kept:
-                    remove_entry(edits, section, index)
-                    break
-                if kept != listed:
-                    edits.replace((section, index, key), kept[0] if len(kept) == 1 else kept)
+            remove_from_entry(edits, section, index, names)
+
+
+def remove_from_entry(edits: TextEdits, section: str, index: int, names: Set[str]) -> None:
+    """Remove nodes, elements and meshes from a table of a list; one of these only is removed.
+
+    Parameters
+    ----------
+    edits : of the text
+    section, index : of the table
+    names : as of ``remove_from_lists``
+    """
+    entry = edits.data[section][index]
+    for key in REFERENCES if isinstance(entry, dict) else ():
+        old = entry.get(key, [])
+        listed = old if isinstance(old, list) else [old]
+        kept = [name for name in listed if names.isdisjoint(_names_of(name))]
+        if listed and not kept:
+            remove_entry(edits, section, index)
+            return
+        if kept != listed:
+            edits.replace((section, index, key), kept[0] if len(kept) == 1 else kept)
 
 
 def _names_of(reference: Any) -> tuple[str, str]:

@@ -6,7 +6,9 @@ import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from dalembert.studio.list_edits import LISTS, REFERENCES
+from dalembert.errors import ModelError
+from dalembert.io.messages import key_path
+from dalembert.studio.list_edits import LISTS, REFERENCES, remove_from_entry
 
 if TYPE_CHECKING:
     from dalembert.io.toml_places import Keys
@@ -46,6 +48,76 @@ def groups_after(data: Mapping[str, Any], keys: Keys, index: int) -> Groups:
     if removed == 1:  # the first edge becomes a part of the last one
         groups["edge1"] = f"edge{count - 1}"
     return groups
+
+
+def merge_conditions(edits: TextEdits, mesh: str, groups: Groups) -> None:
+    """Keep one of two equal supports or loads at edges that become one, where both would add up.
+
+    Parameters
+    ----------
+    edits : of the text
+    mesh : name of the region
+    groups : by ``groups_after``
+
+    Raises
+    ------
+    ModelError
+        The edges have different loads of one kind.
+    """
+    gone = next((k for k, after in groups.items() if k[:6] == "vertex" and after is None), None)
+    if gone is None:
+        return
+    corner, count = int(gone[6:]), sum(name.startswith("edge") for name in groups)
+    second = f"edge{corner}"
+    first = f"edge{corner - 1 if corner > 1 else count}"
+    for section in LISTS:
+        entries = edits.data.get(section)
+        entries = [e for e in entries if isinstance(e, dict)] if isinstance(entries, list) else []
+        at_first, at_second = (
+            [k for k, e in enumerate(entries) if _is_at(e, mesh, edge) > _is_at(e, mesh, other)]
+            for edge, other in ((first, second), (second, first))
+        )
+        equal = []
+        for k in at_second:
+            same = [j for j in at_first if _values(entries[j]) == _values(entries[k])]
+            if same:
+                at_first.remove(same[0])
+                equal.append(k)
+            elif section != "supports":
+                _need_no_other(section, mesh, (first, second), entries[k], entries, at_first)
+        for k in reversed(equal):
+            remove_from_entry(edits, section, k, {f"{mesh}.{second}"})
+
+
+def _is_at(entry: dict[str, Any], mesh: str, edge: str) -> bool:
+    listed = entry.get("nodes", [])
+    return f"{mesh}.{edge}" in (listed if isinstance(listed, list) else [listed])
+
+
+def _values(entry: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in entry.items() if key != "nodes"}
+
+
+def _need_no_other(
+    section: str,
+    mesh: str,
+    edges: tuple[str, str],
+    entry: dict[str, Any],
+    entries: list[dict[str, Any]],
+    others: list[int],
+) -> None:
+    """Raise an error if loads of one kind at two edges differ."""
+    for k in others:
+        if entries[k].get("case") != entry.get("case"):
+            continue
+        shared = (_values(entry).keys() & _values(entries[k]).keys()) - {"case", "elements"}
+        if shared:
+            raise ModelError(
+                f"{edges[0]} and {edges[1]} of {mesh} become one edge without this corner, and "
+                f"their {section} differ in {', '.join(sorted(shared))}; make them equal or delete "
+                "one of them first",
+                key_path("meshes", mesh, "polygon", "vertices"),
+            )
 
 
 def rename_groups(edits: TextEdits, mesh: str, groups: Groups) -> None:

@@ -15,7 +15,7 @@ from dalembert.io.messages import key_path
 from dalembert.io.toml_places import Keys, Place
 from dalembert.studio.key_edits import add_dotted, cut
 from dalembert.studio.toml_text import TomlText
-from dalembert.studio.toml_values import NAME, as_toml, in_unit, is_number, with_unit
+from dalembert.studio.toml_values import NAME, as_toml, in_unit, is_number, neat, with_unit
 from dalembert.studio.uses import VALUES, uses_of
 
 ORDER = (
@@ -200,6 +200,8 @@ class TextEdits(TomlText):
             written = with_unit(old, value)
         elif isinstance(entry, dict) and isinstance(entry.get("unit"), str):
             written = in_unit(value, entry["unit"])
+        if is_number(written):
+            written = neat(written)
         if not is_number(value) or old is None or written is None or keys not in self.places:
             raise ModelError("has no number to replace; change it in the text", key_path(*keys))
         self._replace(self.places[keys], written)

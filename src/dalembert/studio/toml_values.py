@@ -32,9 +32,15 @@ def with_unit(old: str, value: float) -> str | None:
 
 
 def in_unit(value: float, text: str) -> float:
-    """A value in SI units in another unit, without round-off of the conversion."""
+    """A value in SI units in another unit, without the noise of computations."""
     factor = unit(text).factor
-    return value if factor == 1 else float(f"{value / factor:.15g}")
+    return value if factor == 1 else neat(value / factor)
+
+
+def neat(value: float) -> float:
+    """A computed number with 12 digits, or 6 if the next three are noise, as the page rounds it."""
+    certain = float(f"{value:.9g}")
+    return certain if certain == float(f"{value:.6g}") else float(f"{value:.12g}")
 
 
 def as_toml(value: Any) -> str:

@@ -5,6 +5,7 @@
 import { numberField } from "./analysis.js";
 import { button, el } from "./dom.js";
 import { Measurements } from "./measurements.js";
+import { inWords } from "./responses.js";
 import { taskCard } from "./tasks.js";
 
 /** A task: what its form has. @typedef {{ section: string, title: string, note: string, aims?: boolean, response?: boolean, limits?: boolean, ranges?: boolean, tolerances?: boolean, data?: boolean, fields: import("./analysis.js").Field[] }} Task */
@@ -22,6 +23,9 @@ const TASKS = [
 const REQUIRED = { tolerance: (responses) => ({ response: responses[0] ?? "", tolerances: {} }), reliability: () => ({ limits: [] }) };
 const REDUCTIONS = ["Maximum", "Minimum", "Mean", "RMS", "Integral", "Final"];
 
+/** Title of a task. @param {string} section */
+export const titleOf = (section) => TASKS.find((task) => task.section === section)?.title ?? `${section[0].toUpperCase()}${section.slice(1)}`;
+
 export class DesignSheet {
   /** @param {{ start: (section: string) => void, stop: () => void, open: (task: TaskMessage) => void, edit: (label: string, operations: Record<string, unknown>[]) => void, reveal: (section: string) => void, measures: () => string[], digest: () => string }} actions */
   constructor(actions) {
@@ -34,6 +38,9 @@ export class DesignSheet {
     this.tabs = el("div", { class: "picks", role: "tablist", "aria-label": "Design task" });
     this.form = el("div", { class: "form" });
     this.state = el("div", { class: "states" });
+    this.begin = button("Start", () => this.actions.start(this.chosen.section), { class: "button primary", id: "start-task" });
+    /** Why it is not possible to start. */
+    this.refusal = el("span", { class: "muted", role: "status" });
     this.measures = el("datalist", { id: "measures" });
     this.data = new Measurements({ set: (fields) => this.set(fields), table: () => this.document?.identify ?? {}, measures: () => actions.measures(), render: () => this.render() });
     this.node = el("section", { class: "sheet design" }, this.tabs, this.form, this.state, this.measures);
@@ -79,7 +86,7 @@ export class DesignSheet {
       this.responseList(),
       ...(document ? [chosen.aims && this.aims(), chosen.response && this.responseChoice(), chosen.tolerances && this.tolerances(), chosen.data && this.data.node(), chosen.limits && this.limits(), chosen.ranges && this.ranges()] : []).filter((node) => node instanceof Node),
       el("div", { class: "fields" }, chosen.fields.map((field) => numberField(field, this.table[field.key], (value) => this.set({ [field.key]: value })))),
-      el("div", { class: "chips" }, button("Start", () => this.actions.start(chosen.section), { class: "button primary", id: "start-task" }), button("In the text", () => this.actions.reveal(chosen.section), { title: "Show the section in the text" })),
+      el("div", { class: "chips" }, this.begin, button("In the text", () => this.actions.reveal(chosen.section), { title: "Show the section in the text" }), this.refusal),
     );
     if (focused) /** @type {HTMLElement | null} */ (this.form.querySelector(`[name="${CSS.escape(focused)}"]`))?.focus();
     this.renderState();
@@ -88,7 +95,9 @@ export class DesignSheet {
   renderState() {
     const task = this.tasks[this.chosen.section], running = Object.values(this.tasks).find(({ status }) => status === "running");
     const others = running && running !== task ? [running] : [];
-    this.state.replaceChildren(...[task, ...others].flatMap((item) => (item ? [taskCard(item, this.actions.digest(), this.actions)] : [])));
+    this.refusal.textContent = running ? `${titleOf(running.section)} runs; stop it to start a task.` : "";
+    this.begin.disabled = Boolean(running);
+    this.state.replaceChildren(...[task, ...others].flatMap((item) => (item ? [taskCard(item, titleOf(item.section), this.actions.digest(), this.actions)] : [])));
   }
 
   /** Responses of the file: reductions of measures to numbers. */
@@ -99,7 +108,7 @@ export class DesignSheet {
     const measure = el("input", { name: "new-measure", placeholder: "measure or formula", list: "measures", "aria-label": "Measure or formula" });
     const add = () => name.value.trim() && measure.value.trim() && this.actions.edit(`add ${name.value.trim()}`, [{ op: "section", section: "responses", fields: { [name.value.trim()]: { type: type.value, measure: measure.value.trim() } } }]);
     return el("fieldset", {}, el("legend", {}, "Responses"),
-      el("ul", { class: "plain" }, entries.map(([key, entry]) => el("li", {}, el("b", {}, key), ` ${entry?.type ?? ""} of ${entry?.measure ?? entry?.formula ?? "…"}`, button("×", () => this.actions.edit(`remove ${key}`, [{ op: "section", section: "responses", fields: { [key]: null } }]), { class: "button quiet", "aria-label": `Remove ${key}` })))),
+      el("ul", { class: "plain" }, entries.map(([key, entry]) => el("li", {}, el("b", {}, `${key}:`), ` ${inWords(entry, this.document)}`, button("×", () => this.actions.edit(`remove ${key}`, [{ op: "section", section: "responses", fields: { [key]: null } }]), { class: "button quiet", "aria-label": `Remove ${key}` })))),
       el("div", { class: "row" }, name, type, measure, button("Add", () => void add())));
   }
 

@@ -62,8 +62,9 @@ export class Exports {
   }
 
   async open() {
-    /** @type {Choice[]} */
-    const choices = await (await fetch("assets/exports.json")).json();
+    /** @type {Choice[] | null} */
+    const choices = await fetch("assets/exports.json").then((reply) => reply.json()).catch(() => null);
+    if (!choices) return void this.request("stop export");  // which says that there is no connection
     const groups = [...new Set(choices.map(({ group }) => group))].map((group) => el("section", {}, el("h3", {}, group), el("div", { class: "chips" },
       choices.filter((choice) => choice.group === group).map(({ to, title, suffix }) => button(title, () => this.start(to), { title: suffix, "data-to": to })))));
     this.state.replaceChildren(el("p", {}, "The file is made of the present text, saved or not, and downloaded by the browser when it is complete."));

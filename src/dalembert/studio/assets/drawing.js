@@ -11,6 +11,7 @@ import { transform } from "./editing.js";
 import { move } from "./operations.js";
 import { drawOverlay } from "./overlay.js";
 import { isTyped, takePointer } from "./picture_events.js";
+import { isOutside } from "./pictures.js";
 import { stillPage, valuesAfter } from "./preview.js";
 import { bodiesAmong, namesIn, sectionOf, within } from "./selection.js";
 import { SelectionKeys } from "./selection_keys.js";
@@ -192,6 +193,9 @@ export class Drawing {
     return event.buttons === 1;
   }
 
+  /** Keep the view while one draws, although the motion may leave it. @param {boolean} [fits] whether it is fitted to what was drawn outside it */
+  keepView(fits = false) { if (this.page) this.page.scene.view.fitted = fits; }
+
   /** Change of the file by what is dragged. @param {Drag} drag @returns {Change | null} */
   changeOf({ kind, control, from, to, still }) {
     if (!this.document || kind === "box") return null;
@@ -206,6 +210,7 @@ export class Drawing {
     const { drag, page, document } = this;
     this.drag = null;
     if (!drag || !page || !document) return this.tool.name !== "select";
+    if (drag.moved && drag.kind !== "box") this.keepView();
     if (drag.kind === "box") this.select([...(event.shiftKey ? this.selection : []), ...(drag.moved ? within(page, document, drag.from, drag.to) : [])]);
     else if (drag.moved && drag.late) this.actions.commands.do(() => this.attempt(() => this.changeOf(this.renewed(drag))), true);
     else if (drag.moved) this.attempt(() => this.changeOf(drag));
@@ -247,7 +252,10 @@ export class Drawing {
   finish() {
     const { places, tool } = this;
     this.places = [];
-    this.actions.commands.do(() => this.attempt(() => tool.make(places, this), `${tool.title}: ${tool.hint[0]}`), false);
+    this.actions.commands.do(() => {
+      if (tool.group !== "Select") this.keepView(isOutside(this.page, places.map(({ x, y }) => [x, y])));
+      this.attempt(() => tool.make(places, this), `${tool.title}: ${tool.hint[0]}`);
+    }, false);
     this.refresh();
   }
 

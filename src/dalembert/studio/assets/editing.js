@@ -9,6 +9,7 @@ import { groupsOf } from "./contact_shapes.js";
 import { beamLengths } from "./beam_ends.js";
 import { isSame, linkLengths } from "./ends.js";
 import { gearRadii } from "./gear_radii.js";
+import { mappedContacts } from "./mapped_shapes.js";
 import { anglesAfter, movedPoints } from "./operations.js";
 import { bodiesAmong, group, sectionOf } from "./selection.js";
 import { namedPlaces } from "./snapping.js";
@@ -42,6 +43,7 @@ export function transform(page, document, selected, map, label) {
     const next = section === "bodies" ? mappedBody(context, name, entry, !isJoined(document, name)) : stays ? entry : mapped(context, name, entry);
     return differences([section, name], entry, next);
   });
+  operations.push(...mappedContacts(document, map, bodies, chosen).flatMap(({ name, entry, next }) => differences(["forces", name], entry, next)));
   const followers = namedPlaces(page).filter(({ bodies: there }) => there.some((body) => bodies.has(body))).flatMap((place) => {
     const others = place.names.filter((_, k) => !bodies.has(place.bodies[k])), [x, y] = applied(map, [place.x, place.y]);
     return others.length ? [{ from: { ...place, names: others }, to: { x, y } }] : [];

@@ -15,8 +15,8 @@ const joints = (/** @type {Now} */ now, /** @type {boolean} */ ground) => entrie
 /** @type {Step[]} */
 export const STEPS = [
   { text: "Choose the tool Bar: click it, or press B.", target: '[data-tool="bar"]', done: (now) => now.tool === "bar" || bars(now) > 0 },
-  { text: "Draw the crank: click its start, then its end above it, about 0.3 m away.", target: "#canvas", done: (now) => bars(now) > 0 },
-  { text: "Draw the coupler: click the end of the crank, then a place on the right. Ends on one point are joined.", target: "#canvas", done: (now) => bars(now) > 1 && joints(now, false) > 0 },
+  { text: "Draw the crank: click its start on the left, then its end above it, about 0.2 m away.", target: "#canvas", done: (now) => bars(now) > 0 },
+  { text: "Draw the coupler: click the end of the crank, then a place on the right and above it, about 0.6 m away. Ends on one point are joined.", target: "#canvas", done: (now) => bars(now) > 1 && joints(now, false) > 0 },
   { text: "Draw the rocker: click the end of the coupler, then a place below it, on the height of the start of the crank.", target: "#canvas", done: (now) => bars(now) > 2 && joints(now, false) > 1 },
   { text: "Choose Pin (O), and click the two free ends: they are pinned to the ground.", target: '[data-tool="pin"]', done: (now) => joints(now, true) > 1 },
   { text: "Choose Motor (M), and click the pin of the crank. The linkage moves.", target: '[data-tool="motor"]', done: (now) => entries(now, "drivers").length > 0 },

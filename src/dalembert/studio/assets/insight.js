@@ -5,7 +5,7 @@
 
 import { AnalysisSheet } from "./analysis.js";
 import { ContactSheet } from "./contact_sheet.js";
-import { DesignSheet } from "./design.js";
+import { DesignSheet, titleOf } from "./design.js";
 import { Ghosts } from "./ghosts.js";
 import { OverlayBar } from "./overlay_bar.js";
 import { SynthesisSheet } from "./synthesis.js";
@@ -37,7 +37,7 @@ export function addInsight(studio) {
       studio.request("start", { section });
     },
     stop: () => void studio.request("stop task"),
-    open: (/** @type {TaskMessage} */ task) => result.open(task),
+    open: (/** @type {TaskMessage} */ task) => result.open(task, titleOf(task.section)),
     digest: () => studio.file.digest,
     measures: () => (studio.pictures.page?.motion.series ?? []).map((/** @type {{ name: string }} */ { name }) => name),
     reveal: (/** @type {string} */ section) => {
@@ -57,7 +57,7 @@ export function addInsight(studio) {
   studio.handlers.preview = (message) => analysis.receive(message);
   studio.handlers.task = (/** @type {TaskMessage} */ task) => {
     design.receive(task);
-    if (task.section === "synthesis") synthesis.receive(task);
+    synthesis.receive(task);
   };
   studio.pictures.onShow.push((page) => {
     page.scene.overlays.push((/** @type {{ ctx: CanvasRenderingContext2D }} */ { ctx }) => {

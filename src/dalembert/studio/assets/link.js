@@ -14,6 +14,8 @@ export class Link {
     this.stopped = false;
     /** Whether a program answers that does not know the address of this page. */
     this.outdated = false;
+    /** Whether nothing answers at the address. */
+    this.ended = false;
     /** @type {WebSocket | null} */
     this.socket = null;
     this.connect();
@@ -25,6 +27,7 @@ export class Link {
     const socket = new WebSocket(address);
     socket.addEventListener("open", () => {
       this.attempts = 0;
+      this.ended = false;
       this.onState(true);
     });
     socket.addEventListener("message", ({ data }) => this.receive(JSON.parse(data)));
@@ -36,11 +39,12 @@ export class Link {
     this.socket = socket;
   }
 
-  /** End the attempts if the program was started again under another address. */
+  /** End the attempts if the program was started again under another address; note if nothing answers. */
   async checkAddress() {
     const reply = await fetch(location.href, { method: "HEAD", cache: "no-store" }).catch(() => null);
-    if (!reply || reply.ok || this.stopped) return;
-    this.stopped = this.outdated = true;
+    if (reply?.ok || this.stopped || this.connected) return;
+    this.ended = !reply;
+    this.stopped = this.outdated = Boolean(reply);
     this.onState(false);
   }
 

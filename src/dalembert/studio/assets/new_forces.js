@@ -97,8 +97,14 @@ function shapeOf(name, document) {
   const entry = document.bodies?.[name], corners = Object.values(entry?.points ?? {});
   if (entry?.type === "Bar") return { type: "Capsule", point_i: `${name}.start`, point_j: `${name}.end`, radius: 0.01 };
   if (entry?.type === "Particle") return { type: "Circle", point: name, radius: 0.02 };
-  return entry && corners.length > 2 ? { type: "Outline", body: name, vertices: anticlockwise(corners) } : entry ? { type: "Circle", point: name, radius: 0.05 } : null;
+  return entry && corners.length > 2 ? { type: isConvex(corners) ? "Polygon" : "Outline", body: name, vertices: anticlockwise(corners) } : entry ? { type: "Circle", point: name, radius: 0.05 } : null;
 }
+
+/** @param {any[]} corners */
+const isConvex = (corners) => new Set(corners.map(([x, y], k) => {
+  const [u, v] = corners[(k + 1) % corners.length], [p, q] = corners[(k + 2) % corners.length];
+  return Math.sign((u - x) * (q - v) - (v - y) * (p - u));
+})).size === 1;
 
 /** @param {any[]} corners */
 function anticlockwise(corners) {

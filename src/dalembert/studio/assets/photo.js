@@ -104,8 +104,8 @@ export class Photo {
 
   /** The photo that the program has stored. @returns {Promise<Placed | null>} */
   async read() {
-    const reply = await fetch(this.address), place = JSON.parse(reply.headers.get("X-Photo-Place") ?? "null");
-    return reply.status === 200 && place ? { ...place, blob: await reply.blob() } : null;
+    const reply = await fetch(this.address).catch(() => null), place = JSON.parse(reply?.headers.get("X-Photo-Place") ?? "null");
+    return reply?.status === 200 && place ? { ...place, blob: await reply.blob() } : null;
   }
 
   /** Let the program store the photo, when it does not change for a while. */

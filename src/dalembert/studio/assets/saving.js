@@ -14,7 +14,8 @@ export class Saving {
   saveAs() {
     const { path, name } = this.file();
     ask("Save as", "A file name, or a path.", { save: "Save" }, { name: "File", value: path || name }).then((reply) => {
-      if (reply?.value.trim()) this.request("save", { path: reply.value.trim() });
+      const typed = reply?.value.trim();
+      if (typed) this.request("save", { path: /[^/\\]\.[^/\\.]*$|[/\\]$/.test(typed) ? typed : `${typed}.toml` });
     });
     return true;
   }

@@ -38,6 +38,7 @@ const MEANWHILE = "your text, typed without a connection, replaces changes of an
 const DRAWN = "another page has changed the model; what was drawn without a connection is not in it";
 const WAITING = "not connected; this is carried out when the program answers";
 const REFUSED = "not connected; repeat this when the program answers";
+const ENDED = "the program has ended: its model is kept, saved or not, and comes back when it is started again; later changes are only in this tab";
 const OUTDATED = "the program was started again: open the address that it printed; changes of this page that were not confirmed are not in it";
 const MODIFIER = /Mac|iPhone|iPad/.test(navigator.platform) ? "⌘" : "Ctrl+";
 
@@ -132,7 +133,7 @@ class Studio {
 
   /** Read the schema of model files for completion, once. */
   readSchema() {
-    this.reading ??= fetch("assets/schema.json").then((reply) => reply.json()).then((schema) => { this.completion = new Completion(schema, () => this.known, () => this.points); });
+    this.reading ??= fetch("assets/schema.json").then((reply) => reply.json()).then((schema) => { this.completion = new Completion(schema, () => this.known, () => this.points); }).catch(() => { this.reading = null; });
   }
 
   /** Keys of the whole page. @param {KeyboardEvent} event */
@@ -316,7 +317,7 @@ class Studio {
   /** @param {boolean} connected */
   connected(connected) {
     const link = byId("link");
-    link.textContent = connected ? "" : this.link?.outdated ? OUTDATED : this.link?.stopped ? "stopped" : "not connected: is the program running? Changes are sent when it answers";
+    link.textContent = connected ? "" : this.link?.outdated ? OUTDATED : this.link?.stopped ? "stopped" : this.link?.ended ? ENDED : "not connected; changes are sent when the program answers";
     link.classList.toggle("error", !connected);
     if (!connected && this.pending) this.unsent ??= { text: this.editor.text, revision: this.file.revision };  // it may not have arrived
     this.pending = 0;

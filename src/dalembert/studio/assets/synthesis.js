@@ -3,6 +3,7 @@
 /** @import { Card, Document, TaskMessage } from "./types.d.ts" */
 
 import { numberField } from "./analysis.js";
+import { titleOf } from "./design.js";
 import { button, el } from "./dom.js";
 import { SIX_BARS, linkageFields } from "./six_bars.js";
 import { synthesisOf } from "./targets.js";
@@ -23,6 +24,8 @@ export class SynthesisSheet {
     this.document = null;
     /** @type {TaskMessage | null} */
     this.task = null;
+    /** Last task of the other sheet, which does not run beside a search. @type {TaskMessage | null} */
+    this.other = null;
     /** @type {keyof typeof SORTS} */
     this.sort = "error";
     this.form = el("div", { class: "form" });
@@ -47,6 +50,10 @@ export class SynthesisSheet {
 
   /** @param {TaskMessage} task */
   receive(task) {
+    if (task.section !== "synthesis") {
+      this.other = task;
+      return this.renderState();
+    }
     const fresh = this.task?.number !== task.number || this.task.status !== task.status;
     this.task = task;
     this.renderState();
@@ -166,7 +173,8 @@ export class SynthesisSheet {
   }
 
   renderState() {
-    this.state.replaceChildren(...(this.task ? [taskCard(this.task, this.actions.digest(), this.actions)] : []));
+    const tasks = [this.task, this.other?.status === "running" ? this.other : null];
+    this.state.replaceChildren(...tasks.flatMap((task) => (task ? [taskCard(task, titleOf(task.section), this.actions.digest(), this.actions)] : [])));
   }
 
   renderCards() {

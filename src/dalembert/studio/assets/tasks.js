@@ -24,12 +24,12 @@ function historyPlot(history) {
 const STATES = { running: "runs", done: "done", stopped: "stopped", failed: "failed" };
 
 /** Card of a task: progress while it runs, its result afterwards.
- * @param {TaskMessage} task @param {string} digest of the present text @param {{ stop: () => void, open: (task: TaskMessage) => void }} actions */
-export function taskCard(task, digest, { stop, open }) {
+ * @param {TaskMessage} task @param {string} title @param {string} digest of the present text @param {{ stop: () => void, open: (task: TaskMessage) => void }} actions */
+export function taskCard(task, title, digest, { stop, open }) {
   const { status, fraction, history, text, page } = task, runs = status === "running";
   const age = digest === task.digest ? "of the present text" : "of a former text";
   return el("div", { class: `task ${status}`, role: "status" },
-    el("div", { class: "head" }, el("strong", {}, `${task.section}: ${STATES[status]}`), el("small", {}, age)),
+    el("div", { class: "head" }, el("strong", {}, `${title}: ${STATES[status]}`), el("small", {}, age)),
     runs && (fraction === null ? el("progress", { "aria-label": "Progress" }) : el("progress", { value: fraction, max: 1, "aria-label": "Progress" })),
     history.length > 0 && historyPlot(history),
     text && el("p", { class: "result" }, text),
@@ -78,10 +78,10 @@ export class ResultPanel {
     this.adopt.textContent = moved ? "Write the values of the sliders into the text" : "Write its parameters into the text";
   }
 
-  /** @param {TaskMessage} task */
-  open(task) {
+  /** @param {TaskMessage} task @param {string} title */
+  open(task, title) {
     [this.task, this.design] = [task, null];
-    this.title.textContent = task.section;
+    this.title.textContent = title;
     this.offer(false);
     this.frame.src = task.page;
     this.node.showModal();

@@ -28,7 +28,7 @@ const A_POINT = "click one end, on a point, a body or the ground", A_JOINT = "cl
 /** @type {Tool[]} */
 export const TOOLS = [
   { name: "select", key: "v", group: "Select", title: "Select", hint: ["drag a point or a body; click, Shift+click or drag a rectangle to select; Alt+drag or the middle button pans"], clicks: -1, make: () => null },
-  { name: "mirror", key: "", group: "Select", title: "Mirror about a line", hint: ["click the first point of the line about which the selection is mirrored", "click its second point"], clicks: 2, make: ([p, q], { page, document, selection }) => page && document && transform(page, document, selection, reflection(p, q), "mirror") },
+  { name: "mirror", key: "", group: "Select", title: "Mirror", hint: ["click the first point of the line about which the selection is mirrored", "click its second point"], clicks: 2, make: ([p, q], { page, document, selection }) => page && document && transform(page, document, selection, reflection(p, q), "mirror") },
   { name: "bar", key: "b", group: "Bodies", title: "Bar", hint: ["click the start of the bar", "click its end, or type 0.3 or 0.3<45"], clicks: 2, make: ([from, to]) => bar(from, to) },
   { name: "plate", key: "p", group: "Bodies", title: "Plate", hint: ["click the corners; Enter, or a click on the first, closes the plate"], clicks: 0, make: (places) => plate(places) },
   { name: "mass", key: "a", group: "Bodies", title: "Point mass", hint: ["click its place; on a body it is pinned there"], clicks: 1, onBody: true, make: ([place]) => mass(place) },

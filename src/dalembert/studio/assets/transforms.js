@@ -81,7 +81,7 @@ export function mappedBody({ page, map }, name, entry, free) {
   const pose = page.motion.pose(page.motion.bodies.find((/** @type {any} */ body) => body.name === name)), next = structuredClone(entry);
   if (!pose) throw new Error(`${name} has no place in the picture`);
   const moves = map.turn !== 0 || map.mirrored;
-  const own = (/** @type {any} */ value, /** @type {number} */ now) => (typeof value === "number" && Math.abs(value - now) < 1e-6 ? value : now);
+  const own = (/** @type {any} */ written, /** @type {number} */ now) => { const value = inRadians(written); return value !== null && Math.abs(value - now) < 1e-6 ? value : now; };
   if (moves || free || entry.position) next.position = applied(map, [own(entry.position?.[0], pose.x), own(entry.position?.[1], pose.y)]).map(neat);
   if (entry.type !== "Particle" && moves) next.angle = neat((map.mirrored ? -1 : 1) * own(entry.angle, pose.a) + map.turn);
   if (map.mirrored && entry.points) next.points = Object.fromEntries(Object.entries(entry.points).map(([point, at]) => [point, flipped(at)]));
@@ -90,13 +90,18 @@ export function mappedBody({ page, map }, name, entry, free) {
   return next;
 }
 
+/** A written coordinate or angle; null for a formula. @param {any} value */
+function inRadians(value) {
+  const degrees = typeof value === "string" ? /^\s*(-?[\d.]+(?:[eE][-+]?\d+)?)\s*(?:deg|°)\s*$/.exec(value) : null;
+  return degrees ? (Number(degrees[1]) * Math.PI) / 180 : typeof value === "number" ? value : null;
+}
+
 /** A place or direction in the axes of a mirrored body. @param {any} at */
-const flipped = (at) => [at[0], minus(at[1])];
+export const flipped = (at) => [at[0], minus(at[1])];
 
 /** Image of a joint, driver or force. @param {Context} context @param {string} name @param {Entry} entry @returns {Entry} */
 export function mapped(context, name, entry) {
   const { document, map, names } = context, next = renamed(entry, names), whole = OF_BODIES.includes(entry.type), moves = map.turn !== 0 || map.mirrored;
-  if (moves && /Contact|Collisions|Clearance/.test(entry.type)) throw new Error(`${name}: contacts are rotated and mirrored in the text`);
   if (Array.isArray(entry.connect) && !whole) next.connect = entry.connect.map((end, k) => mappedEnd(context, name, end, next.connect[k], entry.type === "PointOnCurve" && k === 0));
   if (Array.isArray(entry.points)) next.points = entry.points.map((end, k) => mappedEnd(context, name, end, next.points[k], false));
   if (entry.frame_i || entry.frame_j) return mappedBeam(context, name, entry, next);
