@@ -90,3 +90,16 @@ def test_a_four_bar_is_drawn_dragged_and_undone_in_firefox(page: Page) -> None:
     page.press(CONTROL, "z")
     page.settle(revision + 2)
     assert page.js("studio.editor.text") == drawn
+    number = page.js(
+        "{ const at = studio.editor.text.indexOf('length = ') + 10;"
+        " studio.editor.select(at, at); return at }"
+    )
+    assert number > 10
+    revision = page.js("studio.file.revision")
+    page.js("document.querySelector('#make-parameter').click()")
+    page.settle(revision + 1)
+    assert len(page.js("studio.file.document.parameters")) == 1
+    inner = "studio.pictures.frame.contentDocument"
+    page.js(f"{inner}.querySelector('#play').click()")
+    player = "studio.pictures.page.player"
+    page.tab.until(f"{player}.playing && {player}.time > 0.05")
