@@ -128,3 +128,65 @@ def test_half_of_a_rotation_twice_is_the_rotation():
     y, delta = np.array([0.1, 0.2, 0.3, 1.0, 0, 0, 0]), np.array([0.3, 0.1, -0.2, 0.9, -0.4, 1.1])
     half = manifold.halfway(delta)
     np.testing.assert_allclose(manifold.go(manifold.go(y, half), half), manifold.go(y, delta))
+
+
+RIM, WIDTH, MOMENT = 0.2, 0.02, 0.015
+LEAN = 0.3
+"""Start angle of the disc to the vertical [rad]."""
+AXIS = np.array([0.0, np.cos(LEAN), np.sin(LEAN)])
+SPIN = 8.0 * AXIS + np.array([0.0, 0.0, 1.0])
+
+
+def lowest(axis: np.ndarray) -> np.ndarray:
+    """The contact point of the lower rim from the mass centre."""
+    up = np.array([0.0, 0.0, 1.0])
+    across = up - axis * axis[2]
+    return -RIM * across / np.linalg.norm(across) - WIDTH / 2 * axis
+
+
+def leaning_disc() -> da.Model:
+    """A disc that rolls on its rim, with equal moments of inertia, so that none are gyroscopic."""
+    system, arm = da.System("leaning disc", gravity=(0, 0, -G)), lowest(AXIS)
+    start = {"position": (0, 0, -arm[2]), "velocity": -np.cross(SPIN, arm)}
+    start |= {"angular_velocity": SPIN, "rotation": da.rotation.axis_angle((1, 0, 0), LEAN)}
+    disc = spatial.Body("disc", mass=1.0, inertia=(MOMENT,) * 3, **start)
+    ends = system.add(disc).point(0, -WIDTH / 2, 0), disc.point(0, WIDTH / 2, 0)
+    kit = spatial.contact
+    shapes = [kit.Cylinder(*ends, RIM), kit.HalfSpace(system.ground.frame())]
+    system.add(spatial.Collisions("touch", shapes, friction=2.0))
+    return system.build()
+
+
+def rolled(time: float) -> np.ndarray:
+    """Mass centre of the disc by ``v̇ = F + g``, ``J ω̇ = c × F``, with ``v + ω × c = 0`` where the
+    contact point ``c`` moves along the rim."""
+    weight = np.array([0.0, 0.0, -G])
+
+    def rates(_: float, z: np.ndarray) -> np.ndarray:
+        axis, v, spin = z[3:6], z[6:9], z[9:]
+        turn, arm = np.cross(spin, axis), lowest(axis)
+        along = np.linalg.norm(np.array([0.0, 0.0, 1.0]) - axis * axis[2])
+        across = -(arm + WIDTH / 2 * axis) / RIM
+        change = -turn * axis[2] - axis * turn[2]
+        moves = -RIM * (change - across * (across @ change)) / along - WIDTH / 2 * turn
+        lever = np.cross(np.eye(3), arm)
+        mobility = np.eye(3) + lever.T @ lever / MOMENT
+        force = np.linalg.solve(mobility, -weight - np.cross(spin, moves))
+        return np.concatenate([v, turn, force + weight, np.cross(arm, force) / MOMENT])
+
+    arm = lowest(AXIS)
+    start = np.concatenate([[0, 0, -arm[2]], AXIS, -np.cross(SPIN, arm), SPIN])
+    return solve_ivp(rates, (0, time), start, rtol=1e-12, atol=1e-14, method="DOP853").y[:3, -1]
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_a_disc_that_leans_over_rolls_with_second_order(compiled, monkeypatch):
+    """Steps in which the gap is concave have directions that are means over their path."""
+    if not compiled:
+        monkeypatch.setattr(FreeBodyMarch, "of", lambda step: None)
+    model, time, errors = leaning_disc(), 0.4, []
+    for step in (4e-3, 2e-3):
+        motion = da.solve_nonsmooth(model, time, step=step)
+        assert motion.status.success and motion.record.curved.any()
+        errors.append(np.abs(motion.trajectory.y[:3, -1] - rolled(time)).max())
+    assert errors[0] > SECOND * errors[1] and errors[1] < 3e-5

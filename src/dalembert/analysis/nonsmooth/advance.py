@@ -48,8 +48,9 @@ def advance(
         bent = bent_gaps(step, start, result)
         if not bent.size:
             break
-        straight = contacts.some(~np.isin(contacts.key, bent))
-        contacts = Contacts.joined([straight, path_means(step, start, bent, result)])
+        curved = np.isin(contacts.key, bent)
+        means = path_means(step, start, contacts.some(curved), result)
+        contacts = Contacts.joined([contacts.some(~curved), means])
         last, result = result, _advanced(step, start, contacts, result.last)
         if not result.curved.size:
             result = replace(result, curved=bent, path=last)
@@ -205,6 +206,6 @@ def _solved_on_path(
     step: ContactStep, start: StepStart, contacts: Contacts, curved: np.ndarray, last: StepResult
 ) -> StepResult:
     """Solution with means over the path of the last one for curved gaps."""
-    keys = contacts.key[curved]
-    path = Contacts.joined([contacts.some(~curved), path_means(step, start, keys, last)])
-    return replace(step.solved(start, path, last.last), curved=np.sort(keys), path=last)
+    own = contacts.some(curved)
+    path = Contacts.joined([contacts.some(~curved), path_means(step, start, own, last)])
+    return replace(step.solved(start, path, last.last), curved=np.sort(own.key), path=last)

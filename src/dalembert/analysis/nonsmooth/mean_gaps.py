@@ -22,9 +22,10 @@ def mean_gaps(
     span: tuple[float, float],
     y: np.ndarray,
     displacement: np.ndarray,
-) -> Contacts:
-    """The same gaps along ``y ⊕ s δ``, ``0 ≤ s ≤ 1``: means of their velocities, and the distance
-    ``g(y ⊕ δ) − W̄ δ − h w̄``, so that the gap at the end of the step is linear in ``δ``.
+) -> tuple[Contacts, Contacts]:
+    """Gaps at the start of a path ``y ⊕ s δ``, ``0 ≤ s ≤ 1``, and the same with means of their
+    directions over it and the distance ``g(y ⊕ δ) − W̄ δ − h w̄``, so that the gap at the end of
+    the step is linear in ``δ``.
 
     Along the normals, ``W̄ δ + h w̄`` is the change of the gap but for ``O(h⁷)``. An impulse
     therefore does the work that closes the gap, on curved paths too (discrete gradient: Gonzalez
@@ -49,7 +50,7 @@ def mean_gaps(
     drift = np.tensordot(list(LOBATTO.values()), [gaps.drift for gaps in parts], axes=1)
     mean = replace(parts[0], directions=sum(directions[1:], directions[0]), drift=drift)
     change = h * mean.speeds(displacement / h)[:, 0]
-    return replace(mean, distance=parts[-1].distance - change)
+    return parts[0], replace(mean, distance=parts[-1].distance - change)
 
 
 def _scaled_normals(gaps: Contacts, factors: np.ndarray) -> Matrix:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
@@ -13,15 +15,26 @@ LINEAR = 1e-9
 """Deviation of a gap from its linear part, relative to its penetration, that counts as zero [-]."""
 
 
-def path_means(step: ContactStep, start: StepStart, keys: np.ndarray, last: StepResult) -> Contacts:
-    """Gaps with some keys whose velocities are means over the path of a solution."""
-    return mean_gaps(
-        lambda t, y: step.selected(step.at(t, y), keys),
+def path_means(
+    step: ContactStep, start: StepStart, contacts: Contacts, last: StepResult
+) -> Contacts:
+    """Some gaps with directions that are means over the path of a solution.
+
+    By the midpoint rule ``u⁺ + u⁻ = W̄ (v⁺ + v) + 2 w̄``, where ``u⁻`` is the velocity at the start
+    as with directions in the middle; for gaps that close by an impact it is ``W̄ v + w̄``.
+    """
+    first, mean = mean_gaps(
+        lambda t, y: step.selected(step.at(t, y), contacts.key),
         step.model.equations.manifold,
         (start.t, start.h),
         start.y,
         displacement(step, start, last),
     )
+    kept = contacts.kept_mask
+    if step.scheme.theta != 0.5:
+        return replace(mean, kept=kept)
+    turning = np.where(kept[:, None], 0.0, mean.speeds(start.v) - first.speeds(start.v))
+    return replace(mean, turning=turning, kept=kept)
 
 
 def displacement(step: ContactStep, start: StepStart, result: StepResult) -> np.ndarray:

@@ -168,8 +168,7 @@ static void casadi_take_means(const casadi_real** arg, const casadi_int* iw, cas
     }
   }
 }
-/* append a contact with a description, a key and the impulse of this key; with means over the path of
-   the step if the path has this key */
+/* append a contact with a description, a key and the impulse of this key */
 static void casadi_add_contact(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     const int* contact, casadi_int key, casadi_real gap, casadi_real* direction,
     const casadi_real* place) {
@@ -186,11 +185,6 @@ static void casadi_add_contact(const casadi_real** arg, casadi_real** res, casad
   casadi_direction_rows(arg, iw, count, contact[1], contact[3], direction, place, gap);
   ((casadi_real*) arg[45])[count] = gap;
   res[22][count] = gap>0 ? gap : 0.0;
-  slot = casadi_on_path(arg, key);
-  if (slot>=0) {
-    casadi_take_means(arg, iw, count, slot);
-    res[22][count] = arg[56][slot];
-  }
   ((int*) res[23])[count] = pair;
   ((casadi_int*) arg[43])[count] = key;
   for (a=0; a<6; ++a) ((int*) arg[51])[6*count+a] = contact[a];
@@ -363,9 +357,9 @@ static int casadi_strikes(const casadi_real** arg, casadi_real** res, const casa
   }
   return casadi_fast(res[22][i], res[24][r], res[25][r], arg[36][0], largest, arg[37][19]);
 }
-/* directions of the contacts in the middle of the step, except of impacts and of means over the path,
-   with the velocities at the end of the step that follow, a clearance of gaps that turn, and rows of X
-   of all contacts */
+/* directions of the contacts in the middle of the step, except of impacts, or means over its path, with
+   the velocities at the end of the step that follow, a clearance of gaps that turn, and rows of X of all
+   contacts */
 static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
   const casadi_real* ahead[64];
   const casadi_int* key = (const casadi_int*) arg[43];
@@ -373,7 +367,7 @@ static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const
   const int* row = (const int*) arg[9];
   const int* column = (const int*) arg[10];
   int* kept = (int*) res[45];
-  casadi_int i, r, width = iw[1];
+  casadi_int i, r, slot, width = iw[1];
   casadi_real gap, direction[9], point[3], middle;
   for (i=0; i<64; ++i) ahead[i] = arg[i];
   ahead[40] = arg[59];
@@ -386,17 +380,21 @@ static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const
   for (i=0; i<iw[0]; ++i, contact+=6) {
     r = i*width;
     kept[i] = res[24][r]<0 && -arg[36][0]*res[24][r]>arg[36][5] && casadi_strikes(arg, res, iw, i);
-    if (casadi_on_path(arg, key[i])>=0) kept[i] = 0;
-    else if (!kept[i]) {
+    slot = casadi_on_path(arg, key[i]);
+    if (slot>=0) {
+      casadi_take_means(arg, iw, i, slot);
+      res[22][i] = arg[56][slot];
+    } else if (!kept[i]) {
       gap = casadi_described_gap(ahead, iw, contact, direction, point);
       casadi_direction_rows(ahead, iw, i, contact[1], contact[3], direction, point, gap);
-      for (r=i*width; r<(i+1)*width; ++r) {
-        middle = casadi_row(arg[0], column, row[r], row[r+1], arg[22]);
-        if (r==i*width && arg[36][0]*fabs(middle - res[24][r])>arg[36][6]) {
-          res[22][i] = res[22][i]>arg[36][7] ? res[22][i] - arg[36][7] : 0.0;
-        }
-        res[25][r] = casadi_row(arg[0], column, row[r], row[r+1], res[19]) + middle - res[24][r];
+    }
+    for (r=i*width; r<(i+1)*width && (slot>=0 || !kept[i]); ++r) {
+      middle = casadi_row(arg[0], column, row[r], row[r+1], arg[22]);
+      if (slot<0 && r==i*width && arg[36][0]*fabs(middle - res[24][r])>arg[36][6]) {
+        res[22][i] = res[22][i]>arg[36][7] ? res[22][i] - arg[36][7] : 0.0;
       }
+      if (kept[i]) res[24][r] = middle;
+      res[25][r] = casadi_row(arg[0], column, row[r], row[r+1], res[19]) + middle - res[24][r];
     }
     casadi_response_rows(arg, res, iw, i, contact[1], contact[3]);
   }

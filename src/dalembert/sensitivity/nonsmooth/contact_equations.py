@@ -84,7 +84,7 @@ class ContactEquations:
         laws = ContactLaws.of(values.laws.T, groups)
         soft = np.zeros(0, dtype=int) if forces is None else forces.rows
         turning = gaps.turning(change) / 2
-        turning[soft] = 0.0
+        turning[soft], turning[active.curved] = 0.0, 0.0
         distance = step.cleared(values.distance, turning, h)
         contacts = Contacts(distance, w, np.zeros((count, k)), laws, groups, keys, 0 * keys)
         approach = Approach(contacts, values.before, values.after, h)

@@ -85,7 +85,7 @@ class ContactMaps:
                     parts.append(source.at(at, rows, own_keys, impulses[rows], laws, place))
             if own.size and path is not None:
                 arguments = own, keys[own] % APART, impulses[own], laws
-                parts.append(path_gaps(source, state, path, *arguments))
+                parts.append(path_gaps(source, state, path, *arguments, still[own]))
         return Gaps.of(parts)
 
     def lead(self, h: float | np.ndarray) -> float | np.ndarray:

@@ -1,6 +1,6 @@
 """Means of gaps over the path of a step, and their derivatives.
 
-    u = W̄ v + w̄,      W̄ = Σ β W(y ⊕ s δ) R,      ḡ = g(y ⊕ δ) − W̄ δ − h w̄
+    u⁺ + u⁻ = W̄ (v⁺ + v) + 2 w̄,     W̄ = Σ β W(y ⊕ s δ) R,     ḡ = g(y ⊕ δ) − W̄ δ − h w̄
 
 as functions of ``q = (y, v, t, p)`` and of the speeds ``v_δ`` at the end of the path ``δ = h (θ
 v_δ + (1−θ) v)``; ``R`` are the shares of the displacement per ``s`` in ``δ``, and ones in the rows
@@ -72,8 +72,13 @@ def path_gaps(
     keys: np.ndarray,
     impulses: np.ndarray,
     laws: int,
+    kept: np.ndarray,
 ) -> MatrixGaps:
-    """Means of the gaps with some keys; arguments as in ``SourceSlopes.at``."""
+    """Means of the gaps with some keys; arguments as in ``SourceSlopes.at``.
+
+    Velocities before are those at the start by the midpoint rule, except of ``kept`` gaps, where
+    they are means, too.
+    """
     points = [_point(source, state, path, s, (rows, keys, impulses, laws)) for s in LOBATTO]
     weights, (first_share, share) = list(LOBATTO.values()), path.shares
 
@@ -89,6 +94,13 @@ def path_gaps(
     changes = first_share * slopes["before"] + share * slopes["ending"]
     slopes["distance"] = last.slopes["distance"] - changes[:: impulses.shape[1]]
     slopes["laws"] = first.slopes["laws"]
+    if path.theta == 0.5:
+        turns = np.where(kept[:, None], 0.0, before - first.before)
+        before, after = before - turns, after + state.end * turns
+        own = scipy.sparse.diags_array(np.repeat(~kept, turns.shape[1]).astype(float))
+        change = own @ (slopes["before"] - first.slopes["before"])
+        slopes["before"] = slopes["before"] - change
+        slopes["after"] = slopes["after"] + state.end * change
     matrices = {name: scipy.sparse.csr_array(slopes[name]) for name in NAMES}
     momentum, across = (scipy.sparse.csr_array(slopes[name]) for name in ("momentum", "across"))
     values = GapChanges(distance, before, after, first.laws)
