@@ -179,3 +179,21 @@ def test_slip_that_turns_in_space():
         errors.append(np.abs(impulses - exact).max() / np.abs(exact).max())
     assert len(errors) > 40
     assert max(errors) < 2e-3 and np.median(errors) < 3e-4
+
+
+@LAWS
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_friction_of_an_impact_from_which_a_force_lifts_the_body(scheme, law):
+    """The contact presses in the impact at the start of the step only, ``v_x = 1 − μ (1 + e)``."""
+    system = da.System("lifted", gravity=(0, 0))
+    mu, e = system.parameter("mu", 0.2), system.parameter("e", 0.5)
+    body = system.add(planar.Particle("body", mass=1.0, position=(0, 0), velocity=(1, -1)))
+    system.add(planar.Force("lift", body.center, (0, 100)))
+    shapes = [planar.contact.Vertex(body.center), planar.contact.HalfPlane(system.ground)]
+    coefficients = {"restitution": e, "friction": mu, "impact_law": law}
+    system.add(planar.Collisions("floor", shapes, **coefficients))
+    motion = da.solve_nonsmooth(system.build(), 1e-3, step=1e-3, integrator=scheme)
+    assert motion.values("body.vx")[-1] == pytest.approx(0.7)
+    for method in ("direct", "adjoint"):
+        gradient = da.sensitivity(motion, da.final("body.vx"), ["mu", "e"], method=method)
+        np.testing.assert_allclose(gradient.values.ravel(), [-1.5, -0.2], atol=1e-9)

@@ -262,7 +262,7 @@ def _limit_slopes(
     slopes, columns = np.zeros(z.shape), np.zeros(z.shape, dtype=int)
     for number, (components, _) in enumerate(problem.discs):
         length = np.linalg.norm(z[:, components], axis=1)
-        slips = own[:, components].any(axis=(1, 2)) & (length > 0)
+        slips = own[:, components].any(axis=(1, 2)) & (length > 0) & (z[:, 0] > 0)
         share = np.where(slips, -z[:, 0] / np.where(slips, length, 1.0), 0.0)
         slopes[:, components] = share[:, None] * z[:, components]
         columns[:, components] = FIRST + number
