@@ -45,7 +45,7 @@ def test_what_is_drawn_without_a_connection_comes_after_it(desk: tuple[Desk, Stu
     for place in ((0.1, 0.1), (0.3, 0.1)):
         visit.click(*place)
     link = visit.js("document.getElementById('link').textContent")
-    assert "Changes are sent when it answers" in link
+    assert "changes are sent when the program answers" in link
     visit.js(NAMED.format("b"))
     notice = visit.js("document.getElementById('notice').textContent")
     assert "carried out when the program answers" in notice
