@@ -240,10 +240,10 @@ class Missing(Unconfirmed):
 def _identity(path: Path | None) -> tuple[int, int] | None:
     """Device and number of a file, which stay when it is renamed."""
     try:
-        found = path.stat() if path is not None else None
+        status = path.stat() if path is not None else None
     except OSError:
         return None
-    return (found.st_dev, found.st_ino) if found is not None else None
+    return (status.st_dev, status.st_ino) if status is not None else None
 
 
 def _read(path: Path) -> bytes:

@@ -97,11 +97,7 @@ class ContactStep(ModelGaps):
     def in_middle(self, start: StepStart, contacts: Contacts, lasting: bool = False) -> Contacts:
         """Gaps at the start of a step with the directions in its middle, except those of impacts,
         which ``lasting`` contacts do not have."""
-        lead, v, manifold = (
-            (1 - self.scheme.theta) * start.h,
-            start.v,
-            self.model.equations.manifold,
-        )
+        lead, v = (1 - self.scheme.theta) * start.h, start.v
         if not (contacts.count and lead):
             return contacts
         kept = np.zeros(contacts.count, dtype=bool)
@@ -111,6 +107,7 @@ class ContactStep(ModelGaps):
             kept = approach.impacting & (-start.h * approach.before[:, 0] > self.least_travel)
         if kept.all():
             return replace(contacts, kept=kept)
+        manifold = self.model.equations.manifold
         at = self.at(start.t + lead, manifold.go(start.y, manifold.halfway(2 * lead * v)))
         moved = in_middle(contacts, self.selected(at, contacts.key), kept, v)
         rigid = ~self.force_laws.compliant(contacts)

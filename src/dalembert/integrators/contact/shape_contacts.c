@@ -357,9 +357,9 @@ static int casadi_strikes(const casadi_real** arg, casadi_real** res, const casa
   }
   return casadi_fast(res[22][i], res[24][r], res[25][r], arg[36][0], largest, arg[37][19]);
 }
-/* directions of the contacts in the middle of the step, except of impacts, or means over its path, with
-   the velocities at the end of the step that follow, a clearance of gaps that turn, and rows of X of all
-   contacts */
+/* directions of the contacts: those in the middle of the step, means over its path, or, of impacts, those
+   at its start; with them the velocities at the end of the step, the clearance of gaps that turn, and
+   the rows of X */
 static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
   const casadi_real* ahead[64];
   const casadi_int* key = (const casadi_int*) arg[43];

@@ -134,9 +134,9 @@ class ContactMaps:
                 own = pressing.keys, pressing.impulses, pressing.curved
                 gaps = self.gaps(state, *own, path, kept=pressing.kept)
                 inertia = np.maximum(np.abs(by_z.diagonal()[:n]), np.finfo(float).tiny)
-                given = self.contact_step, pressing, h, inertia, smooth[:n] - v
+                arguments = self.contact_step, pressing, h, inertia, smooth[:n] - v
                 forces = self._forces(gaps, y, t, h, pressing.keys)
-                contacts = ContactEquations.of(gaps, *given, impact, forces)
+                contacts = ContactEquations.of(gaps, *arguments, impact, forces)
                 right, below = self.joined(value, contacts, impulses)
                 matrix += below
             factors = ProximalFactors.of(matrix, self._weight(impulses.size))

@@ -97,12 +97,8 @@ class SourceSlopes:
         self.source, self._e, formulas = source, e, source.formulas
         start, lead = ca.SX.sym("start", e.v.numel()), ca.SX.sym("lead")
         self._start = PlaceFunctions(e, formulas, start, lead)
-        here, there = (
-            ca.vertcat(e.t, e.y),
-            ca.vertcat(
-                e.t + lead, e.manifold.retract(e.y, e.manifold.halfway_formula(2 * lead * start))
-            ),
-        )
+        moved = e.manifold.retract(e.y, e.manifold.halfway_formula(2 * lead * start))
+        here, there = ca.vertcat(e.t, e.y), ca.vertcat(e.t + lead, moved)
         geometry, velocities = (
             ca.substitute(part, here, there) for part in (formulas.geometry, formulas.velocities)
         )
