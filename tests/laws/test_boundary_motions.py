@@ -168,7 +168,8 @@ def geneva() -> list:
     return corners
 
 
-def test_a_geneva_drive_turns_by_quarters_and_dwells():
+@pytest.mark.parametrize(("scheme", "step"), list(zip(SCHEMES, [1e-3, 2e-3], strict=True)))
+def test_a_geneva_drive_turns_by_quarters_and_dwells(scheme, step):
     """In a slot, ``tan ψ = r sin θ/(a − r cos θ)``, within the clearance; then it rests."""
     system, speed = da.System("geneva"), 2 * math.pi
     start = -0.27 * math.pi
@@ -178,7 +179,7 @@ def test_a_geneva_drive_turns_by_quarters_and_dwells():
     system.add(planar.TorsionSpring("oil", system.ground, wheel, **oil))
     shapes = [contact.Outline(wheel, geneva()), contact.Circle(crank.point(CRANK, 0), PIN)]
     system.add(planar.Collisions("slot", shapes))
-    motion = da.solve_nonsmooth(system.build(), 1.3, step=2e-3, integrator=da.MoreauJean())
+    motion = da.solve_nonsmooth(system.build(), 1.3, step=step, integrator=scheme)
     assert motion.status.success
     crank_angle, angle = (motion[f"{name}.angle"].values for name in ("crank", "wheel"))
     turned = angle - math.pi / 4
@@ -188,11 +189,11 @@ def test_a_geneva_drive_turns_by_quarters_and_dwells():
     number = np.round((crank_angle - passed) / (2 * math.pi))
     off = turned - (ideal - math.pi / 4 - number * math.pi / 2)
     narrow = APART - CRANK
-    assert np.abs(off[inside]).max() < 1.5 * CLEARANCE / narrow
-    outside = np.abs(passed) > 0.35 * math.pi  # where the wheel has come to rest
+    assert np.abs(off[inside]).max() < CLEARANCE / narrow
+    outside = np.abs(passed) > 0.3 * math.pi  # where the wheel has come to rest
     moved = np.abs(np.diff(angle))[outside[:-1] & outside[1:]]
     assert moved.max() < 1e-6
-    assert turned[-1] == pytest.approx(-math.pi, abs=3 * CLEARANCE / narrow)
+    assert turned[-1] == pytest.approx(-math.pi, abs=CLEARANCE / narrow)
 
 
 def parallel(x: float, radius: float) -> np.ndarray:

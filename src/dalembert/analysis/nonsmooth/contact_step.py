@@ -12,7 +12,11 @@ from dalembert.analysis.nonsmooth.force_laws import ForceLaws
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.model_gaps import ModelGaps
 from dalembert.analysis.nonsmooth.impact_stage import impact_stage
-from dalembert.analysis.nonsmooth.middle_directions import in_middle, with_clearance
+from dalembert.analysis.nonsmooth.middle_directions import (
+    in_middle,
+    is_onward,
+    with_clearance,
+)
 from dalembert.analysis.nonsmooth.mobility import delassus
 from dalembert.analysis.nonsmooth.smooth_motion import FreeMotion, SmoothMotion
 from dalembert.analysis.nonsmooth.step_state import LastImpulses, StepResult, StepStart, warm_start
@@ -100,16 +104,17 @@ class ContactStep(ModelGaps):
         lead, v = (1 - self.scheme.theta) * start.h, start.v
         if not (contacts.count and lead):
             return contacts
-        kept = np.zeros(contacts.count, dtype=bool)
-        if not lasting:
-            speeds = contacts.speeds(v), contacts.speeds(start.smooth.free.speeds)
-            approach = Approach(contacts, *speeds, start.h)
-            kept = approach.impacting & (-start.h * approach.before[:, 0] > self.least_travel)
-        if kept.all():
-            return replace(contacts, kept=kept)
         manifold = self.model.equations.manifold
         at = self.at(start.t + lead, manifold.go(start.y, manifold.halfway(2 * lead * v)))
-        moved = in_middle(contacts, self.selected(at, contacts.key), kept, v)
+        middle, kept = self.selected(at, contacts.key), np.zeros(contacts.count, dtype=bool)
+        if not lasting:
+            free = start.smooth.free.speeds
+            approach = Approach(contacts, contacts.speeds(v), contacts.speeds(free), start.h)
+            kept = approach.impacting & (-start.h * approach.before[:, 0] > self.least_travel)
+            ends = contacts.distance + start.h * middle.speeds((v + free) / 2)[:, 0]
+            onward = is_onward(contacts, middle, self.model.scales.displacements)
+            kept &= ~((middle.distance >= 0) & (ends >= 0) & onward)
+        moved = in_middle(contacts, middle, kept, v)
         rigid = ~self.force_laws.compliant(contacts)
         distance = self.cleared(moved.distance, rigid[:, None] * moved.turning, start.h)
         return replace(moved, distance=distance)

@@ -16,8 +16,11 @@ direction, by ``1/√(1 + |c|²)`` of itself.
 
 The gap at the end is ``g + h (u⁺ + u⁻)/2`` but for ``O(h³)``. ``AnticipatedImpacts`` leaves it a
 small clearance, so that few steps have a closed gap at their end. Gaps that close by an impact keep
-``W(y)``, ``b = 0``: laws of impact apply to the state at the start, and a body that would move past
-another one within half a step has opposite directions there.
+``W(y)``, ``b = 0``: laws of impact apply to the state at the start, and a body that would move
+through another one has opposite directions in the middle. Such a gap closes faster than forces
+change speeds, and without contacts it is closed in the middle or, with the directions there, at the
+end of the step, or its normal direction is reversed. Other bodies move past each other, though the
+linear part of the gap may close.
 """
 
 from __future__ import annotations
@@ -47,6 +50,21 @@ def in_middle(start: Contacts, middle: Contacts, kept: np.ndarray, v: np.ndarray
         drift = np.where(kept[:, None], start.drift, drift)
     moved = replace(start, directions=directions, drift=drift, kept=kept)
     return replace(moved, turning=moved.speeds(v) - start.speeds(v))
+
+
+def is_onward(start: Contacts, middle: Contacts, sizes: np.ndarray) -> np.ndarray:
+    """(n,) mask of the gaps whose normal direction turns by less than a right angle.
+
+    Parameters
+    ----------
+    start, middle : the same gaps at both positions
+    sizes : (n_v,) natural displacements
+    """
+    normals = np.arange(start.count) * start.drift.shape[1]
+    one, other = (gaps.directions[normals] for gaps in (start, middle))
+    if isinstance(one, np.ndarray):
+        return np.asarray((one * other) @ sizes**2 > 0)
+    return np.asarray(scipy.sparse.csr_array(one).multiply(other) @ sizes**2 > 0)
 
 
 def with_clearance(
