@@ -226,8 +226,8 @@ def test_joints_that_cannot_be_closed_end_the_run():
     system.add(planar.Collisions("floor", [planar.contact.Circle(rod.end, 0.1), floor]))
     motion = da.solve_nonsmooth(system.build(), 1.0, step=0.01)
     assert motion.status.outcome is Outcome.NOT_CONVERGED
-    assert motion.status.time == motion.time[-1] == pytest.approx(0.625, abs=0.01)
-    assert motion.status.residual > 1e-3
+    assert motion.status.time == motion.time[-1] == pytest.approx(0.625, abs=0.01 / 32)
+    assert motion.status.residual > 1e-5  # steps are divided up to the instant
     assert "joints could not be closed" in motion.status.message
 
 

@@ -58,11 +58,13 @@ class ContactStep(ModelGaps):
     ----------
     smooth : functions of the model
     scheme, solver : strategies
+    longest : longest step; those that do not converge are divided [s]
     """
 
     smooth: SmoothMotion
     scheme: ContactScheme
     solver: ContactSolver
+    longest: float
 
     @cached_property
     def force_laws(self) -> ForceLaws:
@@ -96,7 +98,7 @@ class ContactStep(ModelGaps):
     def begin(self, t: float, h: float, y: np.ndarray, v: np.ndarray, first: bool) -> StepStart:
         """Start of a step, ``first`` of a run or not."""
         smooth = self.smooth.step(t, y, v, self.p, h, self.scheme.theta)
-        return StepStart(smooth, smooth.free, first)
+        return StepStart(smooth, smooth.free, self.longest, first)
 
     def in_middle(self, start: StepStart, contacts: Contacts, lasting: bool = False) -> Contacts:
         """Gaps at the start of a step with the directions in its middle, except those of impacts,
@@ -109,7 +111,8 @@ class ContactStep(ModelGaps):
         middle, kept = self.selected(at, contacts.key), np.zeros(contacts.count, dtype=bool)
         if not lasting:
             free = start.smooth.free.speeds
-            approach = Approach(contacts, contacts.speeds(v), contacts.speeds(free), start.h)
+            speeds = contacts.speeds(v), contacts.speeds(free)
+            approach = Approach(contacts, *speeds, start.h, self.longest)
             kept = approach.impacting & (-start.h * approach.before[:, 0] > self.least_travel)
             ends = contacts.distance + start.h * middle.speeds((v + free) / 2)[:, 0]
             onward = is_onward(contacts, middle, self.model.scales.displacements)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import time as clock
 from dataclasses import replace
 from typing import Any
@@ -46,6 +47,10 @@ from dalembert.results.nonsmooth_motion import ContactRecord, NonsmoothMotion
 from dalembert.results.status import Outcome, Status, Warnings, reached, stopped
 from dalembert.symbolic.equations.newton import Solution
 
+DIVISIONS = 6
+"""Upper limit of the divisions of a step in halves, where its impulses do not converge or its
+positions cannot be corrected."""
+
 
 class NonsmoothRun:
     """One execution of an analysis with contacts.
@@ -65,7 +70,7 @@ class NonsmoothRun:
             step_count(self.start, self.end, self.h), 3 * (e.coordinate_count + e.speed_count)
         )
         self.p = model.values(parameters)
-        self.closed_gaps = ""
+        self.closed_gaps, self.divisions = "", 0
         if analysis.integrator.projection:  # otherwise initial gaps are never corrected
             model, self.closed_gaps = touching_model(model, self.p, self.start)
             self.model = model
@@ -81,7 +86,7 @@ class NonsmoothRun:
         elements = [element for source in sources for element in source.elements]
         refuse_moving_places(elements)
         smooth, scheme = smooth_motion(model), analysis.integrator
-        self.step = ContactStep(model, sources, self.p, smooth, scheme, analysis.solver)
+        self.step = ContactStep(model, sources, self.p, smooth, scheme, analysis.solver, self.h)
 
     def execute(self, progress) -> NonsmoothMotion:
         state = self.model.assemble(self.p, self.start)
@@ -117,12 +122,14 @@ class NonsmoothRun:
 
     def repeated(self, grid: np.ndarray) -> tuple[np.ndarray, Status]:
         """(n_y, K+1) positions at the times of a grid, in steps between them, and the status."""
-        log = StepLog(self.step, self.start, *self.state)
-        status = self.march(grid, log, lambda share: None)
-        return np.stack(log.positions, 1), status
+        run = copy.copy(self)
+        run.step = replace(self.step, longest=float(np.diff(grid).max()))
+        log = StepLog(run.step, self.start, *self.state)
+        status = run.march(grid, log, lambda share: None)
+        return np.stack(log.positions, 1)[:, np.isin(log.times, grid)], status
 
     def march(self, grid: np.ndarray, log: StepLog, report) -> Status:
-        """Steps until the end or until one fails."""
+        """Steps until the end or until one fails, in spite of shorter ones in its place."""
         result, last, k = None, None, 0
         balls = FreeBodyMarch.of(self.step)
         try:
@@ -133,11 +140,17 @@ class NonsmoothRun:
                         break
                 t, h = float(grid[k]), float(grid[k + 1] - grid[k])
                 result = advance(self.step, t, h, log.y, log.v, last)
-                if failure := self.failure(t, result):
-                    return failure
-                position = self.corrected(t + h, h, result)
-                if not position.accepted:
-                    return self.not_corrected(t, h, position)
+                failure = self.failure(t, h, result)
+                if failure is None:
+                    position = self.corrected(t + h, h, result)
+                    if not position.accepted:
+                        failure = self.not_corrected(t, h, position)
+                if failure is not None:
+                    if failure.outcome is not Outcome.NOT_CONVERGED or not self.is_divisible(h):
+                        return failure
+                    grid = np.insert(grid, k + 1, t + h / 2)
+                    self.divisions += 1
+                    continue
                 log.add(t + h, h, position.x, self.speeds(t + h, position.x, result), result)
                 k, last = k + 1, result.last
                 report((grid[k] - self.start) / (self.end - self.start))
@@ -169,7 +182,11 @@ class NonsmoothRun:
         residual = position.residual * self.model.scales.length
         return Status(Outcome.NOT_CONVERGED, text, t, residual)
 
-    def failure(self, t: float, result: StepResult) -> Status | None:
+    def is_divisible(self, h: float) -> bool:
+        """Whether a step that failed is repeated as two of half the length."""
+        return h > 1.5 * self.step.longest / 2**DIVISIONS
+
+    def failure(self, t: float, h: float, result: StepResult) -> Status | None:
         """Status of a run whose last step failed; None if it succeeded."""
         impulses = result.impulses
         if not (np.isfinite(result.y).all() and np.isfinite(result.v).all()):
@@ -178,9 +195,9 @@ class NonsmoothRun:
         if not impulses.accepted:
             text = (
                 f"the impulses of {result.contacts.count} contacts at t = {t:.9g} s did not "
-                f"converge (residual {impulses.residual:.3g} m/s after {impulses.rounds} rounds), "
-                f"the largest of {self.largest_impulse(result)}; use a shorter "
-                f"step{self.further_remedies()}; "
+                f"converge (residual {impulses.residual:.3g} m/s after {impulses.rounds} rounds, "
+                f"in a step of {h:.3g} s), the largest of {self.largest_impulse(result)}; use a "
+                f"shorter step{self.further_remedies()}; "
                 "with much friction there may be no solution"
             )
             return Status(Outcome.NOT_CONVERGED, text, t, impulses.residual)
@@ -203,6 +220,7 @@ class NonsmoothRun:
         return overlaps | {
             "integrator": type(self.analysis.integrator).__name__,
             "steps": record.loss.size,
+            "divisions of steps": self.divisions,
             "integration time [s]": round(elapsed, 6),
             "time per step [ms]": round(1e3 * elapsed / count, 3),
             "maximum active contacts": int(record.pressing.max(initial=0)),

@@ -82,12 +82,14 @@ class StepStart:
     ----------
     smooth : the step without contacts
     motion : the motion without impulses
+    longest : longest step [s]
     begins : True in the first step
     impact : impacts that ``motion`` includes; None without any
     """
 
     smooth: SmoothStep
     motion: FreeMotion
+    longest: float
     begins: bool
     impact: ImpactStage | None = None
 
@@ -125,7 +127,7 @@ class StepStart:
     def approach(self, contacts: Contacts, rounding: float) -> Approach:
         """Contacts with their velocities; gaps up to ``rounding`` count as closed."""
         speeds = contacts.at_start(self.v), contacts.at_end(self.free)
-        approach = Approach(contacts, *speeds, self.h, self.begins, rounding)
+        approach = Approach(contacts, *speeds, self.h, self.longest, self.begins, rounding)
         if self.impact is None:
             return approach
         change = contacts.directions @ self.impact.change

@@ -3,18 +3,18 @@
 static casadi_real casadi_open(casadi_real gap, casadi_real before, casadi_real h) {
   return -2*gap/h - before;
 }
-/* minimum speed that permits an impact in the next step */
+/* minimum speed that permits an impact in the next step, which may have the longest length */
 static casadi_real casadi_margin(casadi_real gap, casadi_real before, casadi_real h,
-    casadi_real restitution) {
-  casadi_real margin = -((gap>0 ? gap : 0.0) + h*before/2)/(h*(1 - restitution/2));
+    casadi_real longest, casadi_real restitution) {
+  casadi_real margin = -((gap>0 ? gap : 0.0) + h*before/2)*2/(h + (1 - restitution)*longest);
   casadi_real open = casadi_open(gap, before, h);
   return margin>open ? margin : open;
 }
 /* minimum speed of a contact under pressure: impacting, resting or separating */
 static casadi_real casadi_bounce(casadi_real gap, casadi_real before, casadi_real h,
-    casadi_real restitution, casadi_real forced, casadi_real closing, int fast) {
+    casadi_real longest, casadi_real restitution, casadi_real forced, casadi_real closing, int fast) {
   casadi_real gradual = gap>0 ? closing*gap/h : 0.0, open = casadi_open(gap, before, h);
-  casadi_real speed = casadi_margin(gap, before, h, 0.0);
+  casadi_real speed = casadi_margin(gap, before, h, longest, 0.0);
   if (gradual>forced) gradual = forced;
   if (before<=0 && speed<-gradual) speed = -gradual;
   if (before<0 && fast) speed = -restitution*before;
@@ -30,7 +30,7 @@ static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
   const int* pair = (const int*) res[23];
   const int* group = (const int*) arg[13];
   casadi_int i, a, r, width = iw[1], linear = iw[2]>0 ? group[1] : 1, laws = 2 + iw[2];
-  casadi_real h = arg[36][0], restitution, margin;
+  casadi_real h = arg[36][0], longest = arg[36][8], restitution, margin;
   int fast;
   limits[0] = 0;
   limits[1] = 0;
@@ -50,9 +50,10 @@ static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
       res[26][r+a] = a<linear ? arg[28][law[pair[i]]*laws+1]*before[r+a] : 0.0;
     }
     fast = casadi_strikes(arg, res, iw, i);
-    margin = casadi_margin(res[22][i], before[r], h, fast ? restitution : 0.0);
+    margin = casadi_margin(res[22][i], before[r], h, longest, fast ? restitution : 0.0);
     if (free[r]<margin) {
-      margin = casadi_bounce(res[22][i], before[r], h, restitution, limits[0], arg[37][18], fast);
+      margin = casadi_bounce(res[22][i], before[r], h, longest, restitution, limits[0], arg[37][18],
+        fast);
     }
     res[26][r] = -margin;
   }
@@ -79,8 +80,8 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
   for (i=0; i<iw[0]; ++i) {
     r = i*width;
     fast = casadi_strikes(arg, res, iw, i);
-    bounce = casadi_bounce(res[22][i], before[r], arg[36][0], arg[28][law[pair[i]]*(2+iw[2])],
-      forced, arg[37][18], fast);
+    bounce = casadi_bounce(res[22][i], before[r], arg[36][0], arg[36][8],
+      arg[28][law[pair[i]]*(2+iw[2])], forced, arg[37][18], fast);
     if (impulse[r]>0 && -offset[r]<bounce && (before[r]<=0 || offset[r]<before[r])) {
       changed[r] = -bounce;
     }

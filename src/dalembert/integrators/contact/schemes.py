@@ -222,9 +222,11 @@ def _open(approach: Approach) -> np.ndarray:
 
 
 def _margin(approach: Approach, restitution: np.ndarray | float) -> np.ndarray:
-    """Minimum speed that permits an impact in the next step, ``g⁺ ≥ −(1−e) h u_N⁺/2``."""
+    """Minimum speed that permits an impact in the next step, ``g⁺ ≥ −(1−e) H u_N⁺/2``, where ``H``
+    is the longest step."""
     gap = np.maximum(approach.contacts.distance, 0) + approach.h * approach.before[:, 0] / 2
-    return np.maximum(-gap / (approach.h * (1 - restitution / 2)), _open(approach))
+    room = (approach.h + (1 - restitution) * approach.longest) / 2
+    return np.maximum(-gap / room, _open(approach))
 
 
 def _room(approach: Approach) -> np.ndarray:

@@ -244,7 +244,7 @@ class ContactSteps:
             contacts = step.selected(step.at(t, y), lasting.keys)
             contacts = step.in_middle(start, contacts, lasting=True)
             before, end = contacts.at_start(v), contacts.at_end(after)
-            offsets = Approach(contacts, before, end, h).newton()
+            offsets = Approach(contacts, before, end, h, step.longest).newton()
             offsets[:, 0] = -before[:, 0]
             speeds = end + offsets
             scale = float(np.abs(speeds).max(initial=0.0)) or 1.0

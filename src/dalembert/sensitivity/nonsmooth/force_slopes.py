@@ -86,7 +86,7 @@ class ForceSlopes:
         count = approach.before.shape[0]
         rigid = ~np.isin(np.arange(count), self.rows)
         contacts = approach.contacts.some(np.flatnonzero(rigid))
-        state = approach.before[rigid], approach.free[rigid], approach.h
+        state = approach.before[rigid], approach.free[rigid], approach.h, approach.longest
         own = scheme.slopes(Approach(contacts, *state), offsets[rigid], rounding)
         values = {}
         for field in fields(OffsetSlopes):

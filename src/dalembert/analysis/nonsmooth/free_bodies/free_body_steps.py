@@ -97,7 +97,7 @@ class FreeBodySteps(PathContacts):
         geometry = self.corners, self.references, self.normals, self.velocities
         self.ahead = [np.zeros_like(part) for part in geometry]
         limits = [0.0, step.solver.tolerance, step.rounding, -1.0, 0.0, step.least_travel]
-        self.limits = np.array([*limits, step.rounding, step.clearance])
+        self.limits = np.array([*limits, step.rounding, step.clearance, step.longest])
         coefficients = motion.laws(step.p)
         used = [0, 1, *range(FIRST, FIRST + len(step.groups))]
         self._radii = motion.radii(step.p)
