@@ -16,13 +16,13 @@ from dalembert.analysis.nonsmooth.contact_check import ContactCheck
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import (
     ConsistentSpeeds,
-    consistent_speeds,
     correct_position,
 )
 from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.run_accuracy import RunAccuracy
 from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
+from dalembert.analysis.nonsmooth.speed_jumps import speeds_after
 from dalembert.analysis.nonsmooth.step_log import StepLog
 from dalembert.analysis.nonsmooth.step_state import StepResult
 from dalembert.analysis.nonsmooth.touching_shapes import (
@@ -138,7 +138,8 @@ class NonsmoothRun:
                 position = self.corrected(t + h, h, result)
                 if not position.accepted:
                     return self.not_corrected(t, h, position)
-                log.add(t + h, h, position.x, self.speeds(t + h, position.x, result), result)
+                speeds, result = self.speeds(t, h, position.x, result)
+                log.add(t + h, h, position.x, speeds, result)
                 k, last = k + 1, result.last
                 report((grid[k] - self.start) / (self.end - self.start))
         except KeyboardInterrupt:
@@ -154,11 +155,13 @@ class NonsmoothRun:
         travel, projection = h * result.v[:, None], self.analysis.integrator.projection
         return correct_position(self.step, t, result.y, projection, travel)
 
-    def speeds(self, t: float, y: np.ndarray, result: StepResult) -> ConsistentSpeeds:
-        """Speeds consistent with the joints at a position."""
+    def speeds(
+        self, t: float, h: float, y: np.ndarray, result: StepResult
+    ) -> tuple[ConsistentSpeeds, StepResult]:
+        """Speeds consistent with the joints at a position, and the result with their impulses."""
         if not self.step.smooth.has_joints:
-            return ConsistentSpeeds(result.v)
-        return consistent_speeds(self.step, t, y, result.v)
+            return ConsistentSpeeds(result.v), result
+        return speeds_after(self.step, t, h, y, result)
 
     def not_corrected(self, t: float, h: float, position: Solution[np.ndarray]) -> Status:
         """Status of a run in which the correction of positions failed."""
