@@ -20,6 +20,7 @@ from dalembert.analysis.nonsmooth.correction import (
 )
 from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.passages import passage_warnings
 from dalembert.analysis.nonsmooth.run_accuracy import RunAccuracy
 from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
 from dalembert.analysis.nonsmooth.speed_jumps import speeds_after
@@ -101,7 +102,8 @@ class NonsmoothRun:
         check = ContactCheck(self.step, record, self.analysis.balance, log.correction_work)
         status = replace(status, residual=max(status.residual, check.residual))
         trajectory = interpolate(self.model, record, times)
-        warnings = [*check.warnings, *elastic_warnings(self.model, trajectory, self.p)]
+        warnings = [*passage_warnings(log.passages), *check.warnings]
+        warnings += elastic_warnings(self.model, trajectory, self.p)
         status = check.verify(status)
         late = (lambda: record.accuracy.warnings) if status.success else None
         return NonsmoothMotion(
