@@ -114,13 +114,39 @@ def test_bad_options(arch_file, options, message):
         contact.MeshHulls(arch, **options)
 
 
-@pytest.mark.parametrize("kind", ["Corners", "MeshHulls"])
-def test_a_hull_with_too_many_corners_names_its_body(tmp_path, kind):
+def test_a_hull_with_too_many_corners_names_its_body(tmp_path):
     trimesh = pytest.importorskip("trimesh")
     trimesh.creation.icosphere(subdivisions=2).export(tmp_path / "ball.stl")
     body = spatial.Mesh("wheel", file=tmp_path / "ball.stl", density=1.0)
-    with pytest.raises(ModelError, match="hull of wheel has 162 corners and 40 are allowed"):
-        getattr(contact, kind)(body).solids()
+    with pytest.raises(ModelError, match=r"hull of wheel has 162 corners and 40 .* use MeshHulls"):
+        contact.Corners(body).hull()
+    with pytest.raises(
+        ModelError, match=r"of wheel: its 162 corners are convex, and .* up to 0\.057"
+    ):
+        contact.MeshHulls(body, concavity=0.02)
+    assert len(contact.MeshHulls(body, concavity=0.1).forms[0].corners) == 40
+
+
+@pytest.mark.parametrize("concavity", [0.02, 0.05])
+def test_convex_meshes_with_many_corners_are_reduced(tmp_path, concavity):
+    """A drum of 60 sides: its reduced hull is inside, by less than the concavity, and stands."""
+    trimesh = pytest.importorskip("trimesh")
+    drum = trimesh.creation.cylinder(0.1, 0.2, sections=60)
+    drum.export(tmp_path / "drum.stl")
+    mesh = spatial.Mesh("drum", file=tmp_path / "drum.stl", mass=2.0, position=(0, 0, 0.12))
+    shape = contact.MeshHulls(mesh, concavity=concavity)
+    (form,) = shape.forms
+    directions = np.random.default_rng(1).normal(size=(500, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    inside = (drum.vertices @ directions.T).max(axis=0) - (form.corners @ directions.T).max(axis=0)
+    assert len(form.corners) <= 40
+    assert inside.min() > -1e-8 and inside.max() < concavity * 0.2  # single precision
+    system = da.System("stand", gravity=(0, 0, -G))
+    system.add(mesh)
+    shapes = [shape, contact.HalfSpace(system.ground.frame())]
+    system.add(spatial.Collisions("floor", shapes, friction=0.5))
+    motion = da.solve_nonsmooth(system.build(), 0.3, step=2e-3)
+    assert motion["drum.z"][-1].item() == pytest.approx(0.1, abs=1e-6)
 
 
 def test_faces_of_single_precision_are_flat():

@@ -8,6 +8,7 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
+from dalembert.analysis.nonsmooth.passages import closing_gaps
 from dalembert.analysis.nonsmooth.paths import bent_gaps, path_means
 from dalembert.analysis.nonsmooth.step_state import LastImpulses, StepResult, StepStart
 from dalembert.integrators.contact.contacts import Contacts
@@ -54,7 +55,9 @@ def advance(
         last, result = result, _advanced(step, start, contacts, result.last)
         if not result.curved.size:
             result = replace(result, curved=bent, path=last)
-    return result
+    if step.scheme.anticipates:
+        return result
+    return replace(result, closing=closing_gaps(start, contacts, result, step.rounding))
 
 
 def _advanced(

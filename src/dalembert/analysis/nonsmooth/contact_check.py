@@ -13,6 +13,7 @@ from dalembert.analysis.model_residuals import Violation
 from dalembert.analysis.nonsmooth.alternating_forces import alternation_warnings
 from dalembert.analysis.nonsmooth.contact_durations import duration_warnings
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.gained_energy import gain_warnings
 from dalembert.analysis.nonsmooth.lifted_bodies import lifting_warnings
 from dalembert.analysis.nonsmooth.missing_rebounds import rebound_warnings
 from dalembert.analysis.nonsmooth.touching_shapes import bodies_of
@@ -135,6 +136,7 @@ class ContactCheck(ResidualCheck):
                 f"t = {record.t[worst]:.9g} s; give ContactSolver a larger tolerance, or a smaller "
                 "value of acceptable to end such runs"
             )
+        warnings += gain_warnings(record, self.energy.moved)
         warnings += duration_warnings(record, self.energy.moved)
         if self.step.scheme.anticipates:
             warnings += alternation_warnings(record)

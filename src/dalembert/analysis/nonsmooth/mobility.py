@@ -168,10 +168,9 @@ class Mobility:
         if not scipy.sparse.issparse(directions):
             return self(directions.T)[0].T
         if self.plain:
-            data = directions.data / self._diagonal[directions.indices]
-            return scipy.sparse.csr_array(
-                (data, directions.indices, directions.indptr), shape=directions.shape
-            )
+            responses = directions.copy()  # with its own indices, as SciPy may sort them in place
+            responses.data /= self._diagonal[directions.indices]
+            return responses
         row = np.repeat(np.arange(directions.shape[0]), np.diff(directions.indptr))
         group = self.coupling.group[directions.indices]
         free = group >= 0

@@ -17,13 +17,14 @@ from dalembert.analysis.nonsmooth.contact_check import ContactCheck
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import (
     ConsistentSpeeds,
-    consistent_speeds,
     correct_position,
 )
 from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.passages import passage_warnings
 from dalembert.analysis.nonsmooth.run_accuracy import RunAccuracy
 from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
+from dalembert.analysis.nonsmooth.speed_jumps import speeds_after
 from dalembert.analysis.nonsmooth.step_log import StepLog
 from dalembert.analysis.nonsmooth.step_state import StepResult
 from dalembert.analysis.nonsmooth.touching_shapes import (
@@ -106,7 +107,8 @@ class NonsmoothRun:
         check = ContactCheck(self.step, record, self.analysis.balance, log.correction_work)
         status = replace(status, residual=max(status.residual, check.residual))
         trajectory = interpolate(self.model, record, times)
-        warnings = [*check.warnings, *elastic_warnings(self.model, trajectory, self.p)]
+        warnings = [*passage_warnings(log.passages), *check.warnings]
+        warnings += elastic_warnings(self.model, trajectory, self.p)
         status = check.verify(status)
         late = (lambda: record.accuracy.warnings) if status.success else None
         return NonsmoothMotion(
@@ -151,7 +153,8 @@ class NonsmoothRun:
                     grid = np.insert(grid, k + 1, t + h / 2)
                     self.divisions += 1
                     continue
-                log.add(t + h, h, position.x, self.speeds(t + h, position.x, result), result)
+                speeds, result = self.speeds(t, h, position.x, result)
+                log.add(t + h, h, position.x, speeds, result)
                 k, last = k + 1, result.last
                 report((grid[k] - self.start) / (self.end - self.start))
         except KeyboardInterrupt:
@@ -167,11 +170,13 @@ class NonsmoothRun:
         travel, projection = h * result.v[:, None], self.analysis.integrator.projection
         return correct_position(self.step, t, result.y, projection, travel)
 
-    def speeds(self, t: float, y: np.ndarray, result: StepResult) -> ConsistentSpeeds:
-        """Speeds consistent with the joints at a position."""
+    def speeds(
+        self, t: float, h: float, y: np.ndarray, result: StepResult
+    ) -> tuple[ConsistentSpeeds, StepResult]:
+        """Speeds consistent with the joints at a position, and the result with their impulses."""
         if not self.step.smooth.has_joints:
-            return ConsistentSpeeds(result.v)
-        return consistent_speeds(self.step, t, y, result.v)
+            return ConsistentSpeeds(result.v), result
+        return speeds_after(self.step, t, h, y, result)
 
     def not_corrected(self, t: float, h: float, position: Solution[np.ndarray]) -> Status:
         """Status of a run in which the correction of positions failed."""

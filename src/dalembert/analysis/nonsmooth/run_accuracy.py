@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from dalembert.analysis.error_estimate import ErrorEstimate, largest_error, motion_sizes
-from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.contact_step import CLEARANCE, ContactStep
 from dalembert.errors import SingularityError
 from dalembert.results.nonsmooth_motion import ContactRecord
 from dalembert.results.status import Outcome, Status
@@ -70,6 +70,9 @@ class RunAccuracy:
         error = (y[:, chosen] - positions) / (2**order - 1)
         ranges = np.ptp(y, axis=1)
         sizes = motion_sizes(ranges, model.guesses.units, model.scales.coordinates)
+        if self.step.scheme.anticipates:  # clearances of gaps are not errors of the steps
+            resolved = CLEARANCE / TARGET * model.scales.coordinates
+            sizes = np.maximum(sizes, np.where(sizes > 0, resolved, 0.0))
         return largest_error(error, sizes, model.guesses.names, record.t[chosen])
 
     @property

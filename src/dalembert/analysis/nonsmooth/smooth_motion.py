@@ -105,6 +105,7 @@ class SmoothMotion:
     ----------
     forces, lead : formulas of the forces, and the symbol of ``θ h`` in them
     coupling : independent groups of speeds
+    prescribes : whether joints prescribe speeds that depend on time
     """
 
     def __init__(self, model: Model):
@@ -143,6 +144,8 @@ class SmoothMotion:
         self.coupling = Coupling.of(pattern, e.jacobian.sparsity(), bodies)
         self._states = list(e.states)
         self.has_joints, self._go = e.constraint_count > 0, e.manifold.go
+        self.prescribes = ca.depends_on(still, e.t)
+        self._still = Kernel(ca.Function("prescribed", inputs_at_position, [ca.densify(still)]))
 
     def step(
         self, t: float, y: np.ndarray, v: np.ndarray, p: np.ndarray, h: float, theta: float
@@ -210,6 +213,10 @@ class SmoothMotion:
         """``Φ``, and its rounding error."""
         open_by, rounding = self._joints(t, y, p)[2:]
         return open_by, rounding
+
+    def prescribed(self, t: float, y: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """(m,) ``Φ_t``, minus the speeds that drivers prescribe."""
+        return np.asarray(self._still(t, y, p)[0]).ravel()
 
     def at(
         self, t: float, y: np.ndarray, p: np.ndarray

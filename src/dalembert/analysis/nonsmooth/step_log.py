@@ -12,6 +12,7 @@ from dalembert.analysis.model_residuals import ModelResiduals
 from dalembert.analysis.nonsmooth.between_steps import between
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import ConsistentSpeeds
+from dalembert.analysis.nonsmooth.passages import MOST, Passage, find_passage
 from dalembert.analysis.nonsmooth.step_state import StepResult
 from dalembert.model.graph.model import Model
 from dalembert.results.nonsmooth_motion import ContactRecord
@@ -110,6 +111,7 @@ class StepLog:
     Attributes
     ----------
     t, y, v : the last state
+    passages : shapes that moved through each other
     scheme_losses : (K+1,) energy dissipated by the scheme, once recorded [J]
     correction_work : work of the corrections of positions, positive where they lift, once recorded
         [J]
@@ -123,6 +125,7 @@ class StepLog:
         self.parts: list[StepEntries] = []
         self.speed_losses: list[float] = []
         self.speed_inputs: list[float] = []
+        self.passages: list[Passage] = []
         self.depths, self.stored = [self._depth(t, y)], [self._stored(t, y)]
         self.scheme_losses, self.correction_work = np.zeros(1), 0.0
 
@@ -152,6 +155,9 @@ class StepLog:
         self, t: float, h: float, y: np.ndarray, speeds: ConsistentSpeeds, result: StepResult
     ) -> None:
         """Append a step, and the corrected position and consistent speeds at its end."""
+        if result.closing is not None and len(self.passages) < MOST:
+            passage = find_passage(self.step, self.t, h, self.y, result)
+            self.passages += [] if passage is None else [passage]
         self.times.append(t)
         self.lengths.append(h)
         self.uncorrected.append(result.y)
@@ -204,7 +210,7 @@ class StepLog:
             ends.work[0] += self.scheme_losses
         return ContactRecord(
             ends=ends,
-            names=tuple(e.name for source in self.step.sources for e in source.elements),
+            names=tuple(self.step.names),
             step=np.repeat(np.arange(h.size), entries.count),
             owner=entries.owner,
             key=entries.key,

@@ -45,6 +45,7 @@ class StepResult:
     curved : keys of the contacts with means over the path; others have directions in the middle
     path : the solution whose displacement is the path of the means
     impact : impacts at the start of the step; their impulses are part of ``impulses``
+    closing : gaps that the linear motion closes; None if the scheme keeps all open
     """
 
     y: np.ndarray
@@ -60,6 +61,7 @@ class StepResult:
     curved: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
     path: StepResult | None = None
     impact: ImpactStage | None = None
+    closing: Contacts | None = None
 
     @property
     def pressing(self) -> tuple[np.ndarray, np.ndarray]:

@@ -13,6 +13,7 @@ from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import SETTINGS
 from dalembert.analysis.nonsmooth.mobility import delassus
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
+from dalembert.analysis.nonsmooth.speed_jumps import speed_jumps
 from dalembert.analysis.nonsmooth.step_state import LastImpulses, StepResult
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import AnalysisError, UnsupportedError
@@ -154,8 +155,14 @@ class ContactSteps:
         end, recorded = maps[-1].following, self.x[:, k + 1]
         scale = np.abs(self.x[:, k : k + 2]).max(initial=0.0) + self.step.model.scales.length
         if not np.abs(end - recorded).max(initial=0.0) <= SAME * scale:
+            (t, h), y = self.span(k), self.record.ends.y[:, k + 1]
+            if self.step.smooth.prescribes and speed_jumps(self.step, t, h, y):
+                raise AnalysisError(
+                    f"a prescribed speed jumps under a contact in the step at t = {t:.9g} s, which "
+                    "has no gradient; give its driver a law without a kink"
+                )
             raise AnalysisError(
-                f"the step at t = {self.record.t[k]:.9g} s cannot be repeated as a smooth map; "
+                f"the step at t = {t:.9g} s cannot be repeated as a smooth map; "
                 "give ContactSolver a smaller tolerance"
             )
         return maps

@@ -117,6 +117,10 @@ class GapSource(ABC):
         """
         return np.full((keys.size, 3), np.nan), np.zeros((keys.size, 3, self.linear))
 
+    def pairs(self, keys: np.ndarray) -> np.ndarray:
+        """(n,) numbers of the pairs of shapes of gaps with some keys; of their own by default."""
+        return keys
+
     def bodies(self, keys: np.ndarray) -> np.ndarray:
         """(n, 2) names of the first and second body of gaps with some keys.
 

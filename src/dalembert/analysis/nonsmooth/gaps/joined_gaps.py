@@ -47,6 +47,17 @@ def separating_of(
     return np.concatenate(parts)
 
 
+def pairs_of(sources: list[GapSource], offset: int, keys: np.ndarray) -> np.ndarray:
+    """Numbers of the pairs of shapes of gaps of sources whose keys differ by multiples of
+    ``offset``."""
+    numbers, own = np.divmod(keys, offset)
+    pairs = numbers * offset
+    for number in np.unique(numbers):
+        rows = numbers == number
+        pairs[rows] += sources[number].pairs(own[rows])
+    return pairs
+
+
 class JoinedGaps(GapSource):
     """Sources of one element as a single source.
 
@@ -100,6 +111,9 @@ class JoinedGaps(GapSource):
             if own.any():
                 places[own], directions[own] = source.points(configuration, keys[own] % SOURCE)
         return places, directions
+
+    def pairs(self, keys: np.ndarray) -> np.ndarray:
+        return pairs_of(self.sources, SOURCE, keys)
 
     def bodies(self, keys: np.ndarray) -> np.ndarray:
         names = super().bodies(keys)

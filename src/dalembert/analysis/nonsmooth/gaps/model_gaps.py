@@ -9,7 +9,7 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapSource
-from dalembert.analysis.nonsmooth.gaps.joined_gaps import selected_of, separating_of
+from dalembert.analysis.nonsmooth.gaps.joined_gaps import pairs_of, selected_of, separating_of
 from dalembert.integrators.contact.contact_laws import widest_groups
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
@@ -67,6 +67,15 @@ class ModelGaps:
         """Keys of gaps between the shapes of the gaps ``keys`` that separate them at ``start`` and
         are closed at ``end``."""
         return separating_of(self.sources, APART, start, end, keys, self.rounding)
+
+    def pairs(self, keys: np.ndarray) -> np.ndarray:
+        """(n,) numbers of the pairs of shapes of gaps with some keys."""
+        return pairs_of(self.sources, APART, keys)
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the owners of gaps."""
+        return [element.name for source in self.sources for element in source.elements]
 
     def touching(self, configuration: Configuration) -> Contacts:
         """Gaps that are not open."""

@@ -75,6 +75,11 @@ class SearchedGaps(GapSource):
     def shapes_of(self, keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of the first and second shape of gaps with some keys."""
 
+    def pairs(self, keys: np.ndarray) -> np.ndarray:
+        first, second = np.sort(np.stack(self.shapes_of(keys)), axis=0)
+        numbers: np.ndarray = first * len(self.geometry.shapes) + second
+        return numbers
+
     def bodies(self, keys: np.ndarray) -> np.ndarray:
         names = np.array([shape.carrier.name for shape in self.geometry.shapes], dtype=object)
         named: np.ndarray = names[np.stack(self.shapes_of(keys), axis=1)]

@@ -26,7 +26,8 @@ class MeshHulls(Shape):
     """A mesh as several convex hulls, which approximate its concave parts; for ``Collisions``.
 
     The parts are computed with CoACD (``pip install dalembert[mesh]``), Wei, Liu, Ling & Su, ACM
-    Transactions on Graphics 41 (2022). A convex mesh is its own hull.
+    Transactions on Graphics 41 (2022). A convex mesh is its own hull; of more than 40 corners,
+    those are left out that change it least.
 
     Parameters
     ----------
@@ -77,7 +78,7 @@ class MeshHulls(Shape):
         entity = f"MeshHulls of {self.body.name}"
         hull, rounding = Qhull(surface.corners), SINGLE * np.abs(surface.corners).max()
         if hull.volume - surface.volume <= rounding * hull.area:  # convex
-            return [ConvexHull.of(surface.corners, entity, self.body.name)]
+            return [self._convex(surface.corners[hull.vertices], entity)]
         coacd: Any = optional_package("coacd", entity, "give several contact.Polyhedron")
         coacd.set_log_level("error")
         parts = coacd.run_coacd(
@@ -88,6 +89,24 @@ class MeshHulls(Shape):
             max_ch_vertex=MOST,
         )
         return [ConvexHull.of(np.asarray(corners), entity) for corners, _ in parts]
+
+    def _convex(self, corners: np.ndarray, entity: str) -> ConvexHull:
+        """The hull of the corners of a convex mesh, or of those that come nearest to it."""
+        from dalembert.elements.spatial.contact.hull_reduction import reduced_hull
+
+        if len(corners) <= MOST:
+            return ConvexHull.of(corners, entity, self.body.name)
+        size = float(np.ptp(corners, axis=0).max())
+        chosen, distance = reduced_hull(corners, MOST)
+        if distance > self.concavity * size:
+            raise ModelError(
+                f"its {len(corners)} corners are convex, and the hull of {MOST} of them, the most "
+                f"in collisions, is up to {distance / size:.2g} of the size of the mesh inside its "
+                f"surface, where concavity={self.concavity:g} permits less; give a larger one, or "
+                "use boxes, capsules, cylinders and spheres",
+                entity,
+            )
+        return ConvexHull.of(corners[chosen], entity, self.body.name)
 
     @property
     def carrier(self) -> Any:

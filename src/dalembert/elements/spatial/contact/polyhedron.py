@@ -59,7 +59,8 @@ class ConvexHull:
             raise ModelError(
                 f"{f'the convex hull of {name}' if name else 'its convex hull'} has "
                 f"{len(hull.vertices)} corners and {MOST} are allowed in "
-                "collisions; simplify it, or use boxes, capsules and spheres",
+                "collisions; simplify it, use MeshHulls of a mesh, which does so, or boxes, "
+                "capsules and spheres",
                 entity,
             )
         extreme = np.sort(hull.vertices)

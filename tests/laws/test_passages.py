@@ -1,0 +1,100 @@
+"""Bodies that move farther in a step than others are thick, and contacts that give energy."""
+
+from __future__ import annotations
+
+import functools
+import re
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar, spatial
+
+STEP, SPEED, SIDE = 0.01, 5.0, 0.02
+PASSES = "move through each other within the step at t = "
+
+
+@functools.cache
+def thrown(kind: str, dimension: int) -> da.Model:
+    """A ball or a cube against a plate of 4 mm."""
+    flat = dimension == 2
+    system = da.System("throw")
+    height = system.parameter("height", 0.5, "m")
+    if flat:
+        shapes, start = planar.contact, {"position": (0, height), "velocity": (0.1, -SPEED)}
+        body = system.add(planar.Body("body", mass=1.0, inertia=1e-3, **start))
+        own = {"ball": lambda: shapes.Circle(body, SIDE / 2)}
+        own["cube"] = lambda: shapes.Rectangle(body, (SIDE, SIDE))
+        plate = shapes.Rectangle(system.ground.point(0, 0), (1.0, 4e-3))
+        system.add(planar.Collisions("hit", [own[kind](), plate], restitution=0.5))
+        return system.build()
+    solids, start = spatial.contact, {"position": (0, 0, height), "velocity": (0.1, 0, -SPEED)}
+    solid = system.add(spatial.Body("body", mass=1.0, inertia=(1e-3, 1e-3, 1e-3), **start))
+    own = {"ball": lambda: solids.Sphere(solid, SIDE / 2)}
+    own["cube"] = lambda: solids.Box(solid, (SIDE, SIDE, SIDE))
+    plate = solids.Box(system.ground.point(0, 0, 0), (1.0, 1.0, 4e-3))
+    system.add(spatial.Collisions("hit", [own[kind](), plate], restitution=0.5))
+    return system.build()
+
+
+@pytest.mark.parametrize("scheme", [da.MoreauJean(), da.MoreauJean(projection=False)])
+@pytest.mark.parametrize(
+    ("kind", "dimension"), [("ball", 2), ("cube", 2), ("ball", 3), ("cube", 3)]
+)
+def test_a_body_that_moves_through_a_plate_is_warned_about(kind, dimension, scheme):
+    """It moves by 50 mm in a step; the proposed step stops it at the plate."""
+    through, model = 0, thrown(kind, dimension)
+    for height in 0.5 + SPEED * STEP * np.arange(4) / 4:
+        run = functools.partial(da.solve_nonsmooth, model, 0.2, integrator=scheme)
+        motion = run(step=STEP, parameters={"height": height})
+        if motion["body.y" if dimension == 2 else "body.z"][-1] > 0:
+            continue
+        through += 1
+        (warning,) = [text for text in motion.warnings if PASSES in text]
+        assert warning.startswith("body and ") and warning.endswith("AnticipatedImpacts()")
+        shorter = float(re.search("use step=([^ ]*) or shorter", warning).group(1))
+        fine = run(step=shorter, parameters={"height": height})
+        assert not [text for text in fine.warnings if PASSES in text]
+        assert fine["body.y" if dimension == 2 else "body.z"][-1] > 0.1
+    assert through
+
+
+@pytest.mark.parametrize("kind", ["ball", "cube"])
+def test_anticipated_impacts_stop_at_a_thin_plate(kind):
+    motion = da.solve_nonsmooth(thrown(kind, 2), 0.2, step=STEP)
+    assert motion["body.y"].min() > SIDE / 2
+    assert not [text for text in motion.warnings if PASSES in text]
+
+
+def test_bodies_that_pass_beside_each_other_are_not_warned_about():
+    """The faces between them close by their linear parts, but the bodies never overlap."""
+    system = da.System("beside")
+    start = {"position": (-0.1, 0.03), "velocity": (SPEED, SPEED)}
+    body = system.add(planar.Body("body", mass=1.0, inertia=1e-3, **start))
+    shapes = [planar.contact.Rectangle(body, (SIDE, SIDE))]
+    shapes.append(planar.contact.Rectangle(system.ground.point(0, 0), (0.1, 0.1)))
+    system.add(planar.Collisions("hit", shapes))
+    motion = da.solve_nonsmooth(system.build(), 0.03, step=STEP, integrator=da.MoreauJean())
+    assert not motion.record.step.size
+    assert not [text for text in motion.warnings if PASSES in text]
+
+
+def test_contacts_that_give_energy_are_warned_about():
+    """A rod that strikes the floor at its end, with a slip that friction ends (Kane's paradox)."""
+    lean, start = 0.963, {"velocity": (0.376, -1.0), "angular_velocity": 1.393}
+    system, law = da.System("rod"), {"restitution": 0.9, "friction": 0.304}
+    middle = (0.0, 0.5 * np.sin(lean) + 1e-3)
+    rod = planar.Bar("rod", length=1.0, mass=2.0, position=middle, angle=lean, **start)
+    shapes = [
+        planar.contact.Vertex(system.add(rod).start),
+        planar.contact.HalfPlane(system.ground),
+    ]
+    system.add(planar.Collisions("floor", shapes, **law))
+    run = functools.partial(da.solve_nonsmooth, system.build(), 0.02, step=1e-3)
+    motion = run(integrator=da.MoreauJean())
+    gain = float(motion["energy"].max() - motion["energy"][0])
+    assert gain > 0.1 * motion["energy"][0]
+    (warning,) = [text for text in motion.warnings if text.startswith("contacts gave")]
+    assert float(warning.split()[2]) == pytest.approx(gain, rel=0.01)
+    assert not [text for text in run().warnings if text.startswith("contacts gave")]
