@@ -15,6 +15,10 @@ def test_all_keys_of_the_documentation_are_listed(tmp_path: Path) -> None:
     for title, rows in groups.items():
         keys = [key for key, _ in rows if len(key) < 3]
         assert len(keys) == len(set(keys)), title
+    assert {"Structures", "Spatial models", "Spatial structures"} <= groups.keys()
+    structure = dict(groups["Spatial structures"])
+    assert structure["O"] == "Ball joint"
+    assert not {"P", "⇧H"} & structure.keys()  # regions and holes are planar
     picture = next(rows for title, rows in groups.items() if title.startswith("Picture"))
     assert sorted(key for key, _ in picture) == [*"123456789"]
     tables = re.findall(
