@@ -83,7 +83,8 @@ def test_impacts_are_an_analysis_of_the_sheet(browser: Any, studio_server: Studi
 
 REFUSAL = "a contact of bar1 and plate1 is not available, only those of point masses; " * 4
 NOTICE = """(() => {
-    const notice = document.getElementById("notice"), { right, bottom } = notice.getBoundingClientRect();
+    const notice = document.getElementById("notice");
+    const { right, bottom } = notice.getBoundingClientRect();
     return [notice.scrollWidth - notice.clientWidth, notice.scrollHeight - notice.clientHeight,
         right <= innerWidth, bottom <= innerHeight];
 })()"""
