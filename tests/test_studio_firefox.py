@@ -16,6 +16,13 @@ O, A, B, C = (0.1, 0.1), (0.1, 0.3), (0.8, 0.5), (0.9, 0.1)
 DRAWN = [("b", O, A), ("b", A, B), ("b", B, C), ("o", O), ("o", C), ("m", O)]
 """Keys of tools and the places that are clicked: three bars, two pins of the ground, a motor."""
 CONTROL = "\ue009"
+INNER = "studio.pictures.frame.contentDocument"
+PLACE = f"""{{{{
+    const inner = {INNER}.querySelector("{{0}}").getBoundingClientRect();
+    const outer = studio.pictures.frame.getBoundingClientRect();
+    return [inner.left + outer.left, inner.top + outer.top, inner.width, inner.height];
+}}}}"""
+"""Left, top, width and height of a part of the picture on the screen."""
 
 
 class Page:
@@ -99,7 +106,27 @@ def test_a_four_bar_is_drawn_dragged_and_undone_in_firefox(page: Page) -> None:
     page.js("document.querySelector('#make-parameter').click()")
     page.settle(revision + 1)
     assert len(page.js("studio.file.document.parameters")) == 1
-    inner = "studio.pictures.frame.contentDocument"
-    page.js(f"{inner}.querySelector('#play').click()")
+    page.js(f"{INNER}.querySelector('#play').click()")
     player = "studio.pictures.page.player"
     page.tab.until(f"{player}.playing && {player}.time > 0.05")
+    slide(page, "#parameter-0")
+
+
+def slide(page: Page, slider: str) -> None:
+    """Drag a slider of the live picture; its value is written into the text."""
+    page.tab.until("studio.pictures.live")
+    before = page.js("studio.editor.text")
+    page.js(f"{INNER}.querySelector('{slider}').scrollIntoView({{ block: 'center' }})")
+    left, top, width, height = page.js(PLACE.format(slider))
+    points = [
+        {"type": "pointerMove", "x": round(left + part * width), "y": round(top + height / 2)}
+        for part in (0.5, 0.6, 0.8)
+    ]
+    down, up = ({"type": kind, "button": 0} for kind in ("pointerDown", "pointerUp"))
+    page.act("pointer", points[0], down, *points[1:], up)
+    page.tab.until("studio.file.undo.startsWith('set ')")
+    assert page.js("studio.editor.text") != before
+    revision = page.js("studio.file.revision")
+    page.press(CONTROL, "z")
+    page.settle(revision + 1)
+    assert page.js("studio.editor.text") == before

@@ -78,6 +78,32 @@ def test_fixes(kind: str, tmp_path: Path) -> None:
             assert [p.message for p in after if p.level == "error"] == []
 
 
+TRUSS = """\
+format = 1
+kind = "structure"
+[nodes]
+A = [0, 0]
+B = [1, 0]
+[elements]
+bar = { type = "Truss", nodes = ["A", "B"], area = 1e-4, young = 2e11 }
+"""
+
+
+@pytest.mark.parametrize("section", ["dynamics", "model", "motors"])
+@pytest.mark.parametrize("header", ["[{}]", "[{}.a]", "[[{}]]"])
+@pytest.mark.parametrize("before", [TEXT, TRUSS], ids=["mechanism", "structure"])
+def test_an_unknown_section_gets_no_fix_that_is_not_valid(
+    section: str, header: str, before: str, tmp_path: Path
+) -> None:
+    """A name with a few letters of the section, such as that of a text, is no remedy."""
+    text = before + header.format(section) + "\nduration = 2\n"
+    problems = picture_of(text, tmp_path / "model.toml", False).problems
+    (problem,) = [p for p in problems if p.message.startswith(f"{section}:")]
+    assert problem.line == text.count("\n") - 1
+    assert "unknown key; known here: " in problem.message and "name" in problem.message
+    assert problem.fixes == ()
+
+
 PARALLEL = (
     "format = 1\ngravity = [0.0, -9.81]\n[bodies]\n"
     + "".join(

@@ -79,3 +79,39 @@ def test_impacts_are_an_analysis_of_the_sheet(browser: Any, studio_server: Studi
             "[...document.querySelectorAll('.analysis .fields input')].map(i => i.name)"
         )
         assert names[:2] == ["duration", "step"]
+
+
+REFUSAL = "a contact of bar1 and plate1 is not available, only those of point masses; " * 4
+NOTICE = """(() => {
+    const notice = document.getElementById("notice");
+    const { right, bottom } = notice.getBoundingClientRect();
+    return [notice.scrollWidth - notice.clientWidth, notice.scrollHeight - notice.clientHeight,
+        right <= innerWidth, bottom <= innerHeight];
+})()"""
+BANNER = "getComputedStyle(document.getElementById('canvas'), '::after').bottom"
+GAP = """(() => {
+    const measure = document.querySelector("[name=new-measure]"), type = measure.previousSibling;
+    return measure.getBoundingClientRect().left - type.getBoundingClientRect().right;
+})()"""
+
+
+def test_messages_are_shown_in_full(browser: Any, studio_server: Studio) -> None:
+    reset(studio_server)
+    with opened(browser, studio_server, "0", (1280, 720)) as visit:
+        visit.page.evaluate("text => studio.drawing.actions.refuse(text)", REFUSAL)
+        assert visit.page.inner_text("#notice") == REFUSAL.strip()
+        assert visit.js(NOTICE) == [0, 0, True, True]
+        assert visit.page.locator(".guide").is_visible()
+        guide = visit.page.locator(".guide").bounding_box()
+        visit.js("(studio.editor.show('format = 1\\n['), studio.sendText('format = 1\\n['))")
+        visit.until("studio.pictures.outdated", 20)
+        visit.js("studio.guide.start()")
+        bottom = float(visit.js(BANNER).removesuffix("px"))
+        assert bottom > guide["height"] + 14  # the banner is not below the guide
+
+
+def test_fields_of_a_row_have_one_distance(browser: Any, studio_server: Studio) -> None:
+    reset(studio_server)
+    with opened(browser, studio_server, "0", (1600, 900)) as visit:
+        visit.page.click("#tab-design")
+        assert abs(visit.js(GAP) - 6) < 1

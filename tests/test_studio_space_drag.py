@@ -11,6 +11,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 from test_studio_space import BOXES, SpaceDesk, desk  # noqa: F401
 
+from dalembert.studio.new_models import UNTITLED_SPATIAL
+
 EXAMPLES = Path(__file__).parents[1] / "examples"
 TIP = '{ section: "bodies", name: "rocker", part: "points", key: "tip" }'
 POINTS = """(() => {
@@ -221,3 +223,24 @@ def test_a_frame_turns_about_its_own_axis(desk: SpaceDesk) -> None:  # noqa: F81
     assert not desk.errors_shown()
     desk.changed(lambda: desk.page.keyboard.press("Control+z"))
     assert desk.text == BOXES + FRAME
+
+
+@pytest.mark.usefixtures("desk")
+def test_a_rotation_of_a_joint_about_its_own_axis_is_refused(desk: SpaceDesk) -> None:  # noqa: F811
+    """The file has only the direction of the axis, which stays."""
+    text = (
+        UNTITLED_SPATIAL
+        + '[bodies]\nb = { type = "Box", size = [0.2, 0.1, 0.1], density = 1000 }\n'
+        + '[joints]\nj = { type = "Revolute", connect = ["ground", '
+        + '{ body = "b", at = [0, 0, 0], axis = [0, 0, 1] }] }\n'
+    )
+    desk.show(text)
+    desk.js("studio.space.select({ section: 'joints', name: 'j' })")
+    desk.page.mouse.move(*desk.handle("turn", "z", 44))
+    desk.page.mouse.down()
+    desk.page.keyboard.press("9")
+    desk.page.keyboard.press("Enter")
+    desk.page.mouse.up()
+    notice = desk.js("document.getElementById('notice').textContent")
+    assert "j: this rotation changes no number of the file" in notice and "own axis" in notice
+    assert desk.text == text

@@ -157,3 +157,20 @@ def test_six_bars_are_chosen_with_joints_at_the_target(
     visit.page.select_option(".synthesis [name=linkage]", "FourBar")
     visit.until("!studio.file.document.synthesis.joints", 10)
     assert set(visit.document["synthesis"]) == {"type", "points", "linkage"}
+
+
+def test_an_emptied_coordinate_of_a_target_is_no_zero(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    visit.show(UNTITLED + PATH)
+    visit.page.click("#tab-synthesis")
+    entry = visit.page.locator("[name='points-0-0']")
+    for typed in ("", " ", "1,5", "0x"):
+        entry.fill(typed)
+        entry.press("Tab")
+        assert entry.get_attribute("aria-invalid") == "true"
+        assert "no number" in entry.evaluate("input => input.validationMessage")
+        assert visit.text == UNTITLED + PATH
+    entry.fill("0.3")
+    entry.press("Tab")
+    visit.until("studio.file.undo === 'move target'", 10)
+    assert visit.document["synthesis"]["points"][0] == [0.3, 0.2]

@@ -144,6 +144,8 @@ def test_the_mechanism_of_the_file(tmp_path, capsys):
         (SIX, "reach = 0.3\n", "", "nothing to vary"),
         (SIX, "starts = 1", "transmission = 0.5", "synthesis.transmission: is for FourBar"),
         (SIX, '"watt II"', '"own"', "the file has no bodies"),
+        (SIX, "starts = 1", "starts = 0", "synthesis.starts: starts is a number of optimised"),
+        (OWN, "starts = 1", "starts = -3", "at least 1, got -3"),
         (FIVE, "ratio = -2.0\n", "", "the gears have no ratio"),
         (OWN, "starts = 1", 'vary = ["crnk"]', "unknown parameter 'crnk'"),
         (OWN, 'output = "block.x"', 'output = "blok.x"', "nearest: block.x"),

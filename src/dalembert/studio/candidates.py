@@ -58,7 +58,7 @@ def _marks(solution: Any) -> Iterator[str]:
         yield "the crank does not turn fully"
     transmission = solution.criteria().get("transmission")
     if transmission is not None and transmission[1] < math.degrees(LEAST_TRANSMISSION):
-        yield f"transmission angle {transmission[1]:.0f}°"
+        yield f"transmission angle {transmission[1]:.3g}°"  # 39.7° is not 40°
     if isinstance(solution, Solution) and _on_two_circuits(solution):
         yield "circuit defect"
     steps = np.diff(np.asarray(solution.crank_angles, dtype=float))

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from dalembert.errors import DalembertError
-from dalembert.io.toml_places import line_and_column, parse_keys, toml_places
+from dalembert.io.toml_places import Keys, Place, line_and_column, parse_keys, toml_places
 from dalembert.remedies import Remedy, remedies_in
 from dalembert.studio.drawing_edits import MAX_OPERATIONS, apply
 from dalembert.studio.fixes import Fix, fix_between, fixes_of
@@ -70,19 +70,29 @@ def problems_of(error: DalembertError, text: str, path: Path) -> list[Problem]:
 
 
 def _problem(
-    message: str, remedies: tuple[Remedy, ...], places: dict[Any, Any], text: str
+    message: str, remedies: tuple[Remedy, ...], places: Mapping[Keys, Place], text: str
 ) -> Problem:
     match = PATH.match(message)
     keys = parse_keys(match[1]) if match else ()
     own = [remedy for remedy in remedies if not (match and remedy.place not in ("", match[1]))]
     fixes = fixes_of(own, keys, places, text)
-    while keys and keys not in places:
-        keys = keys[:-1]
-    if not keys:
+    place = _place(keys, places)
+    if place is None:
         return Problem("error", message, fixes=fixes)
-    place = places[keys]
     line = line_and_column(text, place.start)[0]
     return Problem("error", message, place.start, place.end, line, fixes)
+
+
+def _place(keys: Keys, places: Mapping[Keys, Place]) -> Place | None:
+    """Place of keys in the text: of their entry, of its first part, or of the table around it."""
+    while keys:
+        if keys in places:
+            return places[keys]
+        parts = [place for path, place in places.items() if path[: len(keys)] == keys]
+        if parts:
+            return min(parts, key=lambda place: place.start)
+        keys = keys[:-1]
+    return None
 
 
 def notes_of(model: Any, text: str, path: Path) -> tuple[Problem, ...]:

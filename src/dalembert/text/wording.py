@@ -90,6 +90,8 @@ def plain(data: Any) -> Any:
 
 SIMILAR, NEAREST = 0.4, 0.5
 """Minimum similarity of several suggested names, and of a single one: one wrong letter of two."""
+WORD = re.compile(r"[^\W_]{3,}")
+"""A word of a name; words are separated by underscores, points or spaces."""
 
 
 def similar(
@@ -110,7 +112,19 @@ def nearest(name: Any, known: Iterable[str]) -> str:
 
 def _nearest(name: Any, names: list[str]) -> str:
     """The nearest known name, if one is close; empty otherwise."""
-    return successor(name, names) or next(iter(similar(name, names, 1, NEAREST)), "")
+    close = (known for known in similar(name, names, 3, NEAREST) if _is_slip(str(name), known))
+    return successor(name, names) or next(close, "")
+
+
+def _is_slip(name: str, known: str) -> bool:
+    """Whether few letters differ, or a name abbreviates or contains the other, or a word of it."""
+    if name in known or known in name:
+        return True
+    if {*WORD.findall(name)} & {*WORD.findall(known)}:
+        return True
+    blocks = difflib.SequenceMatcher(None, name, known).get_matching_blocks()
+    longest = max(len(name), len(known))
+    return longest - sum(block.size for block in blocks) <= max(1, longest // 3)
 
 
 def misspelt(before: str, name: Any, known: Iterable[str], after: str, is_key: bool = False) -> str:

@@ -34,6 +34,20 @@ MIN_DISTANCE = 0.3
 """Lower limit of the distance of two starts, in logarithms of lengths and in angles."""
 
 
+def check_starts(starts: int) -> None:
+    """Refuse an invalid number of starts.
+
+    Raises
+    ------
+    AnalysisError
+        It is no positive integer.
+    """
+    if not isinstance(starts, (int, np.integer)) or isinstance(starts, bool) or starts < 1:
+        raise AnalysisError(
+            f"starts is a number of optimised starts, at least 1, got {starts!r:.30}"
+        )
+
+
 def starts_of(
     kind: type[Linkage],
     target: Target,

@@ -11,7 +11,7 @@ from dalembert.analysis.progress import Reported, progress_reporter
 from dalembert.design.synthesis.four_bar import FourBar
 from dalembert.design.synthesis.linkage import Linkage
 from dalembert.design.synthesis.linkage_fit import LinkageFit
-from dalembert.design.synthesis.starts import starts_of
+from dalembert.design.synthesis.starts import check_starts, starts_of
 from dalembert.design.synthesis.synthesis_result import Solution, SynthesisResult
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
@@ -77,6 +77,7 @@ def synthesize(
             "synthesize supports FourBar and SliderCrank; for another model use "
             "da.synthesize_mechanism(target, model, point=...)"
         )
+    check_starts(starts)
     size, at = _frame(target)
     scaled = _scaled(target, size, at)
     ends = _bounds(linkage, target, bounds, size, at)

@@ -17,6 +17,7 @@ import numpy as np
 from dalembert.analysis.progress import Reported, progress_reporter
 from dalembert.design.synthesis.linkage_fit import QUIET
 from dalembert.design.synthesis.mechanism_task import SAMPLES, MechanismTask, mechanism_task
+from dalembert.design.synthesis.starts import check_starts
 from dalembert.design.synthesis.synthesis_result import MechanismSolution, MechanismSynthesisResult
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
@@ -85,6 +86,7 @@ def synthesize_mechanism(
     >>> result.best.error < 1e-12  # it passes the three points
     True
     """
+    check_starts(starts)
     task = mechanism_task(target, model, point, body, output, vary, bounds, speed, order)
     search, solutions, attempts, done = MechanismSearch(task), list[MechanismSolution](), 0, 0
     generator = random_generator(rng)

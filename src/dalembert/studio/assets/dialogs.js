@@ -16,6 +16,9 @@ export function showSheet(title, content, onClose = () => {}) {
 
 const base = (/** @type {string} */ path) => path.split(/[\\/]/).at(-1) ?? path;
 
+/** Entries of the dialog Open that contain the typed word. */
+const FITS = "[data-words]:not([hidden])";
+
 /** Choose a file, an example or a new model. @param {FilesMessage} listed @param {(choice: Record<string, unknown>) => void} open */
 export function chooseFile({ folder, files, recent, examples }, open) {
   const act = (/** @type {Record<string, unknown>} */ choice) => () => {
@@ -38,12 +41,14 @@ export function chooseFile({ folder, files, recent, examples }, open) {
   input.addEventListener("input", () => {
     const word = input.value.trim().toLowerCase();
     for (const item of /** @type {NodeListOf<HTMLElement>} */ (dialog.querySelectorAll("[data-words]"))) item.hidden = Boolean(word) && !item.dataset.words?.includes(word);
+    for (const section of /** @type {NodeListOf<HTMLElement>} */ (dialog.querySelectorAll("section"))) section.hidden = !section.querySelector(FITS);
   });
   form.addEventListener("submit", (event) => {
     event.preventDefault();
     const value = input.value.trim(), example = examples.find((item) => item.example === value.replace(/^example: /, ""))?.example;
-    const near = files.find((path) => base(path) === value) ?? `${folder}/${value}`;
-    if (value) act(example ? { example } : { path: /[\\/~]/.test(value) ? value : near })();
+    const near = files.find((path) => base(path) === value), fitting = /** @type {NodeListOf<HTMLElement>} */ (dialog.querySelectorAll(`${FITS} button`));
+    if (value && !example && !near && fitting.length && !/[\\/~]|\.\w+$/.test(value)) fitting.length > 1 ? fitting[0].focus() : fitting[0].click();  // a word
+    else if (value) act(example ? { example } : { path: near ?? (/[\\/~]/.test(value) ? value : `${folder}/${value}`) })();
   });
   input.focus();
 }

@@ -88,23 +88,41 @@ export function linearMotor(place, document) {
 /** Contact of a body with another one, or with a half-plane below the second place. @param {Place} first @param {Place} second @param {Document} document @returns {Change | null} */
 export function contact(first, second, document) {
   if (!first.body || first.body === second.body) return null;
-  const shape_i = second.body ? shapeOf(second.body, document) : { type: "HalfPlane", point: { body: "ground", at: [neat(second.x), neat(second.y)] }, normal: [0.0, 1.0] }, shape_j = shapeOf(first.body, document);
-  return shape_i && shape_j && added("contact", "forces", "contact", { type: "Contact", shape_i, shape_j, law: { type: "HuntCrossley", stiffness: CONTACT, damping: 0.5 } });
+  const floor = { type: "HalfPlane", point: { body: "ground", at: [neat(second.x), neat(second.y)] }, normal: [0.0, 1.0] };
+  const shape_i = second.body ? shapeOf(second.body, document) : floor, shape_j = shapeOf(first.body, document, !second.body);
+  if (!shape_i || !shape_j) return null;
+  if (!CONTACTS.has([shape_i.type, shape_j.type].sort().join())) throw new Error(`a contact of ${first.body} and ${second.body ?? "a floor"} is not available, only those of point masses, of convex plates, and of bodies with a floor; draw contacts among many bodies instead, with capsules (Shift+K) on bars and convex polygons (Shift+Y) on plates`);
+  return added("contact", "forces", "contact", { type: "Contact", shape_i, shape_j, law: { type: "HuntCrossley", stiffness: CONTACT, damping: 0.5 } });
 }
 
-/** Shape of a body for contacts. @param {string} name @param {Document} document */
-function shapeOf(name, document) {
+/** Pairs of shapes whose contact is an element of its own. */
+const CONTACTS = new Set(["Capsule,Circle", "Capsule,HalfPlane", "Circle,Circle", "Circle,HalfPlane", "Circle,Outline", "Circle,Polygon", "HalfPlane,Polygon", "Polygon,Polygon"]);
+
+/** Shape of a body for contacts. @param {string} name @param {Document} document @param {boolean} [onFloor] whether only its convex hull touches */
+function shapeOf(name, document, onFloor = false) {
   const entry = document.bodies?.[name], corners = Object.values(entry?.points ?? {});
   if (entry?.type === "Bar") return { type: "Capsule", point_i: `${name}.start`, point_j: `${name}.end`, radius: 0.01 };
   if (entry?.type === "Particle") return { type: "Circle", point: name, radius: 0.02 };
-  return entry && corners.length > 2 ? { type: isConvex(corners) ? "Polygon" : "Outline", body: name, vertices: anticlockwise(corners) } : entry ? { type: "Circle", point: name, radius: 0.05 } : null;
+  if (!entry || corners.length < 3) return entry ? { type: "Circle", point: name, radius: 0.05 } : null;
+  const convex = isConvex(corners), hulled = onFloor && !convex && corners.flat().every(Number.isFinite);
+  return { type: convex || hulled ? "Polygon" : "Outline", body: name, vertices: hulled ? hull(corners) : anticlockwise(corners) };
 }
 
+/** Corners of the convex hull, anticlockwise. @param {any[]} corners */
+function hull(corners) {
+  const sorted = [...corners].sort(([x, y], [u, v]) => x - u || y - v);
+  const chain = (/** @type {any[]} */ list) => list.reduce((/** @type {any[]} */ kept, corner) => {
+    while (kept.length > 1 && turn(kept.at(-2), kept.at(-1), corner) <= 0) kept.pop();
+    return [...kept, corner];
+  }, []).slice(0, -1);
+  return [...chain(sorted), ...chain(sorted.reverse())];
+}
+
+/** Twice the signed area of a triangle. @param {any} a @param {any} b @param {any} c */
+const turn = ([x, y], [u, v], [p, q]) => (u - x) * (q - v) - (v - y) * (p - u);
+
 /** @param {any[]} corners */
-const isConvex = (corners) => new Set(corners.map(([x, y], k) => {
-  const [u, v] = corners[(k + 1) % corners.length], [p, q] = corners[(k + 2) % corners.length];
-  return Math.sign((u - x) * (q - v) - (v - y) * (p - u));
-})).size === 1;
+const isConvex = (corners) => new Set(corners.map((corner, k) => Math.sign(turn(corner, corners[(k + 1) % corners.length], corners[(k + 2) % corners.length]))).filter((side) => side !== 0)).size === 1;
 
 /** @param {any[]} corners */
 function anticlockwise(corners) {

@@ -279,11 +279,11 @@ export class Space {
     if (poses && document && selected) {
       poses.moved.clear();
       try {
-        const operations = moved(poses, document, selected, held.before, held.after);
+        const operations = moved(poses, document, selected, held.before, held.after), name = selected.key ?? selected.name, turns = held.handle.kind === "turn";
         if (operations.length) {
           if (!computed && selected.section === "bodies" && !selected.part) poses.moved.set(selected.name, held.after);
-          this.send({ label: `${held.handle.kind === "turn" ? "rotate" : "move"} ${selected.key ?? selected.name}`, operations });
-        }
+          this.send({ label: `${turns ? "rotate" : "move"} ${name}`, operations });
+        } else if (held.value) this.actions.refuse(`${name}: this ${turns ? "rotation" : "displacement"} changes no number of the file${turns && selected.section === "joints" ? "; a joint has no direction about its own axis" : ""}`);
       } catch (error) {
         this.actions.refuse(/** @type {Error} */ (error).message);
       }

@@ -18,7 +18,7 @@ import { grip, handleAt, handles, pulled } from "./space_gizmo.js";
 import { AXES, minus, size, times } from "./space_math.js";
 import { spaceSnap } from "./space_places.js";
 import { SpacePlan } from "./space_plan.js";
-import { answer } from "./space_structure_keys.js";
+import { answer, command } from "./space_structure_keys.js";
 import { drawSpaceStructure } from "./space_structure_overlay.js";
 import { SpaceStructurePalette } from "./space_structure_palette.js";
 import { SPACE_STRUCTURE_TOOLS, typedForce } from "./space_structure_tools.js";
@@ -271,8 +271,8 @@ export class SpaceStructure {
 
   /** @param {KeyboardEvent} event */
   key(event) {
-    if (!this.possible || isTyped(event) || event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
-    if (!answer(this, event.key)) return;
+    if (!this.possible || isTyped(event) || event.altKey || event.defaultPrevented) return;
+    if (event.ctrlKey || event.metaKey ? !command(this, event.key) : !answer(this, event.key)) return;
     event.preventDefault();
     event.stopImmediatePropagation();
     this.refresh();

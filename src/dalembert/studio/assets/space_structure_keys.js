@@ -7,6 +7,14 @@ import { COORDINATES, spacePlaced, typedSpacePlace } from "./space_places.js";
 import { SPACE_STRUCTURE_TOOLS } from "./space_structure_tools.js";
 import { BEGINS, TYPED } from "./typed_numbers.js";
 
+/** Keys with Ctrl. @param {SpaceStructure} structure @param {string} key */
+export function command(structure, key) {
+  const { plan, document } = structure;
+  if (key !== "a" || !plan) return false;
+  structure.select([...[...plan.nodes.keys()].map((name) => ({ section: "points", name })), ...Object.keys(document?.elements ?? {}).map((name) => ({ section: "elements", name }))]);
+  return true;
+}
+
 /** Carry out a key; returns whether it has a meaning. @param {SpaceStructure} structure @param {string} key */
 export function answer(structure, key) {
   const { held, tool, boundPage: page } = structure;

@@ -100,9 +100,10 @@ export class SynthesisSheet {
     const heads = type === "function" ? ["crank [rad]", "output [rad]"] : type === "motion" ? ["x [m]", "y [m]", "angle [rad]"] : ["x [m]", "y [m]"];
     const cell = (/** @type {number} */ row, /** @type {string} */ key, /** @type {number | null} */ part) => {
       const old = table[key]?.[row], input = el("input", { name: `${key}-${row}-${part}`, value: String((part === null ? old : old?.[part]) ?? ""), inputmode: "decimal", "aria-label": `${key} ${row + 1}`, onchange: () => {
-        const value = Number(input.value);
-        input.setAttribute("aria-invalid", String(!Number.isFinite(value)));
-        if (!Number.isFinite(value)) return;
+        const value = Number(input.value.trim() || NaN), isNumber = Number.isFinite(value);
+        input.setAttribute("aria-invalid", String(!isNumber));
+        input.setCustomValidity(isNumber ? "" : `'${input.value}' is no number; × removes the entry`);
+        if (!isNumber) return void input.reportValidity();
         const column = [...table[key]];
         column[row] = part === null ? value : column[row].map((/** @type {number} */ item, /** @type {number} */ i) => (i === part ? value : item));
         this.set("move target", { [key]: column });
