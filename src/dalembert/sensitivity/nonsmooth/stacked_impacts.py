@@ -36,13 +36,13 @@ class StackedImpacts:
     Attributes
     ----------
     located : (K,) mask of the steps whose impacts are among these; others have impacts on bodies
-        coupled by forces, impacts on the same bodies that come one after the other and do not
-        remain closed, or offsets that depend on forces
+        coupled by forces, or impacts on the same bodies that come one after the other and do not
+        remain closed
     """
 
     def __init__(self, maps: StackedMaps):
         self._maps, self._steps, self._values = maps, maps.steps, maps.contacts.gaps.values
-        self.located = ~maps.forced & maps.solved
+        self.located = maps.solved.copy()
         begins = maps.contacts.slopes.bounces & self._steps.begins
         if maps.maps.contact_step.smooth.coupling.coupled.size:
             self.located[self._steps.owner[begins]] = False
