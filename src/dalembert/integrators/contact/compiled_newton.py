@@ -33,6 +33,10 @@ PROXIMAL = 24
 """Place of the limit of proximal problems among the counts."""
 SHARES, ORIGINAL = 37, 34
 """Places of the settings of the solution among the inputs, and of its memory among the outputs."""
+VECTORS, FRICTION, MINIMUM, ROWS, INERTIA = [2, 5, 6, 7], 3, 4, [9, 11], 15
+"""Places among the inputs of the arrays with all components of contacts, of the coefficients of
+friction and the lower limits of impulses, and of the starts of the rows of directions and of the
+inertia."""
 OVERSHOOT = 1e-9
 """Relative overshoot of a step beyond a change of piece [-]."""
 BLOCK_REGULARIZATION = 1e-7
@@ -110,6 +114,7 @@ class CompiledNewton:
         counts += [0] * (PROXIMAL - len(counts)) + [proximal or 0, 0]
         counts += [INTERIOR_POINTS, POLISHING, SHORT_STEPS, FEW_PROXIMAL]
         work += rows + MEMORY + count + 2 + entries
+        self._settings, self._lengths = inputs[8], (len(inputs), len(outputs))
         self._loop = Loop(code, inputs, outputs, counts, work)
 
     @property
@@ -150,6 +155,27 @@ class CompiledNewton:
         self._loop.counts[MODE] = SOLVE
         return int(self.status[3]) if self._loop() else 0
 
+    def solve_part(self, begin: int, end: int, number: int, scale: float) -> None:
+        """The whole solution of some contacts that do not act on the others.
+
+        Parameters
+        ----------
+        begin, end : first contact, and that after the last one
+        number : of their bodies' block of the inertia, which has as many columns as one body's
+            block has rows
+        scale : lower limit of the reference speed
+        """
+        counts, speeds = self._loop.counts, self.speeds
+        width, groups = int(counts[1]), int(counts[2])
+        inputs, outputs = (np.zeros(length, dtype=np.uint64) for length in self._lengths)
+        inputs[VECTORS] = 8 * width * begin
+        inputs[FRICTION], inputs[MINIMUM] = 8 * groups * begin, 8 * begin
+        inputs[ROWS], inputs[INERTIA] = 4 * width * begin, 4 * speeds * number
+        outputs[0] = 8 * width * begin
+        self._loop.shift(inputs, outputs)
+        counts[0], self._settings[-1] = end - begin, scale
+        self.solve()
+
 
 def compiled_newton(
     problem: FrictionProblem,
@@ -176,6 +202,42 @@ def compiled_solution(
     share : tolerance relative to the largest speed of a contact [-]
     max_iterations : upper limit of the proximal problems
     """
+    newton = _solution(problem, impulses, share, max_iterations)
+    return None if newton is None else (newton.impulses, newton.solve())
+
+
+def separate_solutions(
+    problem: FrictionProblem,
+    parts: list[tuple[int, int, int, float]],
+    impulses: np.ndarray,
+    share: float,
+    max_iterations: int,
+) -> np.ndarray | None:
+    """Impulses of several problems of the same free bodies, one after the other; None without
+    machine code, for compliant contacts, and for few contacts.
+
+    Parameters
+    ----------
+    problem : contacts of all problems, with directions by the speeds of the bodies in each, and an
+        inertia of as many columns
+    parts : arguments of ``CompiledNewton.solve_part`` of each
+    impulses, share, max_iterations : as in ``compiled_solution``
+    """
+    assert isinstance(problem.matrix, Delassus)
+    newton = (
+        _solution(problem, impulses, share, max_iterations) if problem.matrix.by_blocks else None
+    )
+    if newton is None:
+        return None
+    for part in parts:
+        newton.solve_part(*part)
+    return newton.impulses
+
+
+def _solution(
+    problem: FrictionProblem, impulses: np.ndarray, share: float, max_iterations: int
+) -> CompiledNewton | None:
+    """The whole solution, arguments as in ``compiled_solution``."""
     operator = problem.matrix
     assert isinstance(operator, Delassus)
     compliant = operator.shift.any() or np.any(problem.minimum) or np.any(problem.compliance)
@@ -183,8 +245,7 @@ def compiled_solution(
         return None
     settings = 0.0, BLOCK_REGULARIZATION, OVERSHOOT, share, problem.scale
     proximal = min(MANY_PROXIMAL, max_iterations)
-    newton = CompiledNewton(problem, operator, impulses, settings, NEWTON_STEPS, proximal)
-    return newton.impulses, newton.solve()
+    return CompiledNewton(problem, operator, impulses, settings, NEWTON_STEPS, proximal)
 
 
 def _block_arrays(operator: Delassus, order: BlockOrdering) -> list[np.ndarray]:

@@ -54,7 +54,13 @@ class Loop:
         pointers = np.empty((2, steps.size), dtype=np.uint64)
         memory = source, steps, target, steps, *pointers, self.counts, np.empty(max(work, 1))
         self._memory = *memory, *inputs, *outputs
+        self._begins = source, source.copy(), target, target.copy()
         self._addresses = tuple(array.ctypes.data for array in memory)
+
+    def shift(self, inputs: np.ndarray, outputs: np.ndarray) -> None:
+        """Let the arrays begin later, by numbers of bytes of each."""
+        source, first, target, start = self._begins
+        source[:], target[:] = first + inputs, start + outputs
 
     def __call__(self) -> bool:
         """Run the loop once; false if it failed."""

@@ -23,7 +23,11 @@ from dalembert.integrators.contact.semismooth_newton import pieces
 from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts
 from dalembert.sensitivity.nonsmooth.force_slopes import ForceSlopes
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
-from dalembert.sensitivity.nonsmooth.gap_matrices import joined_matrices
+from dalembert.sensitivity.nonsmooth.gap_matrices import (
+    joined_matrices,
+    momentum_slopes,
+    weighted_sums,
+)
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
 from dalembert.sensitivity.nonsmooth.impact_slopes import ImpactSlopes
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
@@ -199,9 +203,7 @@ class ContactEquations:
     def by_q(self) -> tuple[Sparse, Sparse]:
         """Derivatives of ``Wᵀ P`` (n_v, n_q) and of the equations (n k, n_q) by ``q``,
         without means over a path, impacts at the start and force laws."""
-        slopes = self.gap_slopes
-        rows = [_diagonal(own) @ slopes[name] for name, own in self.by_gaps.items()]
-        return slopes["momentum"], sum(rows[1:], rows[0])
+        return momentum_slopes(self.gaps), weighted_sums(self.gaps, self.by_gaps)
 
     @cached_property
     def gap_slopes(self) -> dict[str, Sparse]:

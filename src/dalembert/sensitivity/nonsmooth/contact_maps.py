@@ -13,18 +13,18 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
-from dalembert.analysis.nonsmooth.advance import AHEAD
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.gaps.model_gaps import APART
 from dalembert.analysis.nonsmooth.impact_stage import ImpactStage
-from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts
 from dalembert.sensitivity.nonsmooth.contact_equations import ContactEquations
 from dalembert.sensitivity.nonsmooth.force_slopes import ForceSlopes
+from dalembert.sensitivity.nonsmooth.forced_changes import ForcedSteps
+from dalembert.sensitivity.nonsmooth.gap_matrices import joined_matrices
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps, Part
 from dalembert.sensitivity.nonsmooth.impact_slopes import ImpactSlopes, Motions
-from dalembert.sensitivity.nonsmooth.linear_map import ForcedChange, MapAt
+from dalembert.sensitivity.nonsmooth.linear_map import MapAt
 from dalembert.sensitivity.nonsmooth.path_slopes import Path, path_gaps, path_points
 from dalembert.sensitivity.nonsmooth.proximal_factors import Block, ProximalFactors
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
@@ -145,8 +145,9 @@ class ContactMaps:
             z = z - factors.solve(right)
         forced = None
         if contacts is not None and contacts.slopes.forced.any():
-            offsets = active.offsets[contacts.slopes.forced > 0]
-            forced = self.forced_change(y, v, t, h, offsets)
+            offsets = active.offsets[contacts.slopes.forced > 0, 0]
+            single = ForcedSteps(x[:, None], np.array([t]), np.array([h]), [offsets])
+            forced = self.forced_changes(single)
         next_by_z, next_by_q = slopes
         return MapAt(z, following, factors, by_q, next_by_z, next_by_q, contacts, forced, before)
 
@@ -194,38 +195,39 @@ class ContactMaps:
         motions = Motions(factors, changes, gaps, means, n, self.size)
         return ImpactSlopes(stage, active.keys, motions)
 
-    def forced_change(
-        self, y: np.ndarray, v: np.ndarray, t: float, h: float, offsets: np.ndarray
-    ) -> ForcedChange:
-        """The largest change of a normal speed by forces in a step.
+    def forced_changes(self, steps: ForcedSteps) -> Sparse:
+        """(K, K n_q) derivatives by ``q`` of the largest changes of normal speeds by forces.
+
+        With the speeds ``v_f`` at the end of a step without impulses, a change is ``u_N⁺(v_f) −
+        u_N⁻`` or its negative, and
+
+            d(u_N⁺ − u_N⁻) = du_N⁺ − du_N⁻ + N dv_f,      dv_f = −A⁻¹ G_q dq
 
         Raises
         ------
         AnalysisError
-            It is not the offset of the contacts that take none of the other branches.
+            The change is not the offset of the contacts that take none of the other branches.
         """
-        step, still = self.contact_step, np.zeros(self.smooth)
-        state = y, v, t, self.p, h
-        value, (by_z, _), *_ = self.equations.linear(still, *state)
-        factors = ProximalFactors.of([(0, 0, by_z)], self._weight(0))
-        z = -factors.solve(value)
-        _, (_, by_q), following, slopes = self.equations.linear(z, *state)
+        (y, v), count, n = np.split(steps.x, [self.size]), steps.count, self.smooth
+        t, h = steps.t[None], steps.h[None]
+        own = y, v, t, self.p, h
+        value, (matrix, _), *_ = self.equations.linear(np.zeros((n, count)), *own)
+        factors = ProximalFactors.of([(0, 0, matrix)], np.tile(self._weight(0), count))
+        z = -factors.solve(value).reshape(count, n).T
+        _, (_, by_q), *_ = self.equations.linear(z, *own)
         free = z[: self.speeds]
-        near = step.near(step.at(t, y), AHEAD * h * np.column_stack([v, free]))
-        contacts = step.in_middle(step.begin(t, h, y, v, False), near)
-        changes = (contacts.at_end(free) - contacts.at_start(v))[:, 0]
-        row = int(np.argmax(np.abs(changes)))
-        if not np.allclose(offsets[:, 0], abs(changes[row]), rtol=SOLVED, atol=0):
-            raise AnalysisError(
-                f"the speed of a contact in the step at t = {t:.9g} s follows no branch of "
-                f"{type(step.scheme).__name__} with a derivative; use integrator=da.MoreauJean()"
-            )
-        own = contacts.key[row : row + 1]
-        none = np.zeros((1, 1 + sum(step.groups)))
-        after = StepState(t, y, self.p, v, free, lead=self.lead(h))
-        gaps = self.gaps(after, own, none, kept=contacts.kept_mask[row : row + 1])
-        free_map = MapAt(z, following, factors, by_q, *slopes)
-        return ForcedChange(free_map, gaps, float(np.sign(changes[row])))
+        keys, signs, kept = steps.largest(self.contact_step, free)
+        none = np.zeros((count, 1 + sum(self.contact_step.groups)))
+        state = StepState(t, y, self.p, v, free, lead=self.lead(h))
+        gaps = self.gaps(state, keys, none, owner=np.arange(count), kept=kept)
+        normal, slopes = np.arange(count) * none.shape[1], joined_matrices(gaps)
+        by_speeds = np.zeros((count, n))  # of one gap of each step, and so of all in one column
+        by_speeds[:, : self.speeds] = gaps.directions[normal].sum(axis=0).reshape(count, -1)
+        weights = factors.solve(by_speeds.ravel(), transposed=True)
+        places = np.arange(count * n), n * np.arange(count + 1)
+        by_equations = scipy.sparse.csr_array((weights, *places), shape=(count, count * n))
+        changes = slopes["after"][normal] - slopes["before"][normal] - by_equations @ by_q
+        return scipy.sparse.csr_array(scipy.sparse.diags_array(signs) @ changes)
 
     def opening(
         self, x: np.ndarray, t: float, keys: np.ndarray, lifts: np.ndarray, presses: np.ndarray

@@ -9,6 +9,7 @@ import numpy as np
 import scipy
 
 from dalembert.analysis.nonsmooth.mobility import Mobility, delassus
+from dalembert.integrators.contact.compiled_newton import separate_solutions
 from dalembert.integrators.contact.contact_laws import ContactLaws
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
@@ -104,24 +105,57 @@ class FreeSteps:
     def _impulses(
         self, problem: FrictionProblem, lasting: LastingContacts, first: np.ndarray
     ) -> np.ndarray:
-        """(n, k) impulses by Newton's method for all steps together, each relative to its own
-        speeds; one by one where it fails."""
+        """(n, k) impulses, one step after the other in machine code, else by Newton's method for
+        all steps together; those that are not solved again on their own."""
         solver, used = self._maps.contact_step.solver, np.flatnonzero(np.diff(first))
-        scales = np.maximum.reduceat(np.abs(problem.velocity).max(axis=1), first[used])
+        begins = first[used]
+        scales = np.maximum.reduceat(np.abs(problem.velocity).max(axis=1), begins)
         scales = np.where(scales > 0, scales, 1.0)
-        scale = np.repeat(scales, np.diff(first)[used])[:, None]
-        relative = replace(problem, velocity=problem.velocity / scale)
-        together = semismooth_newton(
-            relative, lasting.impulses / scale, solver.newton_tolerance, TOGETHER
-        )
-        residual = np.abs(together - relative.project(together, relative.speeds(together)))
-        residual = np.maximum.reduceat((residual * relative.weights).max(axis=1), first[used])
-        impulses = relative.project(together, np.zeros(problem.shape)) * scale
-        for i in np.flatnonzero(~(residual <= solver.tolerance)):
+        impulses = self._solved(problem, lasting.impulses, first, used, scales)
+        residual = np.abs(impulses - problem.project(impulses, problem.speeds(impulses)))
+        residual = np.maximum.reduceat((residual * problem.weights).max(axis=1), begins)
+        changes = np.linalg.norm(impulses[:, : problem.linear], axis=1) * problem.mobility[:, 0]
+        sizes = np.maximum(scales, np.maximum.reduceat(changes, begins))
+        impulses = problem.project(impulses, np.zeros(problem.shape))
+        for i in np.flatnonzero(~(residual <= solver.tolerance * sizes)):
             own = slice(*first[used[i] : used[i] + 2])
             single = self._single(problem, int(used[i]), own, float(scales[i]))
             impulses[own] = solver.solve(single, lasting.impulses[own]).impulses
         return impulses
+
+    def _solved(
+        self,
+        problem: FrictionProblem,
+        impulses: np.ndarray,
+        first: np.ndarray,
+        used: np.ndarray,
+        scales: np.ndarray,
+    ) -> np.ndarray:
+        """Impulses from an initial guess, of the steps ``used`` with reference speeds ``scales``,
+        which some of them may not satisfy."""
+        solver, operator = self._maps.contact_step.solver, problem.matrix
+        assert isinstance(operator, Delassus)
+        n = self._state.before.shape[0]
+        directions, responses, inertia = (
+            scipy.sparse.csr_array((m.data, m.indices % n, m.indptr), shape=(m.shape[0], n))
+            for m in (operator.directions, operator.responses, operator.inertia)
+        )
+        own = replace(
+            operator,
+            directions=directions,
+            responses=responses,
+            inertia=inertia,
+            orderings=self._maps.contact_step.smooth.coupling.orderings,
+        )
+        parts = list(zip(first[used], first[used + 1], used, scales, strict=True))
+        limits = solver.tolerance, solver.max_iterations
+        separate = separate_solutions(replace(problem, matrix=own), parts, impulses, *limits)
+        if separate is not None:
+            return separate
+        scale = np.repeat(scales, np.diff(first)[used])[:, None]
+        relative = replace(problem, velocity=problem.velocity / scale)
+        tolerance = solver.newton_tolerance
+        return scale * semismooth_newton(relative, impulses / scale, tolerance, TOGETHER)
 
     def _single(
         self, problem: FrictionProblem, k: int, own: slice, scale: float

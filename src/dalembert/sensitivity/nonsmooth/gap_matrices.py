@@ -89,40 +89,76 @@ class _Blocks:
 def gap_matrices(gaps: SourceGaps) -> dict[str, Sparse]:
     """Derivatives by ``q`` of the fields of ``GapChanges``, and of ``momentum``, ``Wᵀ P``."""
     count, (width, laws) = gaps.rows.size, gaps.shape
-    place, (entry, size) = gaps.middle.moving.shape[0], gaps.start.geometry.shape
-    rows = {"distance": count, "before": count * width, "laws": count * laws}
-    rows |= {"both": count * width, "wrench": place}
+    place, entry = gaps.middle.moving.shape[0], gaps.start.geometry.shape[0]
+    rows = {"before": count * width, "laws": count * laws}
     local = {name: _Blocks(number, entry) for name, number in rows.items()}
+    both = _Blocks(count * width, entry)
     across = [_Blocks(count * width, place) for _ in range(2)]
     for part in gaps.kinds:
         kind, row = part.kind, part.kind.row[:, None]
         components = width * row + np.arange(width)
-        local["distance"].add(part.distance[:, None], row, part.entries)
         local["before"].add(part.before, components, part.entries)
-        local["both"].add(part.both, components, part.entries)
-        local["wrench"].add(part.wrenches, kind.velocities, part.entries)
+        both.add(part.both, components, part.entries)
         for total, blocks in zip(across, (part.start, part.blocks), strict=True):
             total.add(blocks, components, kind.velocities)
         one = np.ones((row.size, 1, 1))
         for column, entries in enumerate(kind.laws.T):
             local["laws"].add(one, laws * row + column, entries[:, None])
-    slopes = {name: local[name].matrix @ gaps.start.geometry for name in ("distance", "laws")}
-    before, both = (
-        local[name].matrix @ at.geometry + blocks.matrix @ (at.velocities + moved)
-        for name, at, blocks, moved in (
-            ("before", gaps.start, across[0], _moved(gaps, gaps.start, size)),
-            ("both", gaps.middle, across[1], gaps.end * _moved(gaps, gaps.middle, size)),
-        )
-    )
-    slopes |= {"before": before, "after": both - gaps.end * before}
-    wrench = local["wrench"].matrix @ gaps.middle.geometry
-    slopes["momentum"] = scipy.sparse.csr_array(gaps.middle.moving.T @ wrench + gaps.momenta)
-    return slopes
+    slopes = {name: blocks.matrix @ gaps.start.geometry for name, blocks in local.items()}
+    start, middle = _velocities(gaps)
+    slopes["before"] = slopes["before"] + across[0].matrix @ start
+    both_slopes = both.matrix @ gaps.middle.geometry + across[1].matrix @ middle
+    slopes["after"] = both_slopes - gaps.end * slopes["before"]
+    return slopes | {"distance": _distances(gaps), "momentum": _momentum(gaps)}
 
 
-def _moved(gaps: SourceGaps, at: PlaceSlopes, size: int) -> Sparse:
+def _distances(gaps: SourceGaps) -> Sparse:
+    """Derivatives of the distances by ``q``."""
+    local = _Blocks(gaps.rows.size, gaps.start.geometry.shape[0])
+    for part in gaps.kinds:
+        local.add(part.distance[:, None], part.kind.row[:, None], part.entries)
+    return local.matrix @ gaps.start.geometry
+
+
+def _momentum(gaps: SourceGaps) -> Sparse:
+    """Derivatives of ``Wᵀ P`` by ``q``."""
+    wrench = _Blocks(gaps.middle.moving.shape[0], gaps.middle.geometry.shape[0])
+    for part in gaps.kinds:
+        wrench.add(part.wrenches, part.kind.velocities, part.entries)
+    by_q = gaps.middle.moving.T @ (wrench.matrix @ gaps.middle.geometry) + gaps.momenta
+    return scipy.sparse.csr_array(by_q)
+
+
+def _weighted(gaps: SourceGaps, weights: dict[str, np.ndarray]) -> Sparse:
+    """Derivatives by ``q`` of ``weighted_sums``, without those of each field."""
+    (width, _), end = gaps.shape, gaps.end
+    places = [gaps.start.geometry, gaps.middle.geometry, *_velocities(gaps)]
+    first, ahead, start, middle = np.cumsum([0, *(place.shape[0] for place in places[:-1])])
+    blocks = _Blocks(gaps.rows.size * width, middle + places[-1].shape[0])
+    for part in gaps.kinds:
+        kind = part.kind
+        own = {name: weights[name][gaps.rows[kind.row]] for name in NAMES}
+        components = width * kind.row[:, None] + np.arange(width)
+        before, after = own["before"] - end * own["after"], own["after"]
+        distances = own["distance"] * part.distance[:, None]
+        blocks.add(distances + before @ part.before, components, first + part.entries)
+        blocks.add(own["laws"][:, :, : kind.laws.shape[1]], components, first + kind.laws)
+        blocks.add(after @ part.both, components, ahead + part.entries)
+        blocks.add(before @ part.start, components, start + kind.velocities)
+        blocks.add(after @ part.blocks, components, middle + kind.velocities)
+    return blocks.matrix @ scipy.sparse.vstack(places, "csr")
+
+
+def _velocities(gaps: SourceGaps) -> tuple[Sparse, Sparse]:
+    """Derivatives of ``τ`` at the start and in the middle by ``q``, also by the speeds in it."""
+    start, middle = (place.velocities for place in (gaps.start, gaps.middle))
+    moved = _moved(gaps, gaps.start), gaps.end * _moved(gaps, gaps.middle)
+    return start + moved[0], middle + moved[1]
+
+
+def _moved(gaps: SourceGaps, at: PlaceSlopes) -> Sparse:
     """``J`` in the columns of the speeds in ``q``."""
-    moving = at.moving.tocoo()
+    moving, size = at.moving.tocoo(), at.geometry.shape[1]
     row, column = moving.coords
     places = row, gaps.speeds[column]
     return scipy.sparse.csr_array((moving.data, places), shape=(moving.shape[0], size))
@@ -132,15 +168,43 @@ def joined_matrices(gaps: Gaps) -> dict[str, Sparse]:
     """``gap_matrices`` of gaps of all sources, in their order, none of them means over a path."""
     parts = [part for part in gaps.parts if isinstance(part, SourceGaps | MatrixGaps)]
     slopes = [_of_part(part) for part in parts]
-    if len(parts) == 1:
-        return slopes[0]
-    order, joined = np.argsort(np.concatenate([part.rows for part in parts])), {}
-    for name in NAMES:
-        stacked = scipy.sparse.csr_array(scipy.sparse.vstack([own[name] for own in slopes]))
-        width = stacked.shape[0] // max(order.size, 1)
-        joined[name] = stacked[(order[:, None] * width + np.arange(width)).ravel()]
+    rows = [part.rows for part in parts]
+    joined = {name: _in_order(rows, [own[name] for own in slopes]) for name in NAMES}
     momenta = [own["momentum"] for own in slopes]
     return joined | {"momentum": sum(momenta[1:], momenta[0])}
+
+
+def weighted_sums(gaps: Gaps, weights: dict[str, np.ndarray]) -> Sparse:
+    """(n k, n_q) derivatives by ``q`` of sums of the fields ``NAMES`` of each gap with weights
+    (n, k, m), constant themselves; for gaps without means over a path."""
+    parts = _of_sources(gaps)
+    return _in_order([part.rows for part in parts], [_weighted(part, weights) for part in parts])
+
+
+def distance_slopes(gaps: Gaps) -> Sparse:
+    """(n, n_q) derivatives of the distances by ``q``, for gaps without means over a path."""
+    parts = _of_sources(gaps)
+    return _in_order([part.rows for part in parts], [_distances(part) for part in parts])
+
+
+def momentum_slopes(gaps: Gaps) -> Sparse:
+    """(n_v, n_q) derivatives of ``Wᵀ P`` by ``q``, for gaps without means over a path."""
+    momenta = [_momentum(part) for part in _of_sources(gaps)]
+    return sum(momenta[1:], momenta[0])
+
+
+def _of_sources(gaps: Gaps) -> list[SourceGaps]:
+    return [part for part in gaps.parts if isinstance(part, SourceGaps)]
+
+
+def _in_order(rows: list[np.ndarray], matrices: list[Sparse]) -> Sparse:
+    """Matrices of parts, with as many rows for each of the gaps ``rows``, in the order of these."""
+    if len(matrices) == 1:
+        return matrices[0]
+    order = np.argsort(np.concatenate(rows))
+    stacked = scipy.sparse.csr_array(scipy.sparse.vstack(matrices))
+    width = stacked.shape[0] // max(order.size, 1)
+    return stacked[(order[:, None] * width + np.arange(width)).ravel()]
 
 
 def _of_part(part: SourceGaps | MatrixGaps) -> dict[str, Sparse]:

@@ -72,7 +72,7 @@ class ImpactSlopes:
         none = np.zeros_like(sums[-1])
         own, still = contacts.key[order], np.zeros(motions.speeds)
         across = motions.gaps(own, none, still).directions
-        right = np.zeros((motions.factors.rows.size, none.size))
+        right = np.zeros((motions.factors.size, none.size))
         right[: motions.speeds] = across.T.toarray()
         responses = motions.factors.solve(right)
         self._across, self._gaps, self._slopes = across, [], []
@@ -117,7 +117,7 @@ class ImpactSlopes:
         means, still = self._struck(struck)
         total = self._means.pull(means, still)
         right, moved = (
-            np.zeros((self._motions.factors.rows.size, columns)),
+            np.zeros((self._motions.factors.size, columns)),
             self._normals.T @ struck,
         )
         total[first : first + n] += moved
@@ -131,7 +131,7 @@ class ImpactSlopes:
             own = gaps.values.like(columns)
             turned = parts[1 + number].reshape(-1, k, columns)
             own.after[:], own.before[:] = turned, -turned
-            right = np.zeros((self._motions.factors.rows.size, columns))
+            right = np.zeros((self._motions.factors.size, columns))
             right[:n] = self._across.T @ parts[1 + number]
             inner = -self._motions.factors.solve(right, transposed=True)
             push = -inner[:n]

@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dalembert.sensitivity.nonsmooth.contact_equations import ContactEquations
-from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
 from dalembert.sensitivity.nonsmooth.proximal_factors import ProximalFactors, arbitrary
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 
@@ -32,7 +31,8 @@ class MapAt:
     by_q : ``G_q`` of the equations without contacts
     next_by_z, next_by_q : ``F_z`` without the columns of impulses, ``F_q``
     contacts : equations of the contacts
-    forced : largest change of a normal speed by forces, where offsets depend on it
+    forced : (1, n_q) derivatives of the largest change of a normal speed by forces, where offsets
+        depend on it
     path : map of the speeds at the end of the path over which means of gaps are taken
     """
 
@@ -43,7 +43,7 @@ class MapAt:
     next_by_z: Sparse
     next_by_q: Sparse
     contacts: ContactEquations | None = None
-    forced: ForcedChange | None = None
+    forced: Sparse | None = None
     path: MapAt | None = None
 
     def change(self, dq: np.ndarray) -> np.ndarray:
@@ -55,7 +55,7 @@ class MapAt:
             momentum, rows = self.contacts.push(dq, path)
             right[: momentum.shape[0]] -= momentum
             if self.forced is not None:
-                rows += self.contacts.by_forced[:, None] * self.forced.push(dq)
+                rows += self.contacts.by_forced[:, None] * (self.forced @ dq)
             right = np.concatenate([right, rows])
         return -self.factors.solve(right)
 
@@ -68,7 +68,7 @@ class MapAt:
             speeds = self.contacts.gaps.directions.shape[1]
             q_bar += self.contacts.pull(-inner[:speeds], inner[size:])
             if self.forced is not None:
-                q_bar += self.forced.pull(self.contacts.by_forced @ inner[size:])
+                q_bar += self.forced.T @ (self.contacts.by_forced @ inner[size:])[None]
             if self.path is not None:
                 path_bar = np.zeros((self.path.z.size, z_bar.shape[1]))
                 path_bar[:speeds] = self.contacts.pull_path(-inner[:speeds], inner[size:])
@@ -104,35 +104,3 @@ class MapAt:
         change = arbitrary(self.by_q.shape[1])
         self.change(change)
         return self.factors.consistent
-
-
-@dataclass(frozen=True, eq=False)
-class ForcedChange:
-    """Change of the normal speed of one gap by forces in a step, without impulses.
-
-    Attributes
-    ----------
-    free : map of the step without contacts
-    gaps : the gap, with the speeds at the end of that step
-    sign : of the change
-    """
-
-    free: MapAt
-    gaps: Gaps
-    sign: float
-
-    def push(self, dq: np.ndarray) -> np.ndarray:
-        """(c,) change of its magnitude by those of ``q``."""
-        change, normal = self.gaps.push(dq)[0], self.gaps.directions[:1]
-        speeds = self.free.change(dq)[: normal.shape[1]]
-        after = change.after[0, 0] + (normal @ speeds)[0]
-        return np.asarray(self.sign * (after - change.before[0, 0]))
-
-    def pull(self, weights: np.ndarray) -> np.ndarray:
-        """Weights of ``q`` from those (r,) of the magnitude."""
-        own, normal = self.gaps.values.like(weights.size), self.gaps.directions[:1]
-        own.after[0, 0], own.before[0, 0] = self.sign * weights, -self.sign * weights
-        z_bar = np.zeros((self.free.z.size, weights.size))
-        z_bar[: normal.shape[1]] = normal.T @ (self.sign * weights[None])
-        q_bar = self.gaps.pull(own, np.zeros((normal.shape[1], weights.size)))
-        return np.asarray(q_bar + self.free.weights(z_bar))

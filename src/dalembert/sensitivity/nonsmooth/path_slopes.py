@@ -79,126 +79,169 @@ def path_gaps(
     Velocities before are those at the start by the midpoint rule, except of ``kept`` gaps, where
     they are means, too.
     """
-    points = [_point(source, state, path, s, (rows, keys, impulses, laws)) for s in LOBATTO]
-    weights, (first_share, share) = list(LOBATTO.values()), path.shares
-
-    def mean(values: list[Any]) -> Any:
-        return sum(weight * value for weight, value in zip(weights, values, strict=True))
-
-    slopes = {name: mean([p.slopes[name] for p in points]) for name in points[0].slopes}
+    points = _NodeGaps(source, state, path, keys, impulses, laws)
+    nodes, (first_share, share) = np.array(list(LOBATTO.values())), path.shares
+    mean, last = points.sum_of(nodes), points.count - 1
+    values = points.values
     before, after, ending = (
-        mean([getattr(p, name) for p in points]) for name in ("before", "after", "ending")
+        (mean @ part.ravel()).reshape(impulses.shape)
+        for part in (values.before, values.after, points.ending)
     )
-    first, last = points[0], points[-1]
-    distance = last.distance - (first_share * before + share * ending)[:, 0]
-    changes = first_share * slopes["before"] + share * slopes["ending"]
-    slopes["distance"] = last.slopes["distance"] - changes[:: impulses.shape[1]]
-    slopes["laws"] = first.slopes["laws"]
+    slopes = {name: mean @ points.slopes[name] for name in ("before", "after")}
+    distance = points.at(last, values.distance) - (first_share * before + share * ending)[:, 0]
+    changes = first_share * slopes["before"] + share * (mean @ points.slopes["ending"])
+    normal = changes[:: impulses.shape[1]]
+    slopes["distance"] = points.at(last, points.slopes["distance"]) - normal
+    slopes["laws"] = points.at(0, points.slopes["laws"])
     if path.theta == 0.5:
-        turns = np.where(kept[:, None], 0.0, before - first.before)
+        first = points.sum_of(np.eye(1, nodes.size)[0])
+        start = (first @ values.before.ravel()).reshape(before.shape)
+        turns = np.where(kept[:, None], 0.0, before - start)
         before, after = before - turns, after + state.end * turns
         own = scipy.sparse.diags_array(np.repeat(~kept, turns.shape[1]).astype(float))
-        change = own @ (slopes["before"] - first.slopes["before"])
+        change = own @ (slopes["before"] - first @ points.slopes["before"])
         slopes["before"] = slopes["before"] - change
         slopes["after"] = slopes["after"] + state.end * change
     matrices = {name: scipy.sparse.csr_array(slopes[name]) for name in NAMES}
-    momentum, across = (scipy.sparse.csr_array(slopes[name]) for name in ("momentum", "across"))
-    values = GapChanges(distance, before, after, first.laws)
+    across = scipy.sparse.csr_array(mean @ points.across)
+    momentum = scipy.sparse.csr_array(points.momentum(nodes))
+    means = GapChanges(distance, before, after, points.at(0, values.laws))
     count = momentum.shape[1] - path.speeds.size
-    return MatrixGaps(rows, values, across, matrices, momentum, count)
+    return MatrixGaps(rows, means, across, matrices, momentum, count)
 
 
-@dataclass(frozen=True, eq=False)
-class _Point:
-    """Gaps at one point of a path, with speeds multiplied by the shares there along the normals.
+class _Nodes:
+    """Nodes of a path, with the shares there, and again with ones in their place; all follow one
+    another, and so do derivatives by ``q`` and the speeds of the path.
 
     Attributes
     ----------
-    distance, laws : of the gaps
-    before, after, ending : velocities for the speeds at the start, at the end, and of the path
-    slopes : derivatives by ``q`` and the speeds of the path, and the directions ``across``
+    fractions : (1, m) of the path
+    y, shares : positions and shares, one node after the other
+    scaling : the shares as diagonal blocks on top of each other
+    turns : derivatives of the shares times the speeds that they multiply, without these
+    changes : derivatives of the speeds at the start, at the end and of the path, times the shares;
+        those at the end do not change on their own
+    chain : derivatives of ``q`` at the nodes, with speeds times the shares
     """
 
-    distance: np.ndarray
-    laws: np.ndarray
-    before: np.ndarray
-    after: np.ndarray
-    ending: np.ndarray
-    slopes: dict[str, Sparse]
+    def __init__(self, state: StepState, path: Path):
+        self.fractions = np.tile(list(LOBATTO), 2)[None]
+        count, v, n, rest = self.fractions.size, state.before, state.before.size, 1 + state.p.size
+        part, share = path.shares
+        place = state.y, part * v + share * path.speeds, self.fractions
+        self.y, by = path.points.position(*place, count=count)
+        shares, own_by = path.points.shares(*place, count=count)
+        scaled = np.repeat([1.0, 0.0], shares.size // 2)
+        self.shares = np.where(scaled > 0, shares, 1.0)
+        turns = scipy.sparse.diags_array(scaled) @ _columns(own_by, path.shares, rest, count)
+        self.turns, width = turns, turns.shape[1]
+        diagonal = np.tile(np.arange(n), count), np.arange(shares.size + 1)
+        self.scaling = scipy.sparse.csr_array((self.shares, *diagonal), shape=(shares.size, n))
+        speeds = v, state.after, path.speeds
+        before, after, own = (scipy.sparse.diags_array(np.tile(u, count)) @ turns for u in speeds)
+        before = before + _placed(self.scaling, state.y.size, width)
+        self.changes = before, after, own + _placed(self.scaling, width - n, width)
+        ones = scipy.sparse.vstack([scipy.sparse.eye_array(rest)] * count)
+        others = _placed(ones, state.y.size + n, width)
+        self.chain = _interleaved([_columns(by, path.shares, rest, count), before, others], count)
+
+    def states(self, state: StepState, path: Path, after: np.ndarray) -> StepState:
+        """Arguments of the gaps at the nodes, in columns, with the speeds ``after`` at the end."""
+        t, y = state.t + self.fractions * path.h, self._columns(self.y)
+        before, end = (self._columns(self.shares) * u[:, None] for u in (state.before, after))
+        return StepState(t, y, state.p, before, end)
+
+    def _columns(self, values: np.ndarray) -> np.ndarray:
+        return values.reshape(self.fractions.size, -1).T
 
 
-def _point(source: SourceSlopes, state: StepState, path: Path, s: float, own: Any) -> _Point:
-    """Gaps at ``y ⊕ s δ``; ``own`` are the last arguments of ``SourceSlopes.at``.
+class _NodeGaps:
+    """Gaps at ``_Nodes``: those with speeds times the shares count along the normals, those with
+    ones along tangents.
 
-    The shares multiply the rows along the normals only.
+    Attributes
+    ----------
+    count : number of nodes
+    values : GapChanges, of speeds at the start and at the end
+    ending : velocities of the path
+    slopes : derivatives of ``values``, and of ``ending``
+    across : directions
     """
-    rows, keys, impulses, laws = own
-    normal = np.zeros(impulses.shape, dtype=bool)
-    normal[:, 0] = True
-    parts = [
-        _part(source, state, path, s, (rows, keys, np.where(own_rows, impulses, 0.0), laws), scaled)
-        for own_rows, scaled in ((normal, True), (~normal, False))
-    ]
-    along, across = parts
-    select = [scipy.sparse.diags_array(part.ravel().astype(float)) for part in (normal, ~normal)]
-    slopes = {
-        name: select[0] @ along.slopes[name] + select[1] @ across.slopes[name]
-        for name in ("before", "after", "ending", "across")
-    }
-    slopes["momentum"] = along.slopes["momentum"] + across.slopes["momentum"]
-    slopes["distance"], slopes["laws"] = along.slopes["distance"], along.slopes["laws"]
-    before, after, ending = (
-        np.where(normal, getattr(along, name), getattr(across, name))
-        for name in ("before", "after", "ending")
-    )
-    return _Point(along.distance, along.laws, before, after, ending, slopes)
+
+    def __init__(
+        self,
+        source: SourceSlopes,
+        state: StepState,
+        path: Path,
+        keys: np.ndarray,
+        impulses: np.ndarray,
+        laws: int,
+    ):
+        nodes, (n, k) = _Nodes(state, path), impulses.shape
+        self.count, self._shape, self._speeds = len(LOBATTO), (n, k), state.before.size
+        normal = np.arange(k) == 0
+        pressing = np.array([np.where(own, impulses, 0.0) for own in (normal, ~normal)])
+        pressing = np.repeat(pressing, self.count, axis=0).reshape(-1, k)
+        owner = np.repeat(np.arange(2 * self.count), n)
+        own = np.arange(owner.size), np.tile(keys, 2 * self.count), pressing, laws, owner
+        gaps, at_end = (
+            source.at(nodes.states(state, path, u), *own) for u in (state.after, path.speeds)
+        )
+        across, slopes = gaps.directions(), gap_matrices(gaps)
+        self.values, self.ending = gaps.values, at_end.values.after
+        self.slopes = {name: slopes[name] @ nodes.chain for name in NAMES}
+        by_path = gap_matrices(at_end)["after"] @ nodes.chain
+        _, after, ending = nodes.changes
+        self.slopes["after"] = self.slopes["after"] + across @ after
+        self.slopes["ending"] = by_path + across @ ending
+        self.across = across @ nodes.scaling
+        momenta = scipy.sparse.diags_array(nodes.shares) @ (slopes["momentum"] @ nodes.chain)
+        pushes = scipy.sparse.diags_array(across.T @ pressing.ravel())
+        self._momenta = momenta + pushes @ nodes.turns
+
+    def at(self, node: int, values: Any) -> Any:
+        """Values, or rows of a matrix, of one node, with speeds multiplied by the shares."""
+        size = values.shape[0] // (2 * self.count)
+        return values[node * size : (node + 1) * size]
+
+    def sum_of(self, weights: np.ndarray) -> Sparse:
+        """Matrix that sums the rows of the components of all nodes with weights."""
+        n, k = self._shape
+        own = np.zeros((2, self.count, n, k))
+        own[0, ..., 0], own[1, ..., 1:] = weights[:, None], weights[:, None, None]
+        row = np.broadcast_to(np.arange(n * k).reshape(n, k), own.shape)
+        places = row[own != 0], np.flatnonzero(own)
+        return scipy.sparse.csr_array((own[own != 0], places), shape=(n * k, own.size))
+
+    def momentum(self, weights: np.ndarray) -> Sparse:
+        """Derivatives of ``Wᵀ P``, summed over the nodes with weights."""
+        row = scipy.sparse.csr_array(np.tile(weights, 2)[None])
+        return scipy.sparse.kron(row, scipy.sparse.eye_array(self._speeds)) @ self._momenta
 
 
-def _part(
-    source: SourceSlopes, state: StepState, path: Path, s: float, own: Any, scaled: bool
-) -> _Point:
-    """Gaps at ``y ⊕ s δ`` with the shares ``R``, or with ones in their place."""
-    h, v = path.h, state.before
-    part, share = path.shares
-    delta = part * v + share * path.speeds
-    y, (y_by_y, y_by_delta) = path.points.position(state.y, delta, s)
-    shares, (by_y, by_delta) = path.points.shares(state.y, delta, s)
-    if not scaled:
-        shares, by_y, by_delta = np.ones_like(shares), 0 * by_y, 0 * by_delta
-    (n_y, n), rest = (y.size, v.size), 1 + state.p.size
-    turns = _columns(by_y, by_delta, path.shares, rest)
-    width = turns.shape[1]
-    scaling = scipy.sparse.diags_array(shares)
-    start, ending = (_placed(scaling, place, width) for place in (n_y, width - n))
-    moved = [scipy.sparse.diags_array(u) @ turns for u in (v, state.after, path.speeds)]
-    others = _placed(scipy.sparse.eye_array(rest), n_y + n, width)
-    inner = [_columns(y_by_y, y_by_delta, path.shares, rest), moved[0] + start, others]
-    chain = scipy.sparse.csr_array(scipy.sparse.vstack(inner))
-    gaps, at_end = (
-        source.at(StepState(state.t + s * h, y, state.p, shares * v, shares * u), *own)
-        for u in (state.after, path.speeds)
-    )
-    across, slopes = gaps.directions(), gap_matrices(gaps)
-    push = scipy.sparse.diags_array(across.T @ own[2].ravel())
-    chained = {
-        "distance": slopes["distance"] @ chain,
-        "before": slopes["before"] @ chain,
-        "after": slopes["after"] @ chain + across @ moved[1],
-        "ending": gap_matrices(at_end)["after"] @ chain + across @ (moved[2] + ending),
-        "laws": slopes["laws"] @ chain,
-        "momentum": scaling @ (slopes["momentum"] @ chain) + push @ turns,
-        "across": across @ scaling,
-    }
-    values = gaps.values
-    speeds = values.before, values.after, at_end.values.after
-    return _Point(values.distance, values.laws, *speeds, chained)
-
-
-def _columns(by_y: Sparse, by_delta: Sparse, shares: tuple[float, float], rest: int) -> Sparse:
-    """Derivatives by ``q`` and the speeds of the path from those by ``y`` and by ``δ``."""
+def _columns(by: list[Sparse], shares: tuple[float, float], rest: int, count: int) -> Sparse:
+    """Derivatives by ``q``, with ``rest`` entries after the speeds, and the speeds of the path from
+    those by ``y`` and by ``δ``, which are ``count`` diagonal blocks."""
+    by_y, by_delta = (_stacked(blocks, count) for blocks in by)
     none = scipy.sparse.csr_array((by_y.shape[0], rest))
     first, last = (share * by_delta for share in shares)
-    return scipy.sparse.csr_array(scipy.sparse.hstack([by_y, first, none, last]))
+    return scipy.sparse.hstack([by_y, first, none, last], "csr")
+
+
+def _stacked(blocks: Sparse, count: int) -> Sparse:
+    """Diagonal blocks on top of each other."""
+    width = blocks.shape[1] // count
+    parts = blocks.data, blocks.indices % width, blocks.indptr
+    return scipy.sparse.csr_array(parts, shape=(blocks.shape[0], width))
+
+
+def _interleaved(parts: list[Sparse], count: int) -> Sparse:
+    """Parts that are ``count`` stacked blocks each: the first blocks of all, then the second …"""
+    rows = [np.arange(part.shape[0]).reshape(count, -1) for part in parts]
+    starts = np.cumsum([0, *(part.shape[0] for part in parts[:-1])])
+    order = np.hstack([start + own for start, own in zip(starts, rows, strict=True)])
+    return scipy.sparse.vstack(parts, "csr")[order.ravel()]
 
 
 def _placed(block: Sparse, first: int, width: int) -> Sparse:
@@ -206,4 +249,4 @@ def _placed(block: Sparse, first: int, width: int) -> Sparse:
     before, after = (
         scipy.sparse.csr_array((block.shape[0], n)) for n in (first, width - first - block.shape[1])
     )
-    return scipy.sparse.csr_array(scipy.sparse.hstack([before, block, after]))
+    return scipy.sparse.hstack([before, block, after], "csr")

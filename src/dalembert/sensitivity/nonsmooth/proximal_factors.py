@@ -52,12 +52,13 @@ class ScaledMatrix:
     Attributes
     ----------
     rows, columns : (n,) factors of the rows and columns of ``G``
-    matrix, shifted : scaled ``G`` and ``G + ε D``, compressed by columns
+    shift : (n,) diagonal ``ε D``
+    shifted : scaled ``G``, plus ``ε D``, compressed by columns
     """
 
     rows: np.ndarray
     columns: np.ndarray
-    matrix: Sparse
+    shift: np.ndarray
     shifted: Sparse
 
     @classmethod
@@ -86,16 +87,15 @@ class ScaledMatrix:
         np.maximum.at(largest, column, np.abs(value))
         columns = 1 / largest
         value = value * columns[column]
-        matrix = _compressed(value, row, column, n)
-        diagonal = np.arange(n)
+        diagonal, shift = np.arange(n), WEIGHT * weight
         row, column = (np.concatenate([part, diagonal]) for part in (row, column))
-        shifted = _compressed(np.concatenate([value, WEIGHT * weight]), row, column, n)
-        return cls(rows, columns, matrix, shifted)
+        entries = np.concatenate([value, shift]), (row, column)
+        return cls(rows, columns, shift, scipy.sparse.csc_array(entries, shape=(n, n)))
 
     def block(self, begin: int, end: int) -> ScaledMatrix:
         """A diagonal block that no other entries couple to the rest."""
-        parts = (diagonal_block(part, begin, end, begin) for part in (self.matrix, self.shifted))
-        return ScaledMatrix(self.rows[begin:end], self.columns[begin:end], *parts)
+        rows, columns, shift = (part[begin:end] for part in (self.rows, self.columns, self.shift))
+        return ScaledMatrix(rows, columns, shift, diagonal_block(self.shifted, begin, end, begin))
 
 
 class ProximalFactors:
@@ -116,7 +116,7 @@ class ProximalFactors:
     """
 
     def __init__(self, scaled: ScaledMatrix):
-        self.rows, self.columns, self.matrix = scaled.rows, scaled.columns, scaled.matrix
+        self._scaled = scaled
         try:
             self._factors = SuperLUFactors(scaled.shifted)
         except np.linalg.LinAlgError:
@@ -131,31 +131,42 @@ class ProximalFactors:
 
     def solve(self, right: np.ndarray, transposed: bool = False) -> np.ndarray:
         """Solution, the same linear map and its transpose."""
-        before, after = (self.columns, self.rows) if transposed else (self.rows, self.columns)
-        matrix, trans = (self._transposed, "T") if transposed else (self.matrix, "N")
+        before, after, trans = self._scaled.rows, self._scaled.columns, "N"
+        if transposed:
+            before, after, trans = after, before, "T"
         rhs = before[:, None] * right.reshape(right.shape[0], -1)
         solution, remainder, size = np.zeros(rhs.shape), rhs, np.abs(rhs).max(initial=0.0)
         for _ in range(ITERATIONS):
             solution = solution + self._factors.solve(remainder, trans)
-            remainder = rhs - matrix @ solution
+            remainder = rhs - self._product(solution, transposed)
             largest = np.abs(remainder).max(initial=0.0)
             if largest <= SOLVED * size:
                 break
         self.consistent &= bool(largest <= REMAINDER * size)
         return (after[:, None] * solution).reshape(right.shape)
 
+    @property
+    def size(self) -> int:
+        """Number of equations."""
+        return self._scaled.shift.size
+
     @cached_property
     def regular(self) -> bool:
         """Whether an arbitrary right-hand side is consistent: the matrix is not singular."""
-        right = arbitrary(self.rows.size)
-        remainder = right - self.matrix @ self._factors.solve(right)
+        right = arbitrary(self.size)
+        remainder = right - self._product(self._factors.solve(right))
         return bool(
             np.abs(remainder).max(initial=0.0) <= REMAINDER * np.abs(right).max(initial=0.0)
         )
 
+    def _product(self, columns: np.ndarray, transposed: bool = False) -> np.ndarray:
+        """The scaled matrix, or its transpose, times columns (n, c)."""
+        matrix = self._transposed if transposed else self._scaled.shifted
+        return np.asarray(matrix @ columns - self._scaled.shift[:, None] * columns)
+
     @cached_property
     def _transposed(self) -> Sparse:
-        return self.matrix.T
+        return self._scaled.shifted.T
 
 
 @lru_cache
@@ -178,9 +189,3 @@ def diagonal_block(matrix: Sparse, begin: int, end: int, left: int, width: int =
 def _entries(first: int, left: int, matrix: Sparse) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
     return first + row, left + matrix.indices, matrix.data
-
-
-def _compressed(
-    value: np.ndarray, row: np.ndarray, column: np.ndarray, n: int
-) -> scipy.sparse.csc_array:
-    return scipy.sparse.csc_array((value, (row, column)), shape=(n, n))

@@ -15,6 +15,7 @@ from dalembert.sensitivity.nonsmooth.connected_contacts import (
 )
 from dalembert.sensitivity.nonsmooth.contact_changes import MARGIN, ContactChanges
 from dalembert.sensitivity.nonsmooth.free_steps import FreeSteps, LastingContacts, mobility_of
+from dalembert.sensitivity.nonsmooth.gap_matrices import distance_slopes
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
 from dalembert.sensitivity.nonsmooth.instant_shifts import InstantShifts
 from dalembert.sensitivity.nonsmooth.proximal_factors import diagonal_block
@@ -36,13 +37,13 @@ class StackedImpacts:
     Attributes
     ----------
     located : (K,) mask of the steps whose impacts are among these; others have impacts on bodies
-        coupled by forces, impacts on the same bodies that come one after the other and do not
-        remain closed, or offsets that depend on forces
+        coupled by forces, or impacts on the same bodies that come one after the other and do not
+        remain closed
     """
 
     def __init__(self, maps: StackedMaps):
         self._maps, self._steps, self._values = maps, maps.steps, maps.contacts.gaps.values
-        self.located = ~maps.forced & maps.solved
+        self.located = maps.solved.copy()
         begins = maps.contacts.slopes.bounces & self._steps.begins
         if maps.maps.contact_step.smooth.coupling.coupled.size:
             self.located[self._steps.owner[begins]] = False
@@ -205,7 +206,7 @@ class StackedImpacts:
         weights = -1 / (np.where(speeds != 0, speeds, 1.0) * sizes)
         shape = self._step_of.size, self._values.distance.size
         mean = scipy.sparse.csr_array((weights, (self._label, rows)), shape=shape)
-        return mean @ self._maps.contacts.gap_slopes["distance"]
+        return mean @ distance_slopes(self._maps.contacts.gaps)
 
     @cached_property
     def _ordered(self) -> tuple[np.ndarray, np.ndarray, Sparse, np.ndarray]:

@@ -16,10 +16,11 @@ from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts
 from dalembert.sensitivity.nonsmooth.contact_changes import near_change
 from dalembert.sensitivity.nonsmooth.contact_equations import ContactEquations
 from dalembert.sensitivity.nonsmooth.contact_maps import SOLVED, ContactMaps, terms_of
+from dalembert.sensitivity.nonsmooth.forced_changes import ForcedSteps
 from dalembert.sensitivity.nonsmooth.free_steps import LastingContacts
 from dalembert.sensitivity.nonsmooth.gap_matrices import NAMES, MatrixGaps
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
-from dalembert.sensitivity.nonsmooth.linear_map import ForcedChange, MapAt
+from dalembert.sensitivity.nonsmooth.linear_map import MapAt
 from dalembert.sensitivity.nonsmooth.proximal_factors import (
     Block,
     ProximalFactors,
@@ -145,6 +146,9 @@ class StackedMaps:
         (n_q, K), with other equations of the contacts."""
         change = dq.T.reshape(-1, 1)
         momentum, rows = contacts.push(change)
+        if self.forced.any():
+            largest = (self._forced @ change)[np.repeat(self.steps.owner, contacts.own.shape[1])]
+            rows += contacts.by_forced[:, None] * largest
         right = np.concatenate([self._by_q @ change - momentum, rows])[self._order]
         solution = np.zeros_like(right)
         for k in numbers:
@@ -158,6 +162,8 @@ class StackedMaps:
     def _by_all(self) -> Sparse:
         """Derivatives of all equations by ``q``, by steps."""
         momentum, rows = self.contacts.by_q
+        if self.forced.any():
+            rows = rows + self._by_forced @ self._forced
         joined = scipy.sparse.csr_array(scipy.sparse.vstack([self._by_q - momentum, rows]))
         return joined[self._order]
 
@@ -167,7 +173,7 @@ class StackedMaps:
         Parameters
         ----------
         whole : whether ``by_q`` has the derivatives of the contacts, too, in place of their
-            equations; not for ``forced`` steps
+            equations
         """
         begin, end = self._bounds[k : k + 2]
         first, contacts = self.steps.first, None
@@ -176,7 +182,7 @@ class StackedMaps:
         else:
             by_q = self._block(self._by_q, self.maps.speeds, k)
             contacts = self._contacts(k) if first[k] < first[k + 1] else None
-        forced = self._forced(k) if self.forced[k] else None
+        forced = self._block(self._forced, 1, k) if self.forced[k] and not whole else None
         factors = self.factors(k)
         z = self._z[self._order[begin:end]]
         (by_z, by_state), rows = self._next, self.following.shape[0]
@@ -192,11 +198,29 @@ class StackedMaps:
             begin, end = rows[k : k + 2]
         return diagonal_block(matrix, begin, end, width * k, width)
 
-    def _forced(self, k: int) -> ForcedChange:
-        steps, rows = self.steps, slice(*self.steps.first[k : k + 2])
-        y, v = np.split(steps.x[:, k], [self.maps.size])
-        offsets = steps.active.offsets[rows][self.contacts.slopes.forced[rows] > 0]
-        return self.maps.forced_change(y, v, float(steps.t[k]), float(steps.h[k]), offsets)
+    @cached_property
+    def _forced(self) -> Sparse:
+        """(K, K n_q) derivatives of the largest changes of normal speeds by forces, 0 in the steps
+        without offsets that depend on them."""
+        steps, numbers = self.steps, np.flatnonzero(self.forced)
+        rows = np.flatnonzero(self.contacts.slopes.forced)
+        ends = np.searchsorted(steps.owner[rows], numbers[1:])
+        offsets = np.split(steps.active.offsets[rows, 0], ends)
+        own = ForcedSteps(steps.x[:, numbers], steps.t[numbers], steps.h[numbers], offsets)
+        changes = self.maps.forced_changes(own).tocoo()
+        width = steps.x.shape[0] + 1 + self.maps.p.size
+        row, (step, column) = numbers[changes.row], np.divmod(changes.col, width)
+        places = row, numbers[step] * width + column
+        shape = steps.count, steps.count * width
+        return scipy.sparse.csr_array((changes.data, places), shape=shape)
+
+    @property
+    def _by_forced(self) -> Sparse:
+        """(n k, K) derivatives of the equations of contacts by the largest changes."""
+        count, rows = self.steps.count, self.contacts.by_forced
+        owner = np.repeat(self.steps.owner, self.contacts.own.shape[1])
+        places = owner, np.arange(rows.size + 1)
+        return scipy.sparse.csr_array((rows, *places), shape=(rows.size, count))
 
     def _contacts(self, k: int) -> ContactEquations:
         """Equations of the contacts of a step."""

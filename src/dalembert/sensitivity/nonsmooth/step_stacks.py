@@ -11,8 +11,9 @@ from dalembert.sensitivity.nonsmooth.recorded_contacts import RecordedContacts
 from dalembert.sensitivity.nonsmooth.stacked_impacts import StackedImpacts
 from dalembert.sensitivity.nonsmooth.stacked_maps import StackedMaps, StepColumns
 
-STACK = 64
-"""Number of steps whose maps are evaluated together."""
+STACK, ENTRIES = 128, 800_000
+"""Upper limits of the steps whose maps are evaluated together, and of the entries of their states,
+which bound the memory."""
 UNMOVED = 0.1
 """Threshold of a correction of positions, relative to the penetration that counts as rounding
 [-]."""
@@ -43,6 +44,7 @@ class StepStacks:
         self._x = np.vstack([record.ends.y, record.ends.v])
         unfit = step.smooth.has_joints or step.force_laws.elements
         self._fit = np.zeros_like(repeated) if unfit else ~repeated
+        self._length = int(np.clip(ENTRIES // self._x.shape[0], 1, STACK))
         self._number = -1
         self._impacts: StackedImpacts | None = None
         self._last: tuple[dict[int, int], StackedMaps | None] = {}, None
@@ -52,8 +54,9 @@ class StepStacks:
         joints, force laws or corrections of positions, or solutions that are not recorded."""
         if not self._fit[k]:
             return None
-        if k // STACK != self._number:
-            self._number, self._last = k // STACK, self._evaluated(k // STACK)
+        number = k // self._length
+        if number != self._number:
+            self._number, self._last = number, self._evaluated(number)
             self._impacts = None
         places, maps = self._last
         return None if maps is None or k not in places else (maps, places[k])
@@ -71,8 +74,8 @@ class StepStacks:
 
     def _evaluated(self, number: int) -> tuple[dict[int, int], StackedMaps | None]:
         """Places of steps in their maps, and the maps."""
-        t, first = self._record.t, number * STACK
-        numbers = first + np.flatnonzero(self._fit[first : first + STACK])
+        t, first = self._record.t, number * self._length
+        numbers = first + np.flatnonzero(self._fit[first : first + self._length])
         place = np.full(self._fit.size, -1)
         place[numbers] = np.arange(numbers.size)
         rows = np.flatnonzero(place[self._contacts.owner] >= 0)

@@ -1,0 +1,63 @@
+"""Gaps with the largest changes of normal speeds by forces in steps, without impulses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dalembert.analysis.nonsmooth.advance import AHEAD
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.errors import AnalysisError
+
+SAME = 1e-8
+"""Tolerance of an offset that equals the change, relative to it [-]."""
+
+
+@dataclass(frozen=True, eq=False)
+class ForcedSteps:
+    """Steps with offsets that equal the largest change of a normal speed by forces.
+
+    Attributes
+    ----------
+    x : (n_x, K) states at the starts
+    t, h : (K,) starts and lengths
+    offsets : normal offsets of the contacts of each step that equal the change
+    """
+
+    x: np.ndarray
+    t: np.ndarray
+    h: np.ndarray
+    offsets: list[np.ndarray]
+
+    @property
+    def count(self) -> int:
+        """Number of steps."""
+        return self.t.size
+
+    def largest(self, step: ContactStep, free: np.ndarray) -> tuple[np.ndarray, ...]:
+        """(K,) keys of the gaps with the largest changes for speeds ``free`` (n_v, K) at the ends,
+        signs of the changes, and mask of the gaps with directions at the starts.
+
+        Raises
+        ------
+        AnalysisError
+            An offset is not the change.
+        """
+        found = [self._largest(step, k, column) for k, column in enumerate(free.T)]
+        keys, signs, kept = (np.array(values) for values in zip(*found, strict=True))
+        return keys, signs, kept
+
+    def _largest(self, step: ContactStep, k: int, free: np.ndarray) -> tuple[int, float, bool]:
+        y, v = np.split(self.x[:, k], [self.x.shape[0] - free.size])
+        t, h = float(self.t[k]), float(self.h[k])
+        near = step.near(step.at(t, y), AHEAD * h * np.column_stack([v, free]))
+        contacts = step.in_middle(step.begin(t, h, y, v, False), near)
+        changes = (contacts.at_end(free) - contacts.at_start(v))[:, 0]
+        row = int(np.argmax(np.abs(changes)))
+        if not np.allclose(self.offsets[k], abs(changes[row]), rtol=SAME, atol=0):
+            raise AnalysisError(
+                f"the speed of a contact in the step at t = {t:.9g} s follows no branch of "
+                f"{type(step.scheme).__name__} with a derivative; use integrator=da.MoreauJean()"
+            )
+        return int(contacts.key[row]), float(np.sign(changes[row])), bool(contacts.kept_mask[row])
