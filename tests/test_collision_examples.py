@@ -52,7 +52,7 @@ def test_chain_hoist_lifts_with_the_polygon_effect(
 ) -> None:
     """A tooth lifts by a pitch, at ``ω R cos θ``; impacts of rollers take the rest of the work."""
     hoist = script("chain_hoist")
-    monkeypatch.setattr(hoist.main, "__defaults__", (None, 0.28))
+    monkeypatch.setattr(hoist.main, "__defaults__", (None, 0.36))
     monkeypatch.setattr(hoist, "HANGING", (5, 3))  # more than two pitches are not lifted
     printed = numbers("chain_hoist", pictures)
     assert printed["finished"] == 1

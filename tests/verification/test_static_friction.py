@@ -65,6 +65,7 @@ def test_a_sliding_block_keeps_sliding_until_it_stops(scheme):
     assert motion["block.x"][-1].item() == pytest.approx(-0.5 * stops / 2, abs=0.5 * 1e-3)
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("direction", [-1, 1])
 @pytest.mark.parametrize("step", [1e-2, 5e-3, 2e-3])
