@@ -171,3 +171,33 @@ def desk(browser: Any, studio_server: Studio) -> Iterator[tuple[Desk, Studio]]:
     reset(studio_server)
     with opened(browser, studio_server) as visit:
         yield visit, studio_server
+
+
+@pytest.fixture(scope="module")
+def shared_page(browser: Any, studio_server: Studio) -> Iterator[Desk]:
+    """A page that the tests of a module use in turn."""
+    reset(studio_server)
+    with opened(browser, studio_server) as visit:
+        yield visit
+
+
+@pytest.fixture
+def shared_desk(shared_page: Desk, studio_server: Studio) -> tuple[Desk, Studio]:
+    """This page with a new model and the tool that selects.
+
+    For tests of drawings, which begin with a text of their own: to load a page takes a second of
+    the processor.
+    """
+    visit = shared_page
+    if visit.revision != visit.base:
+        visit.page.keyboard.press("Escape")
+        visit.page.keyboard.press("Escape")
+        revision = visit.revision
+        reset(studio_server)
+        visit.settle(revision + 1)
+        visit.page.keyboard.press("Escape")
+        visit.page.locator("#palette button").first.click()
+        visit.js(LOOK)
+        visit.base = visit.revision
+    visit.still_only = False
+    return visit, studio_server

@@ -35,6 +35,11 @@ TEXT = (
 
 
 @pytest.fixture
+def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
+    return shared_desk
+
+
+@pytest.fixture
 def page(desk: tuple[Desk, Studio]) -> Desk:
     visit, _ = desk
     visit.still_only = True

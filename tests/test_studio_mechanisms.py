@@ -17,6 +17,11 @@ from dalembert.io import load_model_file
 TURN = np.linspace(0, 2 * math.pi, 25)
 
 
+@pytest.fixture
+def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
+    return shared_desk
+
+
 @pytest.fixture(autouse=True)
 def still_only(desk: tuple[Desk, Studio]) -> None:
     """Pictures that compute are not needed here."""

@@ -43,6 +43,11 @@ radius = 0.02
 """
 
 
+@pytest.fixture
+def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
+    return shared_desk
+
+
 def paths(text: str, folder: Path, name: str) -> np.ndarray:
     """Places of both bodies over time."""
     path = folder / f"{name}.toml"
