@@ -56,6 +56,11 @@ TOOLS: dict[str, tuple[str, list[tuple[float, float]], str, str, dict[str, Any]]
 """Key of a tool → start, clicks, and the section, name and fields of the new entry."""
 
 
+@pytest.fixture
+def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
+    return shared_desk
+
+
 @pytest.fixture(autouse=True)
 def still_only(desk: tuple[Desk, Studio]) -> None:
     """Pictures that compute are not needed here."""
