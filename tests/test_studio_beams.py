@@ -42,7 +42,6 @@ def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
 @pytest.fixture
 def page(desk: tuple[Desk, Studio]) -> Desk:
     visit, _ = desk
-    visit.still_only = True
     visit.show(TEXT)
     return visit
 

@@ -22,12 +22,6 @@ def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
     return shared_desk
 
 
-@pytest.fixture(autouse=True)
-def still_only(desk: tuple[Desk, Studio]) -> None:
-    """Pictures that compute are not needed here."""
-    desk[0].still_only = True
-
-
 def typed(visit: Desk, key: str, *places: str) -> None:
     """Use a tool whose places are typed."""
     revision = visit.revision

@@ -26,14 +26,8 @@ FOUR_BAR = (
 """Keys of tools and places: three bars, two pins at the ground and a motor."""
 
 
-@pytest.fixture
-def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
-    return shared_desk
-
-
 def test_a_four_bar_is_drawn_moved_and_saved(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     visit, _ = desk
-    visit.still_only = True
     texts = [visit.text]
     assert texts == [UNTITLED]
     for key, *places in FOUR_BAR:

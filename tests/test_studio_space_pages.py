@@ -27,8 +27,7 @@ DROP = """(() => {
 
 
 def test_the_contexts_of_replaced_pictures_are_freed(desk: SpaceDesk) -> None:
-    """Each at once: browsers allow about sixteen at a time and lose the oldest one for a new one."""
-    desk.still_only = True
+    """Each at once: of more than about sixteen, browsers lose the oldest one for a new one."""
     desk.show(BOXES)
     desk.page.add_init_script(COUNT)
     for k in range(8):

@@ -61,12 +61,6 @@ def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
     return shared_desk
 
 
-@pytest.fixture(autouse=True)
-def still_only(desk: tuple[Desk, Studio]) -> None:
-    """Pictures that compute are not needed here."""
-    desk[0].still_only = True
-
-
 def test_each_tool_draws_a_model(
     desk: tuple[Desk, Studio],
     tmp_path: Path,
