@@ -16,7 +16,13 @@ import pytest
 from browser import browser, session_browser, show  # noqa: F401
 from hypothesis import settings
 from processor_times import ProcessorTimes
-from studio_desk import desk, studio_server  # noqa: F401
+from studio_desk import (  # noqa: F401
+    desk,
+    shared_desk,
+    shared_page,
+    still_server,
+    studio_server,
+)
 from thorough import mark_products
 
 from dalembert.io import json_schema

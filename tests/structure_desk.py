@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 from browser import browser  # noqa: F401
-from studio_desk import Desk
-from studio_runs import running_studio
+from studio_desk import Desk, opened, reset
+from studio_runs import Studio
 
 import dalembert as da
 from dalembert.io import load_model_file
@@ -23,22 +23,14 @@ LOOK = """(() => {
 
 
 @pytest.fixture(scope="module")
-def page(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Desk, Path]]:  # noqa: F811
-    folder = tmp_path_factory.mktemp("studio")
-    with running_studio(folder) as studio:
-        tab = browser.new_page(viewport={"width": 1400, "height": 850}, reduced_motion="reduce")
-        visit = Desk(tab)
-        tab.on("console", lambda m: visit.console.append(m.text))
-        tab.on("pageerror", lambda e: visit.errors.append(str(e)))
-        tab.goto(studio.address)
-        visit.until("window.studio?.pictures.shown >= 1", 60)
-        tab.click("text=Open…")
-        tab.click("text=New structure")
+def page(browser: Any, studio_server: Studio) -> Iterator[tuple[Desk, Path]]:  # noqa: F811
+    reset(studio_server)
+    with opened(browser, studio_server, "0") as visit:
+        visit.page.click("text=Open…")
+        visit.page.click("text=New structure")
         visit.until("document.documentElement.dataset.structure === 'true'", 20)
         visit.settle()
-        yield visit, folder
-        assert (visit.console, visit.errors) == ([], [])
-        tab.close()
+        yield visit, studio_server.folder
 
 
 @pytest.fixture

@@ -39,12 +39,9 @@ class Desk(Visit):
     Attributes
     ----------
     base : first revision of its text
-    still_only : whether no pictures that compute are made, which take a second of the processor
-        after each change
     """
 
     base = 0
-    still_only = False
 
     @property
     def text(self) -> str:
@@ -69,8 +66,6 @@ class Desk(Visit):
         wanted = self.revision if revision is None else revision
         self.until(f"studio.described?.revision >= {wanted}", WAIT)
         self.until("studio.pictures.shown === studio.described?.number", WAIT)
-        if self.still_only:
-            self.js("void studio.request('cancel')")
 
     def place(self, *place: float) -> tuple[float, float]:
         return tuple(self.page.evaluate(PIXEL, list(place)))  # type: ignore[return-value]
@@ -165,9 +160,45 @@ def studio_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
         yield studio
 
 
+@pytest.fixture(scope="session")
+def still_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
+    """A studio without pictures that compute."""
+    with running_studio(tmp_path_factory.mktemp("still_desks"), live=False) as studio:
+        yield studio
+
+
 @pytest.fixture
 def desk(browser: Any, studio_server: Studio) -> Iterator[tuple[Desk, Studio]]:
     """A page with a new model."""
     reset(studio_server)
     with opened(browser, studio_server) as visit:
         yield visit, studio_server
+
+
+@pytest.fixture(scope="module")
+def shared_page(browser: Any, still_server: Studio) -> Iterator[Desk]:
+    """A page without pictures that compute, which the tests of a module use in turn."""
+    reset(still_server)
+    with opened(browser, still_server) as visit:
+        yield visit
+
+
+@pytest.fixture
+def shared_desk(shared_page: Desk, still_server: Studio) -> tuple[Desk, Studio]:
+    """This page with a new model and the tool that selects.
+
+    For tests of drawings, which begin with a text of their own: to load a page takes a second of
+    the processor.
+    """
+    visit = shared_page
+    if visit.revision != visit.base:
+        visit.page.keyboard.press("Escape")
+        visit.page.keyboard.press("Escape")
+        revision = visit.revision
+        reset(still_server)
+        visit.settle(revision + 1)
+        visit.page.keyboard.press("Escape")
+        visit.page.locator("#palette button").first.click()
+        visit.js(LOOK)
+        visit.base = visit.revision
+    return visit, still_server

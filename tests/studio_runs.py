@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+STILL = Path(__file__).with_name("still_studio.py")
+
 
 @dataclass
 class Studio:
@@ -39,11 +41,15 @@ class Studio:
 
 
 @contextmanager
-def running_studio(folder: Path, *arguments: Any) -> Iterator[Studio]:
-    """A studio in a folder, with drafts of its own; it is stopped at the end."""
+def running_studio(folder: Path, *arguments: Any, live: bool = True) -> Iterator[Studio]:
+    """A studio in a folder, with drafts of its own; it is stopped at the end.
+
+    Without ``live`` it makes no pictures that compute.
+    """
+    program = ["-m", "dalembert"] if live else [str(STILL)]
     environment = os.environ | {"XDG_STATE_HOME": str(folder / "state")}
     process = subprocess.Popen(
-        [sys.executable, "-m", "dalembert", "studio", *map(str, arguments), "--no-open"],
+        [sys.executable, *program, "studio", *map(str, arguments), "--no-open"],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,

@@ -51,7 +51,9 @@ def test_chain_hoist_lifts_with_the_polygon_effect(
     pictures: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A tooth lifts by a pitch, at ``ω R cos θ``; impacts of rollers take the rest of the work."""
-    monkeypatch.setattr(script("chain_hoist").main, "__defaults__", (None, 0.36))
+    hoist = script("chain_hoist")
+    monkeypatch.setattr(hoist.main, "__defaults__", (None, 0.36))
+    monkeypatch.setattr(hoist, "HANGING", (5, 3))  # more than two pitches are not lifted
     printed = numbers("chain_hoist", pictures)
     assert printed["finished"] == 1
     assert printed["lift in a pitch of the sprocket [p]"] == pytest.approx(1, abs=0.01)

@@ -76,6 +76,7 @@ def test_a_point_of_the_front_is_a_mechanism(show, front):  # noqa: F811
     page.until("dalembert.player.time > 0.02")
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("viewport", [(1440, 900), (390, 844)])
 def test_draws(show, front, viewport, scheme):  # noqa: F811
@@ -242,6 +243,7 @@ OVERLAPS = """(() => {
 })()"""
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("count", [1, 2, 3, 5, 7, 10])
 @pytest.mark.parametrize("viewport", [(1440, 900), (390, 844)])
 def test_texts_of_parallel_axes_are_clear_of_each_other(show, count, viewport):  # noqa: F811

@@ -91,6 +91,7 @@ def test_write_page_replaces_the_file_in_one_go(
 # In a browser -------------------------------------------------------------
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("viewport", [(1440, 900), (390, 844)])
 @pytest.mark.parametrize("make", [four_bar, gallery])
@@ -283,6 +284,7 @@ def test_theme_button(show: Any) -> None:
     assert page.picture("#scene") != before
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("frames", [0, 1, 2])
 @pytest.mark.parametrize("scene", [{}, {"bodies": []}, {"bodies": [{"name": "only"}]}])
 def test_nearly_empty_payloads(show: Any, frames: int, scene: dict[str, Any]) -> None:

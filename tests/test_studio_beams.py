@@ -17,7 +17,7 @@ from dalembert.io import load_model_file
 
 BEAM = (
     "length = {length}, axial_rigidity = 840000, shear_rigidity = 269230, bending_rigidity = 0.28, "
-    "damping = 0.01, elements = 2, order = 2, mass_per_length = 0.0314, {more} }}"
+    "damping = 0.01, elements = 1, order = 1, mass_per_length = 0.0314, {more} }}"
 )
 TEXT = (
     'format = 1\nname = "test"\ngravity = [0.0, 0.0]\n'
@@ -35,9 +35,13 @@ TEXT = (
 
 
 @pytest.fixture
+def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
+    return shared_desk
+
+
+@pytest.fixture
 def page(desk: tuple[Desk, Studio]) -> Desk:
     visit, _ = desk
-    visit.still_only = True
     visit.show(TEXT)
     return visit
 

@@ -19,6 +19,11 @@ FORCES = """(() => {
 """Forces of the contacts at the end [N]; NaN of those that do not touch."""
 
 
+@pytest.fixture
+def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
+    return shared_desk
+
+
 def test_shapes_are_attached_and_bodies_rest_on_the_floor(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.draw("a", (0.3, 0.5))

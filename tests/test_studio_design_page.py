@@ -59,6 +59,11 @@ SEPARATE = """(() => {
 })()"""
 
 
+@pytest.fixture
+def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
+    return shared_desk
+
+
 def test_an_optimum_is_that_of_python(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     visit, _ = desk
     visit.show(FOUR_BAR)
@@ -98,7 +103,6 @@ AGE = "document.querySelector('.task small').textContent"
 
 def test_a_result_belongs_to_a_text_not_to_its_revision(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
-    visit.still_only = True
     visit.show(FOUR_BAR)
     visit.page.click("#tab-design")
     visit.page.click("#start-task")
@@ -119,7 +123,6 @@ def test_a_result_belongs_to_a_text_not_to_its_revision(desk: tuple[Desk, Studio
 
 def test_sliders_of_a_result_are_written_into_the_text(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
-    visit.still_only = True
     visit.show(
         FOUR_BAR + '[tolerance]\nresponse = "top"\nsamples = 20\ntolerances = { a = 1e-3 }\n'
     )
@@ -153,7 +156,6 @@ def test_sliders_of_a_result_are_written_into_the_text(desk: tuple[Desk, Studio]
 
 def test_responses_are_listed_in_words(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
-    visit.still_only = True
     before, after = FOUR_BAR.split("[responses]\n", 1)
     more = """late = { type = "At", measure = "bar1.end.x", time = 0.5 }
 last = { type = "Final", measure = "bar1.end.y" }
@@ -175,7 +177,6 @@ root = { type = "RMS", measure = "bar1.end.y" }
 
 def test_a_start_beside_a_running_task_is_not_offered(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
-    visit.still_only = True
     visit.show(FOUR_BAR)
     visit.page.click("#tab-design")
     task = visit.js(

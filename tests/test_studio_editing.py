@@ -66,6 +66,11 @@ MAPS = {
 }
 
 
+@pytest.fixture
+def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
+    return shared_desk
+
+
 def test_a_transformed_mechanism_moves_as_the_original(
     desk: tuple[Desk, Studio],
     tmp_path: Path,

@@ -42,9 +42,10 @@ def check_picture(visit: Desk, path: Path) -> None:
         assert np.allclose(place, wanted, atol=2e-6), (name, place, wanted)
 
 
-def test_random_edits_are_shown_and_undone(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
-    visit, _ = desk
-    visit.still_only = True
+def test_random_edits_are_shown_and_undone(
+    shared_desk: tuple[Desk, Studio], tmp_path: Path
+) -> None:
+    visit, _ = shared_desk
     visit.show(MECHANISM)
     rng = random.Random(COUNT)
     done = 0

@@ -78,9 +78,10 @@ CASES: dict[str, tuple[str, str, Place, Place, dict[str, object]]] = {
 """Text, selected element, drag, and values of the text afterwards."""
 
 
-def test_ends_of_a_selected_element_are_dragged(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
-    visit, _ = desk
-    visit.still_only = True
+def test_ends_of_a_selected_element_are_dragged(
+    shared_desk: tuple[Desk, Studio], tmp_path: Path
+) -> None:
+    visit, _ = shared_desk
     for case, (text, name, start, end, values) in CASES.items():
         visit.show(text)
         visit.page.keyboard.press("Escape")

@@ -38,6 +38,11 @@ def rocker_range() -> float:
     return angles[1] - angles[0]
 
 
+@pytest.fixture
+def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
+    return shared_desk
+
+
 def test_another_configuration_is_drawn_and_taken(desk: tuple[Desk, Studio]) -> None:
     """It has the joint B on the other side of the line from A to C."""
     visit, _ = desk

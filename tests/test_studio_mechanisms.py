@@ -17,10 +17,9 @@ from dalembert.io import load_model_file
 TURN = np.linspace(0, 2 * math.pi, 25)
 
 
-@pytest.fixture(autouse=True)
-def still_only(desk: tuple[Desk, Studio]) -> None:
-    """Pictures that compute are not needed here."""
-    desk[0].still_only = True
+@pytest.fixture
+def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
+    return shared_desk
 
 
 def typed(visit: Desk, key: str, *places: str) -> None:

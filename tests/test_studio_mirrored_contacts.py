@@ -43,6 +43,11 @@ radius = 0.02
 """
 
 
+@pytest.fixture
+def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
+    return shared_desk
+
+
 def paths(text: str, folder: Path, name: str) -> np.ndarray:
     """Places of both bodies over time."""
     path = folder / f"{name}.toml"
@@ -53,7 +58,6 @@ def paths(text: str, folder: Path, name: str) -> np.ndarray:
 
 def test_all_is_mirrored(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     visit, _ = desk
-    visit.still_only = True
     visit.show(TEXT)
     visit.page.locator("#palette button").first.focus()
     visit.page.keyboard.press("Control+a")
@@ -80,7 +84,6 @@ def test_the_floor_stays_where_only_the_body_is_selected(
     desk: tuple[Desk, Studio], key: str
 ) -> None:
     visit, _ = desk
-    visit.still_only = True
     visit.show(TEXT)
     before = visit.document["forces"]
     visit.page.locator("#palette button").first.focus()
@@ -100,7 +103,6 @@ def test_the_floor_stays_where_only_the_body_is_selected(
 
 def test_a_plate_touches_the_floor(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
-    visit.still_only = True
     visit.draw("p", (0.3, 0.4), (0.6, 0.4), (0.5, 0.6), (0.3, 0.4))
     visit.draw("C", (0.45, 0.45), (0.45, 0.2))
     (contact,) = visit.document["forces"].values()

@@ -65,9 +65,8 @@ def test_other_keys_are_refused(keys: list[str]) -> None:
         removed(*keys)
 
 
-def test_a_point_is_deleted_in_the_sheet_of_the_model(desk: tuple[Desk, Studio]) -> None:
-    visit, _ = desk
-    visit.still_only = True
+def test_a_point_is_deleted_in_the_sheet_of_the_model(shared_desk: tuple[Desk, Studio]) -> None:
+    visit, _ = shared_desk
     visit.show(TEXT)
     visit.page.click("#tab-model")
     visit.page.locator("[role=treeitem]", has_text="Q").first.click()

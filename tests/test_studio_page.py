@@ -28,7 +28,6 @@ FOUR_BAR = (
 
 def test_a_four_bar_is_drawn_moved_and_saved(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     visit, _ = desk
-    visit.still_only = True
     texts = [visit.text]
     assert texts == [UNTITLED]
     for key, *places in FOUR_BAR:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from test_studio_space import BOXES, SpaceDesk, desk  # noqa: F401
+from studio_runs import Studio
+from test_studio_space import BOXES, SpaceDesk, desk, spatial  # noqa: F401
 
 from dalembert.studio.new_models import UNTITLED_SPATIAL
 
@@ -33,8 +35,12 @@ COUNTED = """(() => {
 """Counts the results of a drag and their instants; marks the solids of the picture."""
 
 
-@pytest.mark.usefixtures("desk")
-def test_a_drag_keeps_the_loop_closed(desk: SpaceDesk) -> None:  # noqa: F811
+def test_a_drag_keeps_the_loop_closed(browser: Any, studio_server: Studio) -> None:
+    with spatial(browser, studio_server) as live_desk:
+        drag_the_loop(live_desk)
+
+
+def drag_the_loop(desk: SpaceDesk) -> None:  # noqa: F811
     text = (EXAMPLES / "rssr_four_bar.toml").read_text("utf-8")
     desk.show(text)
     desk.until("studio.pictures.live", 60)

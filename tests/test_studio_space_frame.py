@@ -42,17 +42,17 @@ class FrameDesk(SpaceDesk):
 
 
 @pytest.fixture(scope="module")
-def desk(browser: Any, studio_server: Studio) -> Any:  # noqa: F811
+def desk(browser: Any, still_server: Studio) -> Any:  # noqa: F811
     """A page with a new spatial structure."""
-    reset(studio_server, structure=True, dimension=3)
-    with opened(browser, studio_server, "0", (1300, 800), FrameDesk) as visit:
+    reset(still_server, structure=True, dimension=3)
+    with opened(browser, still_server, "0", (1300, 800), FrameDesk) as visit:
         visit.until("document.documentElement.dataset.structure === 'true'", 20)
         yield visit
 
 
 def test_a_cantilever_with_two_loads_and_a_torque(desk: FrameDesk, tmp_path: Path) -> None:
     """Displacements are F L³/(3 E I) along both axes; the rotation is T L/(G J)."""
-    keyboard, desk.still_only = desk.page.keyboard, True
+    keyboard = desk.page.keyboard
     desk.js("document.activeElement?.blur()")
     keyboard.press("e")
     keyboard.type("0, 0, 0")
@@ -78,7 +78,6 @@ def test_a_cantilever_with_two_loads_and_a_torque(desk: FrameDesk, tmp_path: Pat
     assert float(result["n2.rz"]) == pytest.approx(twist, rel=1e-9)
     shown = desk.js("studio.pictures.page.motion.symbols.filter((s) => s.moment).length")
     assert shown == 1  # the moment is in the picture
-    desk.still_only = False
 
 
 def test_a_node_is_moved_deleted_and_restored(desk: FrameDesk) -> None:

@@ -77,6 +77,11 @@ def test_entries_on_two_circuits_are_marked() -> None:
     assert "circuit defect" in marks([one[5], one[10], other[-5]])
 
 
+@pytest.fixture
+def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
+    return shared_desk
+
+
 def test_targets_are_dragged(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.show(UNTITLED + PATH)

@@ -56,10 +56,9 @@ TOOLS: dict[str, tuple[str, list[tuple[float, float]], str, str, dict[str, Any]]
 """Key of a tool → start, clicks, and the section, name and fields of the new entry."""
 
 
-@pytest.fixture(autouse=True)
-def still_only(desk: tuple[Desk, Studio]) -> None:
-    """Pictures that compute are not needed here."""
-    desk[0].still_only = True
+@pytest.fixture
+def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
+    return shared_desk
 
 
 def test_each_tool_draws_a_model(

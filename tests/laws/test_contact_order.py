@@ -58,6 +58,7 @@ def lean(inertia: float, time: float) -> float:
     return float(course.y[0, -1])
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("compiled", [True, False])
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize(("build", "inertia"), [(rolling_disc, 0.5), (rolling_ball, 0.4)])

@@ -85,6 +85,7 @@ def test_the_limit_of_arches_is_the_published_one():
     assert limit(61) == pytest.approx(0.1075, abs=2e-4)
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("integrator", [da.AnticipatedImpacts(), da.MoreauJean()])
 @pytest.mark.parametrize("count", [7, 12])
 def test_an_arch_stands_above_its_limit_and_falls_below_it(count, integrator):

@@ -16,6 +16,7 @@ contact = spatial.contact
 RADIUS, SPEED = 0.1, 2.0
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("integrator", [da.AnticipatedImpacts(), da.MoreauJean()])
 @pytest.mark.parametrize("turn", [0.1, 0.3])
 def test_loss_of_energy_at_a_valley(turn, integrator):

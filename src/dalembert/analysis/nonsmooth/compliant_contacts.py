@@ -49,12 +49,19 @@ class CompliantContacts:
         self._before, self._mobility = approach.before[self.rows, 0], mobility[self.rows]
         self.compliance, self.offsets = np.zeros(contacts.count), np.zeros(self.rows.size)
         self.residual, self._share = np.inf, 1.0
+        self._last: tuple[np.ndarray, tuple[np.ndarray, np.ndarray]] | None = None
         self._velocity = approach.free[self.rows, 0]
         if self.rows.size:
             self._linearize()
 
     def law(self, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """``Ψ`` and ``κ`` (c,) at normal velocities (c,) after the step."""
+        """``Ψ`` and ``κ`` (c,) at normal velocities (c,) after the step; those of the last call if
+        the velocities are the same."""
+        if self._last is None or not np.array_equal(velocity, self._last[0]):
+            self._last = velocity, self._law(velocity)
+        return self._last[1]
+
+    def _law(self, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         h, theta = self._h, self._theta
         rate = -(theta * velocity + (1 - theta) * self._before)
         start, end = self._depth, self._depth + h * rate

@@ -137,14 +137,16 @@ class ContactStep(ModelGaps):
     def deepest(self, configuration: Configuration) -> float:
         """The smallest gap of rigid contacts if it is negative, else 0 [m]."""
         if self.force_laws.elements:
-            gaps = self.rigid(self.touching(configuration))
-            return float(gaps.distance.min(initial=0.0))
+            gaps = self.touching(configuration)
+            rigid = ~self.force_laws.compliant(gaps)
+            return float(gaps.distance[rigid].min(initial=0.0))
         return min(source.deepest(configuration) for source in self.sources)
 
     def closed(self, configuration: Configuration) -> Contacts:
         """Gaps of rigid contacts that are negative by more than rounding."""
-        contacts = self.rigid(self.touching(configuration))
-        return contacts.some(contacts.distance < -self.rounding)
+        contacts = self.touching(configuration)
+        rigid = ~self.force_laws.compliant(contacts)
+        return contacts.some(rigid & (contacts.distance < -self.rounding))
 
     def rigid(self, contacts: Contacts) -> Contacts:
         """Those of the contacts that have no force law."""

@@ -75,9 +75,10 @@ class ForceLaws:
 
     def stored(self, contacts: Contacts) -> float:
         """Elastic energy of compressed contacts [J]."""
-        pressed = contacts.some(self.compliant(contacts) & (contacts.distance < 0))
-        depth = -pressed.distance[:, None]
-        return float(self(self.of(pressed), depth, 0 * depth)[3].sum())
+        laws = self.of(contacts)
+        pressed = (laws != RIGID) & (contacts.distance < 0)
+        depth = -contacts.distance[pressed][:, None]
+        return float(self(laws[pressed], depth, 0 * depth)[3].sum())
 
     def _evaluated(self, number: int, depth: np.ndarray, rate: np.ndarray) -> np.ndarray:
         """Values of one law."""

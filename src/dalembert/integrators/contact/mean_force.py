@@ -41,6 +41,8 @@ def mean_force(force: Force, start: np.ndarray, end: np.ndarray, rate: np.ndarra
     """
     roots = np.sqrt(np.maximum(start, 0.0)), np.sqrt(np.maximum(end, 0.0))
     inside = np.flatnonzero(roots[0] + roots[1] > 0)
+    if not inside.size:
+        return MeanForce(*np.zeros((3, start.size)))
     first, last = (root[inside, None] for root in roots)
     root = first + NODES * (last - first)
     weights = WEIGHTS * 2 * root / (first + last)

@@ -6,8 +6,8 @@ arrays are passed as memory.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
-from contextlib import redirect_stderr
 from io import StringIO
 from typing import Any, Literal
 
@@ -56,6 +56,8 @@ def flattened(
     name: str, number: int, argument: Any, size: int, order: Literal["F", "C"] = "F"
 ) -> np.ndarray:
     """An argument as a flat array of ``size`` entries; a single number is broadcast."""
+    if type(argument) is np.ndarray and argument.dtype == float and argument.shape == (size,):
+        return argument if argument.flags.c_contiguous else argument.copy()
     flat = np.asarray(argument, dtype=float).ravel(order=order)  # contiguous
     if flat.size == 1 and size != 1:
         flat = np.full(size, flat[0])
@@ -98,11 +100,13 @@ class Kernel:
         results = [np.zeros(rows * columns) for rows, columns in self._shapes]
         for i, result in enumerate(results):
             buffer.set_res(i, memoryview(result.data))
+        shown, sys.stderr = sys.stderr, StringIO()  # CasADi prints all arguments on failure
         try:
-            with redirect_stderr(StringIO()):  # CasADi prints all arguments on failure
-                trigger()
+            trigger()
         except RuntimeError as error:
             raise SolverFailure(str(error).strip().rpartition(": ")[2].rstrip(".")) from None
+        finally:
+            sys.stderr = shown
         if buffer.ret():  # a failure without an exception; the results are zeros
             raise SolverFailure(NO_SOLUTION)
         self._idle.append((buffer, trigger))

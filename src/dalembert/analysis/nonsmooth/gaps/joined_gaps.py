@@ -20,6 +20,8 @@ def selected_of(
     sources: list[GapSource], offset: int, configuration: Configuration, keys: np.ndarray
 ) -> Contacts:
     """The gaps with some keys, of sources whose keys differ by multiples of ``offset``."""
+    if len(sources) == 1:
+        return sources[0].selected(configuration, keys)
     numbers, own = np.divmod(keys, offset)
     parts, order = [], []
     for number, source in enumerate(sources):

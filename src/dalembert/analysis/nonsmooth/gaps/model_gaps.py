@@ -78,8 +78,16 @@ class ModelGaps:
         return [element.name for source in self.sources for element in source.elements]
 
     def touching(self, configuration: Configuration) -> Contacts:
-        """Gaps that are not open."""
-        return self.near(configuration, np.zeros((self.model.equations.speed_count, 1)))
+        """Gaps that are not open; those of the last call if the configuration is the same."""
+        last = self._last.get("touching")
+        if last is None or not configuration.equals(last[0]):
+            gaps = self.near(configuration, np.zeros((self.model.equations.speed_count, 1)))
+            last = self._last["touching"] = configuration.copy(), gaps
+        return last[1]
+
+    @cached_property
+    def _last(self) -> dict[str, tuple[Configuration, Contacts]]:
+        return {}
 
     @property
     def rounding(self) -> float:
