@@ -7,10 +7,12 @@ from thorough import sampled
 import dalembert as da
 from dalembert import planar, spatial
 from dalembert.analysis.nonsmooth import nonsmooth_run
+from dalembert.analysis.nonsmooth.advance import advance
 from dalembert.analysis.nonsmooth.free_bodies import free_body_march, free_body_steps
 from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
 from dalembert.analysis.nonsmooth.free_bodies.path_repeats import PathRepeats
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
+from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
 
 SEEDS = sampled(range(6), 3)  # on a push one without and one with friction of rolling
 EDGES = 3
@@ -343,3 +345,23 @@ def test_an_interrupted_run_keeps_its_steps():
     assert not motion.status.success
     assert 0.2 <= motion.record.t[-1] <= 0.22
     assert motion.record.loss.size == motion.record.t.size - 1
+
+
+@pytest.mark.parametrize(("seed", "number"), [(7, 88), (8, 152), (16, 159), (45, 104)])
+def test_repeated_steps_of_passing_bodies_are_the_general_steps(seed, number):
+    """Discs that pass each other in a step that is repeated with means over its path."""
+    system, kit = da.System("discs", gravity=(0.0, -9.81)), planar.contact
+    rng, shapes = np.random.default_rng(seed), []
+    for k in range(24):
+        place = (0.12 + 0.23 * (k % 4) + 0.02 * rng.random(), 0.15 + 0.25 * (k // 4))
+        start = {"position": place, "velocity": tuple(1.5 * rng.normal(size=2))}
+        body = system.add(planar.Body(f"b{k}", mass=1.0, inertia=0.005, **start))
+        shapes.append(kit.Circle(body.center, 0.1))
+    right = system.ground.point(0.96, 0.0)
+    walls = (system.ground.center, (0, 1)), (system.ground.center, (1, 0)), (right, (-1, 0))
+    shapes += [kit.HalfPlane(point, normal) for point, normal in walls]
+    system.add(planar.Collisions("hits", shapes, friction=0.3))
+    steps = ContactSteps(da.solve_nonsmooth(system.build(), 0.4, step=2e-3))
+    (y, v), (t, h) = steps.split(number), steps.span(number)
+    general = advance(steps.step, t, h, y, v, steps._last(number - 1))
+    assert general.v == pytest.approx(steps.x[steps.size :, number + 1], abs=1e-7)

@@ -381,24 +381,22 @@ static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const
     r = i*width;
     kept[i] = res[24][r]<0 && -h*res[24][r]>arg[36][5] && casadi_strikes(arg, res, iw, i);
     slot = casadi_on_path(arg, key[i]);
+    gap = casadi_described_gap(ahead, iw, contact, direction, point);
+    casadi_direction_rows(ahead, iw, i, contact[1], contact[3], direction, point, gap);
+    middle = casadi_row(arg[0], column, row[r], row[r+1], arg[22]);
+    end = casadi_row(arg[0], column, row[r], row[r+1], res[19]);
+    if (kept[i]) {
+      kept[i] = !(gap>=0 && res[22][i] + h*(middle + end)/2>=0);
+      gap = casadi_described_gap(arg, iw, contact, normal, point);
+      if (!(casadi_dot(normal, direction)>0)) kept[i] = 1;
+    }
     if (slot>=0) {
       casadi_take_means(arg, iw, i, slot);
       res[22][i] = arg[56][slot];
-    } else {
-      gap = casadi_described_gap(ahead, iw, contact, direction, point);
-      casadi_direction_rows(ahead, iw, i, contact[1], contact[3], direction, point, gap);
-      middle = casadi_row(arg[0], column, row[r], row[r+1], arg[22]);
-      end = casadi_row(arg[0], column, row[r], row[r+1], res[19]);
-      if (kept[i]) {
-        kept[i] = !(gap>=0 && res[22][i] + h*(middle + end)/2>=0);
-        gap = casadi_described_gap(arg, iw, contact, normal, point);
-        if (!(casadi_dot(normal, direction)>0)) kept[i] = 1;
-      }
-      if (kept[i]) {
-        casadi_direction_rows(arg, iw, i, contact[1], contact[3], normal, point, gap);
-      } else if (h*fabs(middle - res[24][r])>arg[36][6]) {
-        res[22][i] = res[22][i]>arg[36][7] ? res[22][i] - arg[36][7] : 0.0;
-      }
+    } else if (kept[i]) {
+      casadi_direction_rows(arg, iw, i, contact[1], contact[3], normal, point, gap);
+    } else if (h*fabs(middle - res[24][r])>arg[36][6]) {
+      res[22][i] = res[22][i]>arg[36][7] ? res[22][i] - arg[36][7] : 0.0;
     }
     for (r=i*width; r<(i+1)*width && (slot>=0 || !kept[i]); ++r) {
       middle = casadi_row(arg[0], column, row[r], row[r+1], arg[22]);
