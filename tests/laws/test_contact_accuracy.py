@@ -150,4 +150,46 @@ def test_longer_steps_that_fail_give_no_number(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(NonsmoothRun, "march", lambda *arguments: failed)
     estimate = motion.error_estimate
     assert estimate.share == np.inf and not motion.warnings
-    assert estimate.text == "not known, because steps twice as long fail at t = 1.5 s"
+    assert estimate.text == "not known, because steps 1.6 times as long fail at t = 1.5 s"
+
+
+@pytest.mark.parametrize(
+    ("scheme", "step"), [(da.AnticipatedImpacts(), 1e-3), (da.MoreauJean(), 1e-3)]
+)
+def test_the_estimate_is_that_of_a_periodic_motion(scheme: da.AnticipatedImpacts, step: float):
+    """A part slips in every period of a trough, at the same part of a step again and again."""
+    period, slope, friction = 0.04, np.radians(25), 0.3
+    omega, times = 2 * np.pi / period, np.linspace(0, 10 * period, 4001)
+    size = 0.8 * G / (omega**2 * np.sin(slope))
+    system = da.System("feeder", gravity=(0, -G))
+    trough = system.add(planar.Body("trough", mass=5.0, inertia=0.1, position=(0, 0)))
+    shake = size * da.sin(omega * da.t)
+    system.add(planar.UserConstraint("along", trough.x - np.cos(slope) * shake))
+    system.add(planar.UserConstraint("up", trough.y - np.sin(slope) * shake))
+    system.add(planar.UserConstraint("level", trough.angle))
+    speed = size * omega * np.array([np.cos(slope), np.sin(slope)])
+    start = {"position": (0, 0.01), "velocity": tuple(speed)}
+    part = system.add(planar.Body("part", mass=0.01, inertia=1e-6, **start))
+    system.add(planar.UserConstraint("upright", part.angle))
+    kit = planar.contact
+    shapes = [kit.Circle(part.center, 0.01), kit.HalfPlane(trough.center)]
+    system.add(planar.Collisions("surface", shapes, friction=friction))
+    motion = da.solve_nonsmooth(system.build(), 10 * period, step=step, integrator=scheme)
+
+    def exact() -> np.ndarray:
+        """Slip with Coulomb friction, ``|a| ≤ μ (g + ÿ)``, in short steps."""
+        n, x, v, places = 200, 0.0, speed[0], [0.0]
+        h = (times[1] - times[0]) / n
+        for t in times[:-1]:
+            for k in range(n):
+                phase = omega * (t + (k + 0.5) * h)
+                limit = friction * (G - size * omega**2 * np.sin(slope) * np.sin(phase)) * h
+                wanted = size * omega * np.cos(slope) * np.cos(phase + omega * h / 2) - v
+                v += min(max(wanted, -limit), limit)
+                x += h * v
+            places.append(x)
+        return np.array(places)
+
+    x = motion.values("part.x")
+    error = np.abs(x - np.interp(motion.time, times, exact())).max() / np.ptp(x)
+    assert error > 0.04 and error / 4 < motion.error_estimate.share < 4 * error

@@ -133,7 +133,7 @@ class Recording(Result):
 
         Its ``share`` is relative to the range of the coordinate, or to the maximum magnitude of the
         speed, of that ``name``, at that ``time``. The first access costs about two more runs, with
-        contacts half a run.
+        contacts five eighths of a run.
         """
         accuracy = getattr(self.record, "accuracy", None)
         return None if accuracy is None else accuracy.estimate
