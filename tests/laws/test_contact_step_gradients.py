@@ -48,7 +48,7 @@ class Repeated:
         (t, h), run = self.steps.span(k), self.run(p)
         result = advance(run.step, t, h, x[: self.size], x[self.size :], self.before)
         position = run.corrected(t + h, h, result)
-        speeds = run.speeds(t + h, position.x, result).v
+        speeds = run.speeds(t, h, position.x, result)[0].v
         if last:
             self.before = result
         return np.concatenate([position.x, speeds])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -189,22 +190,25 @@ class ContactSteps:
         """Map of a step that is repeated: with means of gaps over the path of a solution, or with
         impacts at its start."""
         (t, h), (y, v), x = self.span(k), self.split(k), self.x[:, k]
-        result: StepResult | None = advance(self.step, t, h, y, v, self._last(k - 1))
+        before = self._last(k - 1)
+        if before is not None:  # from its own impulses, as solutions may not be unique
+            before = replace(before, pressing=self._impulses(k).pressing)
+        result: StepResult | None = advance(self.step, t, h, y, v, before)
         results = []
         while result is not None:
             results.append(result)
             result = result.path
-        before: MapAt | None = None
+        path: MapAt | None = None
         if any(self._is_mixed(result) for result in results):
             raise UnsupportedError(
                 f"rigid contacts along curved paths act with contacts with a force law in the step "
                 f"at t = {t:.9g} s: no gradient; give them all force laws, or none"
             )
         for result in reversed(results):
-            own = ActiveContacts.of(result), before, result.impact
-            before = self.maps.step(x, result.v, t, h, *own)
-        assert before is not None
-        return before
+            own = ActiveContacts.of(result), path, result.impact
+            path = self.maps.step(x, result.v, t, h, *own)
+        assert path is not None
+        return path
 
     def _is_mixed(self, result: StepResult) -> bool:
         """Whether rigid contacts have means over a path, and compliant ones others."""
@@ -214,8 +218,10 @@ class ContactSteps:
 
     def _last(self, k: int) -> LastImpulses | None:
         """Part of step ``k`` on which the next one depends; None before the first."""
-        if k < 0:
-            return None
+        return self._impulses(k) if k >= 0 else None
+
+    def _impulses(self, k: int) -> LastImpulses:
+        """Impulses of step ``k``, and the contacts that stick in it."""
         active = self.active(k)
         order = np.argsort(active.keys)
         stuck = active.keys[~self._slips(active.keys, active.impulses)]
