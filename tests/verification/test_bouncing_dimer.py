@@ -21,7 +21,7 @@ G, FREQUENCY, DIAMETER, ASPECT = 9.81, 25.0, 0.00645, 5.7
 REACH, RADIUS = (ASPECT - 1) * DIAMETER / 2, DIAMETER / 2
 LAW = {"restitution": 0.7, "friction": 0.3}
 START = {"position": (0.0, 0.0037526), "angle": 0.034812, "velocity": (0.023264, -0.093854)}
-SPIN, PERIODS, STEPS = -6.1957, 3, 200
+SPIN, PERIODS, STEPS = -6.1957, 3, 400
 """Angular velocity at the start, in the mode [rad/s]; length of the run, steps of a period."""
 
 
