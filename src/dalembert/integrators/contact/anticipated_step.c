@@ -10,6 +10,14 @@ static casadi_real casadi_margin(casadi_real gap, casadi_real before, casadi_rea
   casadi_real open = casadi_open(gap, before, h);
   return margin>open ? margin : open;
 }
+/* whether a gap needs no room for an impact: as its directions turn, it remains open without impulses
+   for the time that it would take */
+static int casadi_passes(casadi_real gap, casadi_real before, casadi_real free, casadi_real turning,
+    casadi_real h, casadi_real longest, casadi_real restitution) {
+  casadi_real ahead = (1 - restitution)*longest/2;
+  gap = (gap>0 ? gap : 0.0) + h*(before + free)/2;
+  return turning>0 && gap + ahead*(free + ahead*turning/h)>=0;
+}
 /* minimum speed of a contact under pressure: impacting, resting or separating */
 static casadi_real casadi_bounce(casadi_real gap, casadi_real before, casadi_real h,
     casadi_real longest, casadi_real restitution, casadi_real forced, casadi_real closing, int fast) {
@@ -30,7 +38,9 @@ static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
   const int* pair = (const int*) res[23];
   const int* group = (const int*) arg[13];
   casadi_int i, a, r, width = iw[1], linear = iw[2]>0 ? group[1] : 1, laws = 2 + iw[2];
-  casadi_real h = arg[36][0], longest = arg[36][8], restitution, margin;
+  const int* row = (const int*) arg[9];
+  const int* column = (const int*) arg[10];
+  casadi_real h = arg[36][0], longest = arg[36][8], restitution, margin, room, turning;
   int fast;
   limits[0] = 0;
   limits[1] = 0;
@@ -50,7 +60,12 @@ static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
       res[26][r+a] = a<linear ? arg[28][law[pair[i]]*laws+1]*before[r+a] : 0.0;
     }
     fast = casadi_strikes(arg, res, iw, i);
-    margin = casadi_margin(res[22][i], before[r], h, longest, fast ? restitution : 0.0);
+    room = fast ? restitution : 0.0;
+    margin = casadi_margin(res[22][i], before[r], h, longest, room);
+    turning = casadi_row(arg[0], column, row[r], row[r+1], arg[22]) - before[r];
+    if (free[r]<margin && casadi_passes(res[22][i], before[r], free[r], turning, h, longest, room)) {
+      margin = casadi_open(res[22][i], before[r], h);
+    }
     if (free[r]<margin) {
       margin = casadi_bounce(res[22][i], before[r], h, longest, restitution, limits[0], arg[37][18],
         fast);

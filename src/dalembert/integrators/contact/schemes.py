@@ -147,8 +147,9 @@ class AnticipatedImpacts(ContactScheme):
     is not positive (discrete gradient: Gonzalez 1996). Along tangents, ``W̄`` is the mean of ``W``
     alone, by which a body that rolls without slip does so in both kinds of steps. An impact needs
     part of the gap for the half step before it, so it is applied one step early, while the gap is
-    large enough: ``u_N⁺ ≥ max(−e u_N⁻, s)``. A contact whose speed after the fall over the gap is
-    within 1.9 times the change of speed by forces in a step comes to rest: it closes its gap
+    large enough: ``u_N⁺ ≥ max(−e u_N⁻, s)``; not if its directions turn so that it remains open
+    by itself, as of a corner that swings past a wall. A contact whose speed after the fall over the
+    gap is within 1.9 times the change of speed by forces in a step comes to rest: it closes its gap
     gradually, and leaves room to stop. An impact in the first
     step may penetrate; the gap is opened after the step. The work ``P·(u⁺ + u⁻)/2`` of an impact is
     not positive. A contact may do positive work if a force reverses the motion within the step; if
@@ -234,7 +235,21 @@ def _room(approach: Approach) -> np.ndarray:
     contact is slow, and by other laws than Newton's."""
     laws = approach.contacts.laws
     rebounds = laws.follows(ImpactLaw.NEWTON) & approach.fast
-    return _margin(approach, np.where(rebounds, laws.restitution, 0.0))
+    restitution = np.where(rebounds, laws.restitution, 0.0)
+    margin = _margin(approach, restitution)
+    passes = (approach.free[:, 0] < margin) & _passes(approach, restitution)
+    return np.where(passes, _open(approach), margin)
+
+
+def _passes(approach: Approach, restitution: np.ndarray) -> np.ndarray:
+    """(n,) mask of the gaps that need no room for an impact: as their directions turn, they remain
+    open without impulses for the time that it would take, though their linear parts close."""
+    turning = np.broadcast_to(approach.contacts.turning, approach.before.shape)[:, 0]
+    ahead = (1 - restitution) * approach.longest / 2
+    gap = np.maximum(approach.contacts.distance, 0)
+    gap = gap + approach.h * (approach.before[:, 0] + approach.free[:, 0]) / 2
+    gap = gap + ahead * (approach.free[:, 0] + ahead * turning / approach.h)
+    return np.asarray((turning > 0) & (gap >= 0))
 
 
 def _bounce(approach: Approach) -> np.ndarray:
