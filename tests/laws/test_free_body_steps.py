@@ -347,7 +347,7 @@ def test_an_interrupted_run_keeps_its_steps():
     assert motion.record.loss.size == motion.record.t.size - 1
 
 
-@pytest.mark.parametrize(("seed", "number"), [(7, 88), (8, 152), (16, 159), (45, 104)])
+@pytest.mark.parametrize(("seed", "number"), [(7, 88), (10, 79), (14, 109), (16, 159), (24, 117)])
 def test_repeated_steps_of_passing_bodies_are_the_general_steps(seed, number):
     """Discs that pass each other in a step that is repeated with means over its path."""
     system, kit = da.System("discs", gravity=(0.0, -9.81)), planar.contact

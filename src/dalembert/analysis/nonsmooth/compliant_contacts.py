@@ -58,7 +58,7 @@ class CompliantContacts:
         """``Ψ`` and ``κ`` (c,) at normal velocities (c,) after the step; those of the last call if
         the velocities are the same."""
         if self._last is None or not np.array_equal(velocity, self._last[0]):
-            self._last = velocity, self._law(velocity)
+            self._last = velocity.copy(), self._law(velocity)
         return self._last[1]
 
     def _law(self, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

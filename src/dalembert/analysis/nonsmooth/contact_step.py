@@ -14,7 +14,7 @@ from dalembert.analysis.nonsmooth.gaps.model_gaps import ModelGaps
 from dalembert.analysis.nonsmooth.impact_stage import impact_stage
 from dalembert.analysis.nonsmooth.middle_directions import (
     in_middle,
-    is_onward,
+    is_same_side,
     with_clearance,
 )
 from dalembert.analysis.nonsmooth.mobility import delassus
@@ -115,8 +115,8 @@ class ContactStep(ModelGaps):
             approach = Approach(contacts, *speeds, start.h, self.longest)
             kept = approach.impacting & (-start.h * approach.before[:, 0] > self.least_travel)
             ends = contacts.distance + start.h * middle.speeds((v + free) / 2)[:, 0]
-            onward = is_onward(contacts, middle, self.model.scales.displacements)
-            kept &= ~((middle.distance >= 0) & (ends >= 0) & onward)
+            same_side = is_same_side(contacts, middle, self.model.scales.displacements)
+            kept &= ~((middle.distance >= 0) & (ends >= 0) & same_side)
         moved = in_middle(contacts, middle, kept, v)
         rigid = ~self.force_laws.compliant(contacts)
         distance = self.cleared(moved.distance, rigid[:, None] * moved.turning, start.h)

@@ -52,7 +52,7 @@ def in_middle(start: Contacts, middle: Contacts, kept: np.ndarray, v: np.ndarray
     return replace(moved, turning=moved.speeds(v) - start.speeds(v))
 
 
-def is_onward(start: Contacts, middle: Contacts, sizes: np.ndarray) -> np.ndarray:
+def is_same_side(start: Contacts, middle: Contacts, sizes: np.ndarray) -> np.ndarray:
     """(n,) mask of the gaps whose normal direction turns by less than a right angle.
 
     Parameters

@@ -15,10 +15,7 @@ from dalembert.analysis.nonsmooth.advance import advance
 from dalembert.analysis.nonsmooth.between_steps import interpolate
 from dalembert.analysis.nonsmooth.contact_check import ContactCheck
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
-from dalembert.analysis.nonsmooth.correction import (
-    ConsistentSpeeds,
-    correct_position,
-)
+from dalembert.analysis.nonsmooth.correction import ConsistentSpeeds, correct_position
 from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.passages import passage_warnings
@@ -131,7 +128,7 @@ class NonsmoothRun:
         return np.stack(log.positions, 1)[:, np.isin(log.times, grid)], status
 
     def march(self, grid: np.ndarray, log: StepLog, report) -> Status:
-        """Steps until the end or until one fails, in spite of shorter ones in its place."""
+        """Steps until the end, or until one fails that is not divided further."""
         result, last, k = None, None, 0
         balls = FreeBodyMarch.of(self.step)
         try:

@@ -1,10 +1,10 @@
-"""Shapes that move through each other within a step of a scheme that sees gaps at its start.
+"""Shapes that move through each other within a step of ``MoreauJean``.
 
-``MoreauJean`` lets a gap that closes in the second half of a step close, and its impacts change the
-motion of half a step. A body that moves farther than another one is thick is then beyond it at the
-end, or is pushed out on its far side. Candidates are gaps whose linear parts close in the step and
-whose normal points to the other side at its end; their shapes are followed through it, where the
-distance of convex shapes has one minimum.
+The scheme evaluates gaps at the start of a step: one that closes in its second half remains closed,
+and impacts change the motion of half a step. A body that moves farther than another one is thick is
+then beyond it at the end, or is pushed out on its far side. Candidates are gaps whose linear parts
+close in the step and whose normal points to the other side at its end; their shapes are followed
+through it, where the distance of convex shapes has one minimum.
 """
 
 from __future__ import annotations
@@ -26,8 +26,9 @@ SAMPLES, ITERATIONS = 8, 24
 """Positions within a step at which shapes are compared at first, and of the search for the closest
 one and for the ends of an overlap."""
 MOST = 100
-"""Upper limit of the passages that a run looks for."""
+"""Upper limit of the passages that are searched for in a run."""
 GOLDEN = (5**0.5 - 1) / 2
+"""Ratio of the golden section [-]."""
 
 
 @dataclass(frozen=True)
@@ -128,6 +129,6 @@ def passage_warnings(passages: list[Passage]) -> list[str]:
     more = "" if number == 1 else f", and in {number - 1}{' or more' * (number >= MOST)} others"
     return [
         f"{worst.names} move through each other within the step at t = {worst.t:.9g} s{more}, by "
-        f"{worst.depth:.3g} m for {worst.duration:.2g} s: MoreauJean sees gaps at the ends of "
+        f"{worst.depth:.3g} m for {worst.duration:.2g} s: MoreauJean evaluates gaps at the ends of "
         f"steps only; use step={shortest / 3:.1g} or shorter, or integrator=AnticipatedImpacts()"
     ]

@@ -27,7 +27,7 @@ JUMP = 0.75
 relative to half of its change, above which it jumps: 1 for a jump, small for a smooth law [-]."""
 LEAST = 0.02
 """Smallest jump, relative to the prescribed speed [-]."""
-FELT = 0.01
+NOTICEABLE = 0.01
 """Change of a normal speed by the projection, relative to that by the impulses, above which the
 contacts take part in it [-]."""
 
@@ -65,12 +65,12 @@ def _projected(
     mobility: Mobility,
     shift: np.ndarray,
 ) -> tuple[ConsistentSpeeds, StepResult]:
-    """The projection with some contacts, if they feel it."""
+    """The projection with some contacts; the ``plain`` one if it hardly changes their speeds."""
     rows = np.flatnonzero(np.isin(result.contacts.key, contacts.key))
     impulses = result.impulses.impulses[rows]
     matrix = delassus(contacts.directions, mobility)
     passed = (matrix @ impulses.ravel()).reshape(impulses.shape)
-    if not (np.abs(shift) > FELT * np.abs(passed[:, 0])).any():
+    if not (np.abs(shift) > NOTICEABLE * np.abs(passed[:, 0])).any():
         return plain, result
     velocity = contacts.at_end(plain.v) - passed
     velocity[:, 0] -= contacts.at_end(result.v)[:, 0]

@@ -94,14 +94,14 @@ def anticipated_slopes(
     zero = np.zeros(u.size)
     one = np.where(overlaps, 0.0, 1.0)
     margin = (gap + h * u / 2) / room
-    by_law = margin * approach.longest / 2 / room
+    by_restitution = margin * approach.longest / 2 / room
     branches = np.array(  # value, derivatives by g, u and e, by the change of speed by forces
         [
             [closing * gap / h, closing / h * one, zero, zero, zero],  # at rest
             [2 * contacts.distance / h + u, 2 / h + zero, 1 + zero, zero, zero],  # remains open
             [bounce, zero, *bounced, zero],  # impact
             [(gap + h * u / 2) / stop, one / stop, h / 2 / stop + zero, zero, zero],  # separates
-            [margin, one / room, h / 2 / room, newton * by_law, zero],  # room for impacts
+            [margin, one / room, h / 2 / room, newton * by_restitution, zero],  # room for impacts
             [u, zero, 1 + zero, zero, zero],  # no work
             [offsets[:, 0], zero, zero, zero, 1 + zero],  # approaches as forces change its speed
         ]

@@ -44,11 +44,12 @@ class ForcedSteps:
         AnalysisError
             An offset is not the change.
         """
-        found = [self._largest(step, k, column) for k, column in enumerate(free.T)]
-        keys, signs, kept = (np.array(values) for values in zip(*found, strict=True))
+        gaps = [self._largest(step, k, column) for k, column in enumerate(free.T)]
+        keys, signs, kept = (np.array(values) for values in zip(*gaps, strict=True))
         return keys, signs, kept
 
     def _largest(self, step: ContactStep, k: int, free: np.ndarray) -> tuple[int, float, bool]:
+        """Key, sign and direction at the start of the gap of step ``k``."""
         y, v = np.split(self.x[:, k], [self.x.shape[0] - free.size])
         t, h = float(self.t[k]), float(self.h[k])
         near = step.near(step.at(t, y), AHEAD * h * np.column_stack([v, free]))

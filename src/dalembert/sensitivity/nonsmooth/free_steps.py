@@ -106,7 +106,7 @@ class FreeSteps:
         self, problem: FrictionProblem, lasting: LastingContacts, first: np.ndarray
     ) -> np.ndarray:
         """(n, k) impulses, one step after the other in machine code, else by Newton's method for
-        all steps together; those that are not solved again on their own."""
+        all steps together; steps beyond the tolerance are solved again, one by one."""
         solver, used = self._maps.contact_step.solver, np.flatnonzero(np.diff(first))
         begins = first[used]
         scales = np.maximum.reduceat(np.abs(problem.velocity).max(axis=1), begins)

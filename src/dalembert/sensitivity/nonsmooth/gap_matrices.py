@@ -130,7 +130,7 @@ def _momentum(gaps: SourceGaps) -> Sparse:
 
 
 def _weighted(gaps: SourceGaps, weights: dict[str, np.ndarray]) -> Sparse:
-    """Derivatives by ``q`` of ``weighted_sums``, without those of each field."""
+    """``weighted_sums`` of one source, whose weights multiply the derivatives of gaps first."""
     (width, _), end = gaps.shape, gaps.end
     places = [gaps.start.geometry, gaps.middle.geometry, *_velocities(gaps)]
     first, ahead, start, middle = np.cumsum([0, *(place.shape[0] for place in places[:-1])])

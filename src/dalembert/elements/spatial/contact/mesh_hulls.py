@@ -92,18 +92,16 @@ class MeshHulls(Shape):
 
     def _convex(self, corners: np.ndarray, entity: str) -> ConvexHull:
         """The hull of the corners of a convex mesh, or of those that come nearest to it."""
-        from dalembert.elements.spatial.contact.hull_reduction import reduced_hull
-
         if len(corners) <= MOST:
             return ConvexHull.of(corners, entity, self.body.name)
         size = float(np.ptp(corners, axis=0).max())
-        chosen, distance = reduced_hull(corners, MOST)
+        chosen, distance = _reduced_hull(corners, MOST)
         if distance > self.concavity * size:
             raise ModelError(
                 f"its {len(corners)} corners are convex, and the hull of {MOST} of them, the most "
                 f"in collisions, is up to {distance / size:.2g} of the size of the mesh inside its "
-                f"surface, where concavity={self.concavity:g} permits less; give a larger one, or "
-                "use boxes, capsules, cylinders and spheres",
+                f"surface, where concavity={self.concavity:g} permits less; give a larger "
+                "concavity, or use boxes, capsules, cylinders and spheres",
                 entity,
             )
         return ConvexHull.of(corners[chosen], entity, self.body.name)
@@ -118,3 +116,38 @@ class MeshHulls(Shape):
     def look(self, near: Any) -> list[Look]:
         scale = self.body.scale.sx
         return [Surface(self.body, form.corners, form.triangles, scale) for form in self.forms]
+
+
+def _reduced_hull(points: np.ndarray, most: int) -> tuple[np.ndarray, float]:
+    """Numbers of at most ``most`` of the points (n, 3), and the largest distance of the others from
+    the planes of their convex hull.
+
+    The corners are extreme along the axes; then the one farthest outside of their hull is added.
+    """
+    from scipy.spatial import ConvexHull as Qhull
+
+    ends = np.concatenate([points.argmin(axis=0), points.argmax(axis=0)])
+    chosen = list(dict.fromkeys(int(k) for k in ends))
+    chosen = _with_volume(points, chosen)
+    while True:
+        planes = Qhull(points[chosen]).equations
+        outside = (points @ planes[:, :3].T + planes[:, 3]).max(axis=1)
+        outside[chosen] = 0.0
+        farthest = int(np.argmax(outside))
+        if len(chosen) >= most or outside[farthest] <= 0:
+            return np.array(chosen), float(max(outside[farthest], 0.0))
+        chosen.append(farthest)
+
+
+def _with_volume(points: np.ndarray, chosen: list[int]) -> list[int]:
+    """The chosen points, and others until they enclose a volume."""
+    for _ in range(3):
+        relative = points[chosen] - points[chosen[0]]
+        basis, sizes, _ = np.linalg.svd(relative.T)
+        flat = sizes < 1e-6 * np.ptp(points, axis=0).max()
+        rank = int(np.count_nonzero(~flat))
+        if rank == 3:
+            break
+        away = np.abs((points - points[chosen[0]]) @ basis[:, rank:]).max(axis=1)
+        chosen = [*chosen, int(np.argmax(away))]
+    return chosen
