@@ -98,3 +98,38 @@ def test_contacts_that_give_energy_are_warned_about():
     (warning,) = [text for text in motion.warnings if text.startswith("contacts gave")]
     assert float(warning.split()[2]) == pytest.approx(gain, rel=0.01)
     assert not [text for text in run().warnings if text.startswith("contacts gave")]
+
+
+def turning_bar(turn: float) -> da.Model:
+    """A bar that turns by an angle per step beside a post, clear of it at all ends of steps."""
+    system, shapes = da.System("bar", gravity=(0, 0)), planar.contact
+    spin = {"angle": 0.3, "angular_velocity": turn / STEP}
+    bar = system.add(planar.Body("bar", mass=1.0, inertia=0.1, **spin))
+    post = shapes.Circle(system.ground.point(0, 0.4), SIDE)
+    capsule = shapes.Capsule(bar.point(-0.5, 0), bar.point(0.5, 0), SIDE / 2)
+    system.add(planar.Collisions("hit", [capsule, post]))
+    return system.build()
+
+
+@pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
+@pytest.mark.parametrize("turn", [0.5 * np.pi, np.pi])
+def test_a_bar_that_turns_past_a_post_within_a_step_is_warned_about(turn, scheme):
+    """With the proposed step the post stops it."""
+    warnings = []
+    for step in (STEP, None):
+        step = step or float(re.search(r"use step=(\S+) or shorter", warnings[0])[1])
+        motion = da.solve_nonsmooth(turning_bar(turn), 0.1, step=step, integrator=scheme)
+        assert motion.status.success
+        warnings.append(" ".join(text for text in motion.warnings if "a body turns by" in text))
+    assert warnings[0].startswith("shapes overlap by") and not warnings[1]
+    assert motion.record.key.size
+
+
+def test_a_disc_may_turn_as_fast_as_it_likes():
+    system, shapes = da.System("disc", gravity=(0, -9.81)), planar.contact
+    spin = {"position": (0, SIDE), "angular_velocity": 3 / STEP}
+    disc = system.add(planar.Body("disc", mass=1.0, inertia=1e-4, **spin))
+    sides = [shapes.Circle(disc, SIDE), shapes.HalfPlane(system.ground.center)]
+    system.add(planar.Collisions("hit", sides, friction=0.01))
+    motion = da.solve_nonsmooth(system.build(), 0.1, step=STEP)
+    assert motion.record.key.size and not motion.warnings

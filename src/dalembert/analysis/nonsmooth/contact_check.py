@@ -16,6 +16,7 @@ from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.gained_energy import gain_warnings
 from dalembert.analysis.nonsmooth.lifted_bodies import lifting_warnings
 from dalembert.analysis.nonsmooth.missing_rebounds import rebound_warnings
+from dalembert.analysis.nonsmooth.quick_rotations import rotation_warnings
 from dalembert.analysis.nonsmooth.touching_shapes import bodies_of
 from dalembert.analysis.residual_check import EXACT, ResidualCheck
 from dalembert.formulations.base import Level
@@ -138,6 +139,7 @@ class ContactCheck(ResidualCheck):
             )
         warnings += gain_warnings(record, self.energy.moved)
         warnings += duration_warnings(record, self.energy.moved)
+        warnings += rotation_warnings(self.step, record)
         if self.step.scheme.anticipates:
             warnings += alternation_warnings(record)
         return warnings + rebound_warnings(self.step, record, self.energy.moved)
