@@ -213,8 +213,9 @@ def test_a_coefficient_of_two_groups_keeps_all_other_pairs(tmp_path: Path) -> No
     calls = [["pairChange", "hits", e, g, k, v] for e in entries for g, k, v, _, _ in PAIRS]
     operations = iter(operations_of(tmp_path, "contact_laws.js", *calls))
     for index, text in enumerate(texts):
-        for row in PAIRS:
-            assert apply(text, next(operations)) == replaced(text, row[3 + index])
+        for *_, in_rows, in_tables in PAIRS:
+            parts = (in_rows, in_tables)[index]
+            assert apply(text, next(operations)) == replaced(text, parts)
 
 
 def test_the_last_pair_and_all_coefficients_are_removed(tmp_path: Path) -> None:
