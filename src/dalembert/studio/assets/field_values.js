@@ -15,14 +15,17 @@ export function entered(text, { whole = false, least = whole ? 1 : -Infinity, te
   return { value: Number.isFinite(number) ? number : shown };
 }
 
-/** Carry out what was typed into a field, or show what is wrong with it. A field that cannot be empty shows its former text again.
+/** Event of a field that bubbles to the page; its detail states why the text was refused. */
+export const REFUSAL = "refused";
+
+/** Carry out what was typed into a field, or state what is wrong with it. A field that cannot be empty shows its former text again.
  * @param {HTMLInputElement} input @param {FieldKind} kind @param {unknown} former value in the file @param {(value: string | number | null) => void} act */
 export function accept(input, kind, former, act) {
   const typed = entered(input.value, kind), problem = "problem" in typed ? typed.problem : "", isRestored = "isEmpty" in typed && former !== undefined && former !== "";
   if (isRestored) input.value = String(former);
   input.setAttribute("aria-invalid", String(Boolean(problem) && !isRestored));
-  input.setCustomValidity(problem);
+  input.setCustomValidity(isRestored ? "" : problem);
   if ("value" in typed) return act(typed.value);
-  input.reportValidity();
-  if (isRestored) for (const kind of ["input", "blur"]) input.addEventListener(kind, () => input.setCustomValidity(""), { once: true });
+  if (!isRestored) input.reportValidity();
+  input.dispatchEvent(new CustomEvent(REFUSAL, { bubbles: true, detail: problem }));
 }

@@ -6,6 +6,7 @@ import { numberField } from "./analysis.js";
 import { titleOf } from "./design.js";
 import { button, el } from "./dom.js";
 import { accept } from "./field_values.js";
+import { CHART, chartScale, drawChart } from "./function_chart.js";
 import { SIX_BARS, linkageFields } from "./six_bars.js";
 import { COLUMNS, addedFunctionPoint, movedFunctionPoint, removedRow, synthesisOf, targetOf, typed } from "./target_edits.js";
 import { taskCard } from "./tasks.js";
@@ -108,56 +109,27 @@ export class SynthesisSheet {
 
   /** Chart on which points of a function are clicked. */
   functionTarget() {
-    const canvas = el("canvas", { class: "function", width: 640, height: 320, tabindex: "0", role: "img", "aria-label": "Output over crank angle; a click adds a point" }), { crank, outputs } = targetOf(this.document), stated = outputs.filter(Number.isFinite);
-    const turn = 2 * Math.PI, low = Math.min(-1, ...stated) - 0.2, high = Math.max(1, ...stated) + 0.2, left = 44, bottom = 30;
-    const at = (/** @type {number} */ x, /** @type {number} */ y) => [left + (x / turn) * (640 - left - 10), 320 - bottom - ((y - low) / (high - low)) * (320 - bottom - 10)];
-    const pixel = (/** @type {PointerEvent} */ event) => { const box = canvas.getBoundingClientRect(); return [((event.clientX - box.left) / box.width) * 640, ((event.clientY - box.top) / box.height) * 320]; };
-    const valueAt = (/** @type {number} */ u, /** @type {number} */ v) => [((u - left) / (640 - left - 10)) * turn, low + ((320 - bottom - v) / (320 - bottom - 10)) * (high - low)].map((value) => Number(value.toPrecision(4)));
+    const canvas = el("canvas", { class: "function", ...CHART, tabindex: "0", role: "img", "aria-label": "Output over crank angle; a click adds a point" }), { crank, outputs } = targetOf(this.document), scale = chartScale(outputs);
+    const at = (/** @type {PointerEvent} */ event) => { const box = canvas.getBoundingClientRect(); return [((event.clientX - box.left) / box.width) * CHART.width, ((event.clientY - box.top) / box.height) * CHART.height]; };
+    const values = (/** @type {PointerEvent} */ event) => scale.values(at(event)).map((value) => Number(value.toPrecision(4)));
     let dragged = -1, moved = /** @type {number[] | null} */ (null);
+    const style = getComputedStyle(document.documentElement), draw = () => drawChart(/** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d")), scale, crank.map((x, k) => (k === dragged && moved ? moved : [x, outputs[k]])), (name) => style.getPropertyValue(`--${name}`).trim());
     canvas.addEventListener("pointerdown", (event) => {
-      const [u, v] = pixel(event);
-      dragged = crank.findIndex((x, k) => Math.hypot(at(x, outputs[k])[0] - u, at(x, outputs[k])[1] - v) < 16);
+      const [u, v] = at(event);
+      dragged = crank.findIndex((x, k) => { const [a, b] = scale.pixel([x, outputs[k]]); return Math.hypot(a - u, b - v) < 16; });
       canvas.setPointerCapture(event.pointerId);
     });
     canvas.addEventListener("pointermove", (event) => {
       if (dragged < 0 || !event.buttons) return;
-      const [u, v] = pixel(event);
-      moved = valueAt(u, v);
+      moved = values(event);
       draw();
     });
     canvas.addEventListener("pointerup", (event) => {
-      const operations = dragged < 0 ? addedFunctionPoint(this.document, valueAt(.../** @type {[number, number]} */ (pixel(event)))) : moved ? movedFunctionPoint(this.document, dragged, moved) : [];
+      const operations = dragged < 0 ? addedFunctionPoint(this.document, values(event)) : moved ? movedFunctionPoint(this.document, dragged, moved) : [];
       if (operations.length) this.actions.edit(dragged < 0 ? "add function point" : "move function point", operations);
       [dragged, moved] = [-1, null];
+      draw();  // formulas are not moved
     });
-    const ctx = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d")), style = getComputedStyle(document.documentElement), colour = (/** @type {string} */ name) => style.getPropertyValue(`--${name}`).trim();
-    const draw = () => {
-      const rows = crank.map((x, k) => (k === dragged && moved ? moved : [x, outputs[k]])).filter((row) => row.every(Number.isFinite));
-      ctx.clearRect(0, 0, 640, 320);
-      [ctx.strokeStyle, ctx.fillStyle, ctx.font, ctx.lineWidth] = [colour("line"), colour("muted"), "20px system-ui, sans-serif", 1];
-      for (let k = 0; k <= 4; k++) {
-        const [x, y] = at((k * turn) / 4, low);
-        ctx.strokeRect(x, 10, 0.01, y - 10);
-        ctx.textAlign = k === 4 ? "right" : "center";
-        ctx.fillText(`${90 * k}°`, k === 4 ? 640 : x, 316);
-      }
-      ctx.textAlign = "left";
-      for (const value of [Math.ceil(low), 0, Math.floor(high)]) {
-        const [x, y] = at(0, value);
-        ctx.strokeRect(x, y, 640 - left - 10, 0.01);
-        ctx.fillText(String(value), 8, y + 6);
-      }
-      [ctx.strokeStyle, ctx.fillStyle, ctx.lineWidth] = [colour("accent"), colour("accent"), 3];
-      ctx.beginPath();
-      for (const [x, y] of [...rows].sort(([a], [b]) => a - b)) ctx.lineTo(.../** @type {[number, number]} */ (at(x, y)));
-      ctx.stroke();
-      for (const [x, y] of rows) {
-        const [u, v] = at(x, y);
-        ctx.beginPath();
-        ctx.arc(u, v, 7, 0, turn);
-        ctx.fill();
-      }
-    };
     draw();
     return el("figure", {}, canvas, el("figcaption", { class: "muted" }, "A click adds a point, a drag moves one: output [rad, m] over the crank angle."));
   }

@@ -94,6 +94,7 @@ export function addedFunctionPoint(document, point) {
 /** Move a point of a function; one that passes others is written at another place of the columns. @param {Document | null} document @param {number} row @param {number[]} point crank angle and output @returns {Operation[]} */
 export function movedFunctionPoint(document, row, point) {
   const { crank, outputs } = targetOf(document), others = crank.filter((_, k) => k !== row), before = (/** @type {number} */ angle) => others.filter((other) => other <= angle).length;
-  if (before(point[0]) === before(crank[row])) return changed([[["crank_angles", row], crank[row], point[0]], [["outputs", row], outputs[row], point[1]]]);
+  const table = synthesisOf(document);
+  if (before(point[0]) === before(crank[row])) return changed([[["crank_angles", row], crank[row], shortAngle(table.crank_angles[row], point[0])], [["outputs", row], outputs[row], shortAngle(table.outputs[row], point[1])]]);
   return [...removedRow(document, row), ...insertedFunctionPoint(others, point)];
 }
