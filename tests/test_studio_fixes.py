@@ -8,6 +8,7 @@ import pytest
 
 from dalembert.errors import FileError, ModelError
 from dalembert.remedies import Rename, remedies_in
+from dalembert.studio.new_models import NEW
 from dalembert.studio.pictures import picture_of
 from dalembert.studio.preview import Preview
 from dalembert.text.wording import misspelt, unknown
@@ -32,6 +33,22 @@ A = { type = "Revolute", connect = ["crank.end", "rod.start"] }
 ERRORS = {
     "key": ('length = "l1"', 'lenght = "l1"', "Write length"),
     "section": ("[joints]", "[joint]", "Write joints"),
+    "section of a table": (
+        "[joints]\nO = {",
+        '[joint.O]\ntype = "Revolute"\nconnect = ["ground", "crank.start"]\n[joints]\nP = {',
+        "Write joints",
+    ),
+    "sections of tables": ("[bodies.", "[body.", "Write bodies"),
+    "table in a header": (
+        "mass = 1.0\n[joints]",
+        "mass = 1.0\n[bodies.rod.pointz]\nP = [0, 0]\n[joints]",
+        "Write points",
+    ),
+    "dotted keys": (
+        "mass = 1.0\n[joints]",
+        "mass = 1.0\npointz.P = [0, 0]\npointz.Q = [0, 1]\n[joints]",
+        "Write points",
+    ),
     "type": ('O = { type = "Revolute"', 'O = { type = "Revolut"', "Write Revolute"),
     "body": ('"crank.end"', '"crnk.end"', "Write crank"),
     "point": ('"crank.end"', '"crank.ent"', "Write crank.end"),
@@ -78,6 +95,12 @@ def test_fixes(kind: str, tmp_path: Path) -> None:
             assert [p.message for p in after if p.level == "error"] == []
 
 
+def test_a_section_is_not_renamed_to_one_that_the_file_has(tmp_path: Path) -> None:
+    text = TEXT + "[joint]\n"
+    (problem, *_) = picture_of(text, tmp_path / "model.toml", False).problems
+    assert "did you mean 'joints'" in problem.message and problem.fixes == ()
+
+
 TRUSS = """\
 format = 1
 kind = "structure"
@@ -102,6 +125,38 @@ def test_an_unknown_section_gets_no_fix_that_is_not_valid(
     assert problem.line == text.count("\n") - 1
     assert "unknown key; known here: " in problem.message and "name" in problem.message
     assert problem.fixes == ()
+
+
+@pytest.mark.parametrize("live", [False, True])
+@pytest.mark.parametrize(
+    ("section", "message", "title"),
+    [
+        ('[body.a]\ntype = "Bar"\n[body.b]\ntype = "Bar"\n', "body: unknown key", "Write bodies"),
+        ("[dynamics]\nduration = 1\n", "dynamics: unknown key", None),
+        ('[synthesis]\ntype = "path"\nstarts = 0\n', "synthesis.starts: expected a whole", None),
+    ],
+)
+def test_sections_of_a_file_without_bodies_are_checked(
+    section: str, message: str, title: str | None, live: bool, tmp_path: Path
+) -> None:
+    """The blank page, on which bodies are drawn, is shown all the same."""
+    for before in NEW.values():
+        path = tmp_path / "model.toml"
+        blank = picture_of(before, path, live)
+        assert blank.page and not blank.problems
+        if "structure" in before and "synthesis" in section:
+            continue
+        text = before + section
+        picture = picture_of(text, path, live)
+        (problem,) = picture.problems
+        assert picture.page == blank.page and picture.summary == "nothing is drawn yet"
+        assert problem.level == "error" and problem.message.startswith(message)
+        assert problem.line > before.count("\n")
+        if title and "structure" not in before:
+            (fix,) = problem.fixes
+            assert fix.title == title
+            mended = text[: fix.start] + fix.insert + text[fix.end :]
+            assert mended == text.replace("[body.", "[bodies.")
 
 
 PARALLEL = (

@@ -17,6 +17,8 @@ def test_the_guide_leads_to_a_four_bar_that_turns(browser: Any, studio_server: S
         page.click(".guide >> text=Show me")
 
         def step() -> int:
+            card, stage = (page.locator(part).bounding_box() for part in (".guide", "#canvas"))
+            assert card["x"] >= stage["x"] + stage["width"], "the card hides a part of the picture"
             return int(page.inner_text(".guide p").split(" of ")[0])
 
         def click(*places: tuple[float, float]) -> None:

@@ -38,6 +38,15 @@ crank_angles = [1.0, 2.0, 3.0]
 outputs = [0.0, 0.5, 0.25]
 """
 
+DRIVEN = """
+[bodies]
+crank = { type = "Bar", length = 0.3, mass = 1 }
+[joints]
+O = { type = "Revolute", connect = ["ground", "crank.start"] }
+[drivers]
+motor = { type = "RotationalDriver", connect = ["ground", "crank"], law = "2*pi*t" }  # a turn
+"""
+
 
 @pytest.mark.parametrize("kind", SIX_BARS)
 def test_an_inserted_six_bar_moves_as_the_candidate(kind: str, tmp_path: Path) -> None:
@@ -169,13 +178,52 @@ def test_an_emptied_coordinate_of_a_target_is_no_zero(desk: tuple[Desk, Studio])
     visit.show(UNTITLED + PATH)
     visit.page.click("#tab-synthesis")
     entry = visit.page.locator("[name='points-0-0']")
-    for typed in ("", " ", "1,5", "0x"):
+    for typed in ("", " "):
         entry.fill(typed)
         entry.press("Tab")
-        assert entry.get_attribute("aria-invalid") == "true"
-        assert "no number" in entry.evaluate("input => input.validationMessage")
+        assert entry.input_value() == "0.2" and "× removes the entry" in visit.page.inner_text(
+            "#notice"
+        )
         assert visit.text == UNTITLED + PATH
-    entry.fill("0.3")
+    entry.fill("1,5")
     entry.press("Tab")
+    assert entry.get_attribute("aria-invalid") == "true"
+    for message in (entry.evaluate("i => i.validationMessage"), visit.page.inner_text("#notice")):
+        assert message == "Write a decimal point: 1.5"
+    assert visit.text == UNTITLED + PATH
+    for typed in ("300 mm", "2*"):
+        entry.fill(typed)
+        entry.press("Tab")
+        visit.until(f"studio.file.document.synthesis.points[0][0] === {typed!r}", 10)
+        assert visit.text == (UNTITLED + PATH).replace("[[0.2, 0.2]", f'[["{typed}", 0.2]')
+    visit.settle()
+    (error,) = visit.errors_shown()
+    assert "synthesis.points[0][0]: in formula '2*'" in error and "ends with '*'" in error
+
+
+def test_an_emptied_law_of_a_driver_is_restored(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    text = UNTITLED + DRIVEN
+    visit.show(text)
+    visit.page.click("#tab-analysis")
+    law = visit.page.locator("[name=law-motor]")
+    law.fill("")
+    law.press("Tab")
+    assert law.input_value() == "2*pi*t" and visit.text == text
+    assert "its former one is kept" in visit.page.inner_text("#notice")
+    law.fill("3*t")
+    law.press("Enter")
+    visit.until("studio.file.document.drivers.motor.law === '3*t'", 10)
+
+
+def test_points_with_units_are_drawn_and_dragged(desk: tuple[Desk, Studio]) -> None:
+    """A formula is not replaced by a drag; a message states it."""
+    visit, _ = desk
+    text = UNTITLED + PATH.replace("[[0.2, 0.2]", '[["20 cm", 0.2]').replace("0.4]", '"2*0.2"]')
+    visit.show(text)
+    visit.drag((0.2, 0.2), (0.3, 0.2))
     visit.until("studio.file.undo === 'move target'", 10)
-    assert visit.document["synthesis"]["points"][0] == [0.3, 0.2]
+    assert visit.text == text.replace("20 cm", "30.0 cm")
+    visit.drag((0.5, 0.4), (0.5, 0.5))
+    visit.until("document.getElementById('notice').textContent.includes('is the formula')", 10)
+    assert visit.text == text.replace("20 cm", "30.0 cm")

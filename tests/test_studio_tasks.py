@@ -169,7 +169,7 @@ def test_sections_are_changed_key_by_key() -> None:
     changed = apply(text, [operation])
     assert changed == text.replace("Dynamics", "Kinematics").replace("step = 0.01\n", "")
     inline = 'format = 1\nanalysis = { type = "Dynamics", step = 0.01, duration = 1.0 }\n'
-    assert 'analysis = { duration = 1.0, type = "Kinematics" }' in apply(inline, [operation])
+    assert 'analysis = { type = "Kinematics", duration = 1.0 }' in apply(inline, [operation])
     new = apply("format = 1\n", [{"op": "section", "section": "sweep", "fields": {"samples": 8}}])
     assert new == "format = 1\n\n[sweep]\nsamples = 8\n"
     for section, key in (("bodies", "a"), ("sweep", "a b"), ("sweep", "x]\n[y")):

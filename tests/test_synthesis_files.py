@@ -11,6 +11,7 @@ from test_decision_files import run, written
 
 import dalembert as da
 from dalembert.cli import main
+from dalembert.design.synthesis.mechanism_task import MechanismTask
 from dalembert.design.synthesis.synthesize_mechanism import MechanismSearch
 
 SIX = """
@@ -144,7 +145,7 @@ def test_the_mechanism_of_the_file(tmp_path, capsys):
         (SIX, "reach = 0.3\n", "", "nothing to vary"),
         (SIX, "starts = 1", "transmission = 0.5", "synthesis.transmission: is for FourBar"),
         (SIX, '"watt II"', '"own"', "the file has no bodies"),
-        (SIX, "starts = 1", "starts = 0", "synthesis.starts: starts is a number of optimised"),
+        (SIX, "starts = 1", "starts = 0", "synthesis.starts: expected a whole number of at"),
         (OWN, "starts = 1", "starts = -3", "at least 1, got -3"),
         (FIVE, "ratio = -2.0\n", "", "the gears have no ratio"),
         (OWN, "starts = 1", 'vary = ["crnk"]', "unknown parameter 'crnk'"),
@@ -159,6 +160,13 @@ def test_slips(text, old, new, words, tmp_path, capsys):
     assert main(["synthesize", str(path)]) == 2
     error = capsys.readouterr().err
     assert words in error and str(path) in error
+
+
+def test_a_motor_that_never_rotates_fully_is_reported(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(MechanismTask, "run_revolution", lambda task, q: None)
+    text = filled(OWN, angles=ANGLES, outputs=ANGLES).replace("starts = 1", "starts = 2")
+    assert main(["synthesize", str(written(tmp_path, text))]) == 1
+    assert "no mechanism of 80 random ones has a fully rotating motor" in capsys.readouterr().err
 
 
 def test_interrupted(tmp_path, capsys, monkeypatch):
@@ -176,5 +184,5 @@ def test_interrupted(tmp_path, capsys, monkeypatch):
     text = filled(OWN, angles=ANGLES, outputs=x).replace("starts = 1", "starts = 4")
     path = written(tmp_path, text)
     assert main(["synthesize", str(path), "--output", str(tmp_path / "o")]) == 130
-    assert "interrupted after 1 starts" in capsys.readouterr().out
+    assert "interrupted after 1 of 4 starts" in capsys.readouterr().out
     assert len(list((tmp_path / "o").iterdir())) == 3

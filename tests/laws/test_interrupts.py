@@ -38,9 +38,25 @@ def test_a_search_that_swallows_the_exception_is_ended():
         with contextlib.suppress(KeyboardInterrupt):  # as Ipopt does
             signal.raise_signal(signal.SIGINT)
 
-    synthesis = da.synthesize(da.Target.path(POINTS), starts=4, progress=pressed)
+    turn = np.linspace(0.0, 1.0, 6)
+    synthesis = da.synthesize(da.Target.function(turn, turn**2), starts=4, progress=pressed)
     assert synthesis.interrupted and not synthesis.success and synthesis.starts < 4
-    assert "interrupted" in synthesis.message and len(synthesis.solutions) == 1
+    assert len(synthesis.solutions) == 1
+    assert synthesis.message.endswith(f"; interrupted after {synthesis.starts} of 4 starts")
+
+
+def test_a_signal_while_starts_are_selected_ends_the_search():
+    """There is no result yet; the exception that the callback swallows is raised again."""
+    fractions = []
+
+    def pressed(fraction: float) -> None:
+        fractions.append(fraction)
+        with contextlib.suppress(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        da.synthesize(da.Target.path(POINTS), starts=4, progress=pressed)
+    assert max(fractions) < 1.0
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 

@@ -127,3 +127,22 @@ def test_limits_are_kept():
 def test_invalid_tasks_are_refused(ask, words):
     with pytest.raises(da.AnalysisError, match=words):
         ask()
+
+
+def test_progress_covers_the_selection_of_starts():
+    """Most of the time of a path with free timing is spent on it."""
+    fractions: list[float] = []
+    target = da.Target.path([(0, 0), (1, 0.2), (2, 0), (3, 1)])
+    da.synthesize(target, starts=2, progress=fractions.append)
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1 and np.max(np.diff([0, *fractions])) < 0.03
+    fractions.clear()
+    turn = np.linspace(0.0, 1.0, 4)
+    da.synthesize(da.Target.function(turn, turn**2), starts=4, progress=fractions.append)
+    assert fractions == [0.25, 0.5, 0.75, 1.0]
+
+
+def test_a_failed_search_counts_the_starts_that_it_compared():
+    target = da.Target.path([(0, 0), (1, 0.2), (2, 0), (3, 1)])
+    with pytest.raises(da.AnalysisError, match="none of 12 starts converges to a FourBar within"):
+        da.synthesize(target, starts=2, transmission=1.6)  # above a right angle

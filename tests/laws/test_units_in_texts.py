@@ -65,8 +65,13 @@ def test_a_number_with_its_unit(text):
         ("1 m + 1", "1 m and 1 cannot be added"),
         ("1 m + 1 s", "1 m and 1 s cannot be added"),
         ("sin(3 mm)", "sin takes a plain number or an angle"),
-        ("1*2 t", "syntax error"),  # no tonnes in a formula: t is time
-        ("2 e", "syntax error"),
+        ("1*2 t", "syntax error at 't'"),  # no tonnes in a formula: t is time
+        ("2 e", "syntax error at 'e'"),
+        ("2*", "syntax error: the formula ends with '[*]'; complete it"),
+        ("45 mm + ", "the formula ends with '[+]'"),
+        ("45 mm + * 2 mm", "syntax error at '[*] 2 mm'"),
+        ("2*(1 m", "syntax error at '.1 m': '.' was never closed"),
+        ("1,5", "write decimals with a point"),
         ("1 m < 2 m", "no such operation"),
         ("1e400 m", "not finite"),
         ("1 m/(0 s)", "division by zero"),

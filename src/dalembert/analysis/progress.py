@@ -30,3 +30,14 @@ def progress_reporter(progress: Reported, text: str) -> Iterator[Callable[[float
             bar.update(task, completed=fraction, visible=time.monotonic() - begin > PATIENCE)
 
         yield report
+
+
+def part_of(report: Callable[[float], None], begin: float, end: float) -> Callable[[float], None]:
+    """Callback for the completed fraction of a part of a run.
+
+    Parameters
+    ----------
+    report : for the fraction of the whole run
+    begin, end : fractions of the whole run at the begin and at the end of the part
+    """
+    return lambda fraction: report(begin + (end - begin) * fraction)

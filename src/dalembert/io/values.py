@@ -98,6 +98,13 @@ def _integer(value: object) -> int:
     return value
 
 
+def _count(value: object) -> int:
+    number = _integer(value)
+    if number < 1:
+        raise ValueError(f"expected a whole number of at least 1, got {number}")
+    return number
+
+
 def _flag(value: object) -> bool:
     if not isinstance(value, bool):
         raise ValueError(f"expected true or false, got {short_repr(value)}")
@@ -170,6 +177,7 @@ NumberOrBounds = Annotated[
     ),
 ]
 Integer = Annotated[Any, PlainValidator(_integer), WithJsonSchema({"type": "integer"})]
+Count = Annotated[Any, PlainValidator(_count), WithJsonSchema({"type": "integer", "minimum": 1})]
 Flag = Annotated[Any, PlainValidator(_flag), WithJsonSchema({"type": "boolean"})]
 Text = Annotated[Any, PlainValidator(_text), WithJsonSchema({"type": "string"})]
 CountOrTimes = Annotated[

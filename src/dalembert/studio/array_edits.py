@@ -1,4 +1,7 @@
-"""Arrays in the text of a model file: items added and removed, comments of the others kept."""
+"""Arrays in the text of a model file: items added and removed, comments of the others kept.
+
+An array is a value, ``a = [1, 2]``, or consists of tables with a header ``[[a]]`` each.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from dalembert.errors import ModelError
 from dalembert.io.messages import key_path
+from dalembert.studio.key_edits import cut
 from dalembert.studio.toml_values import as_toml
 
 if TYPE_CHECKING:
@@ -32,7 +36,10 @@ def append_item(edits: TextEdits, keys: Keys, value: Any) -> None:
     """
     place = edits.places.get(keys)
     if place is None:
-        edits.set_value(keys, [value])
+        if _has_headers(edits, keys):
+            _append_table(edits, keys, value)
+        else:
+            edits.set_value(keys, [value])
         return
     count, text = len(_items(edits, keys)), edits.text
     if not count:
@@ -52,6 +59,28 @@ def append_item(edits: TextEdits, keys: Keys, value: Any) -> None:
     edits.set_text(text[: last.end] + between + new + text[end:])
 
 
+def insert_item(edits: TextEdits, keys: Keys, index: int, value: Any) -> None:
+    """Insert an item of an array before another one, or at its end.
+
+    Raises
+    ------
+    ModelError
+        It is no array that is a value, there is no item of this number, or the value is invalid.
+    """
+    count = len(_items(edits, keys))
+    if not 0 <= index <= count:
+        raise ModelError("there is no such item", key_path(*keys, index))
+    if index == count:
+        append_item(edits, keys, value)
+        return
+    if keys not in edits.places:
+        raise ModelError("tables with headers are only added at the end", key_path(*keys))
+    text, at = edits.text, edits.places[*keys, index].start
+    indent = text[text.rfind("\n", 0, at) + 1 : at]
+    gap = " " if indent.strip() else f"\n{indent}"
+    edits.set_text(f"{text[:at]}{as_toml(value)},{gap}{text[at:]}")
+
+
 def remove_item(edits: TextEdits, keys: Keys, index: int) -> None:
     """Remove an item of an array, with the comment in its line.
 
@@ -63,6 +92,9 @@ def remove_item(edits: TextEdits, keys: Keys, index: int) -> None:
     count = len(_items(edits, keys))
     if not 0 <= index < count:
         raise ModelError("there is no such item", key_path(*keys, index))
+    if keys not in edits.places:
+        cut(edits, (*keys, index))
+        return
     text, own = edits.text, edits.places[*keys, index]
     if index + 1 < count:
         start, end = own.start, edits.places[*keys, index + 1].start
@@ -75,13 +107,29 @@ def remove_item(edits: TextEdits, keys: Keys, index: int) -> None:
     edits.set_text(text[:start] + text[end:])
 
 
+def _has_headers(edits: TextEdits, keys: Keys) -> bool:
+    """Whether an array consists of tables with a header each."""
+    first = edits.places.get((*keys, 0))
+    return keys not in edits.places and first is not None and first.is_header
+
+
+def _append_table(edits: TextEdits, keys: Keys, value: Any) -> None:
+    """Add a table with its own header behind the others of an array."""
+    if not isinstance(value, dict):
+        raise ModelError("consists of tables; add a table", key_path(*keys))
+    last = (*keys, len(_items(edits, keys)) - 1)
+    place, text = edits.places[last], edits.text
+    at, header = edits.ranges(last)[-1][1], text[place.start : place.end]
+    rows = "".join(f"{name} = {as_toml(item)}\n" for name, item in value.items())
+    before, after = text[:at].rstrip("\n"), text[at:].lstrip("\n")
+    edits.set_text(f"{before}\n\n{header}\n{rows}" + (f"\n{after}" if after else ""))
+
+
 def _items(edits: TextEdits, keys: Keys) -> list[Any]:
-    """Items of an array that is written as one."""
+    """Items of an array."""
     value: Any = edits.data
-    for key in keys:
-        value = value[key] if keys in edits.places else None
-        if value is None:
-            break
+    for key in keys if keys in edits.places or _has_headers(edits, keys) else ():
+        value = value[key]
     if not isinstance(value, list):
         raise ModelError("is no array", key_path(*keys))
     return value

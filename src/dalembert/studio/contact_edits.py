@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 from dalembert.errors import ModelError
 from dalembert.io.messages import key_path
+from dalembert.io.toml_places import Keys
+from dalembert.studio.array_edits import remove_item
+from dalembert.studio.key_edits import cut
 from dalembert.studio.text_edits import TextEdits
 
 
@@ -22,8 +24,8 @@ def remove_group(edits: TextEdits, name: str, group: str) -> None:
     shapes = entry.get("shapes") if isinstance(entry, dict) else None
     if not isinstance(shapes, dict) or group not in shapes:
         raise ModelError("there is no such group", key_path("forces", name, "shapes", group))
-    kept = {key: value for key, value in shapes.items() if key != group}
-    _write(edits, name, entry, kept)
+    cut(edits, ("forces", name, "shapes", group))
+    _remove_pairs_without_groups(edits, name)
 
 
 def without_shapes_of(edits: TextEdits, refers: Any, owner: str) -> None:
@@ -37,26 +39,42 @@ def without_shapes_of(edits: TextEdits, refers: Any, owner: str) -> None:
     for name, entry in list(edits.data.get("forces", {}).items()):
         if not isinstance(entry, dict) or entry.get("type") != "Collisions":
             continue
-        shapes = entry.get("shapes")
-        groups = {"": shapes} if isinstance(shapes, list) else shapes
-        if not isinstance(groups, dict) or not refers(groups, owner):
+        keys, shapes = ("forces", name, "shapes"), entry.get("shapes")
+        groups: dict[Keys, Any] = {keys: shapes} if isinstance(shapes, list) else {}
+        if isinstance(shapes, dict):
+            groups = {(*keys, key): group for key, group in shapes.items()}
+        if not refers(list(groups.values()), owner):
             continue
         kept = {
             key: [shape for shape in group if not refers(shape, owner)]
             for key, group in groups.items()
             if isinstance(group, list)
         }
-        kept = {key: group for key, group in kept.items() if group}
-        if kept:
-            _write(edits, name, entry, kept.get("", []) if isinstance(shapes, list) else kept)
+        if not any(kept.values()):
+            continue
+        for key, group in kept.items():
+            if not group:
+                cut(edits, key)
+                continue
+            for index in reversed(range(len(groups[key]))):
+                if refers(groups[key][index], owner):
+                    remove_item(edits, key, index)
+        _remove_pairs_without_groups(edits, name)
 
 
-def _write(edits: TextEdits, name: str, entry: Mapping[str, Any], shapes: Any) -> None:
-    """Replace the shapes of an element, and the pairs of groups that it has no more."""
-    fields = dict(entry) | {"shapes": shapes}
-    pairs = fields.pop("pairs", None)
-    if isinstance(pairs, list) and isinstance(shapes, dict):
-        kept = [p for p in pairs if set(p.get("groups", ())) <= set(shapes)]
-        fields |= {"pairs": kept} if kept else {}
-    edits.remove("forces", name)
-    edits.add("forces", name, fields)
+def _remove_pairs_without_groups(edits: TextEdits, name: str) -> None:
+    """Remove the pairs of groups that an element has no more."""
+    keys, entry = ("forces", name, "pairs"), edits.data["forces"][name]
+    pairs, shapes = entry.get("pairs"), entry.get("shapes")
+    if not isinstance(pairs, list) or not isinstance(shapes, dict):
+        return
+    outdated = [
+        index
+        for index, pair in enumerate(pairs)
+        if isinstance(pair, dict) and not set(pair.get("groups", ())) <= set(shapes)
+    ]
+    if len(outdated) == len(pairs):
+        cut(edits, keys)
+        return
+    for index in reversed(outdated):
+        remove_item(edits, keys, index)

@@ -8,7 +8,7 @@ from typing import Any
 
 from dalembert.errors import ModelError
 from dalembert.io.messages import key_path
-from dalembert.studio.array_edits import append_item, remove_item
+from dalembert.studio.array_edits import append_item, insert_item, remove_item
 from dalembert.studio.contact_edits import remove_group, without_shapes_of
 from dalembert.studio.key_edits import drop_key
 from dalembert.studio.list_edits import append_entry, remove_entry, remove_from_lists
@@ -45,7 +45,8 @@ def apply(text: str, operations: Any) -> str:
         in the text. ``section`` has ``section`` and ``fields``: the new values of its keys, null
         for a removed one. ``append`` has ``section``, a list of tables such as ``supports``, and
         ``fields``; ``remove_entry`` has ``section`` and ``index``. ``append_item`` has the
-        ``keys`` of an array and a ``value``, ``remove_item`` the ``keys`` of an item.
+        ``keys`` of an array and a ``value``, ``insert_item`` the ``keys`` of the item before which
+        the ``value`` is inserted, ``remove_item`` the ``keys`` of an item.
         ``drop`` has the ``keys`` of a value that is removed from its table, if it is there,
         ``remove point`` those of a named point or frame, which takes along what refers to it.
 
@@ -165,16 +166,27 @@ def _append_item(edits: TextEdits, operation: dict[str, Any], names: dict[str, s
     append_item(edits, _path(operation), operation.get("value"))
 
 
-def _remove_item(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+def _insert_item(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    keys, index = _item(operation)
+    insert_item(edits, keys, index, operation.get("value"))
+
+
+def _item(operation: Mapping[str, Any]) -> tuple[tuple[str | int, ...], int]:
+    """Keys of an array, and the number of an item."""
     *keys, index = _path(operation)
     if not isinstance(index, int) or isinstance(index, bool):
-        raise ModelError("the operation remove_item needs the number of an item")
-    groups = groups_after(edits.data, tuple(keys), index)
+        raise ModelError(f"the operation {operation.get('op')} needs the number of an item")
+    return tuple(keys), index
+
+
+def _remove_item(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    keys, index = _item(operation)
+    groups = groups_after(edits.data, keys, index)
     gone = [f"{keys[1]}.{group}" for group, after in groups.items() if after is None]
     remove_from_lists(edits, gone)
     if groups:
         merge_conditions(edits, str(keys[1]), groups)
-    remove_item(edits, tuple(keys), index)
+    remove_item(edits, keys, index)
     if groups:
         rename_groups(edits, str(keys[1]), groups)
 
@@ -211,6 +223,7 @@ OPERATIONS: dict[str, Callable[[TextEdits, dict[str, Any], dict[str, str]], None
     "append": _append,
     "remove_entry": _remove_entry,
     "append_item": _append_item,
+    "insert_item": _insert_item,
     "remove_item": _remove_item,
     "drop": _drop,
     "remove point": _remove_point,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -24,6 +25,8 @@ VALUES: dict[str, Any] = {
 NUMBER = r"(?<![\w.])\d[\d_]*\.?\d*(?:[eE][+-]?\d+)?"
 AMOUNT = re.compile(rf"({NUMBER})\s*([^\W\d_](?:[\w^²³/·]|\*(?=[^\W\d]))*)(?![\w(.\[])")
 """A number with a unit, as in ``2*45 mm``."""
+KEY = re.compile(r'"(?:[^"\\]|\\.)*"|\'[^\']*\'|[A-Za-z0-9_-]+')
+"""A name in a header or a dotted key."""
 
 
 @dataclass(frozen=True)
@@ -88,11 +91,13 @@ def _replacement(
     remedy: Rename, keys: Keys, places: Mapping[Keys, Place], text: str
 ) -> Iterator[Fix]:
     """Replace a name at the place of an error, or in its key."""
+    if not remedy.wrong:
+        yield from _renamed_key(remedy.right, keys, places, text)
+        return
     keys = _known(keys, places)
     if not keys:
         return
-    name = remedy.wrong or str(keys[-1])
-    place = places[keys]
+    name, place = remedy.wrong, places[keys]
     if re.fullmatch(NUMBER, name):
         numbers = re.finditer(rf"{NUMBER}(?!\w|\s*[^\W\d])", text[place.value : place.end])
         same = [match for match in numbers if float(match[0]) == float(name)]
@@ -106,6 +111,30 @@ def _replacement(
     match = word.search(text, place.start, place.end) or word.search(text, place.start)
     if match is not None:
         yield Fix(f"Write {remedy.right}", match.start(), match.end(), remedy.right)
+
+
+def _renamed_key(right: str, keys: Keys, places: Mapping[Keys, Place], text: str) -> Iterator[Fix]:
+    """Replace the last name of a key in all headers and dotted keys that have it."""
+    spans = set()
+    for path, place in places.items():
+        if not keys or path[: len(keys)] != keys:
+            continue
+        end = place.end if place.is_header else place.value
+        names = list(KEY.finditer(text[place.start : end]))
+        written = [key for key in path if isinstance(key, str)][-len(names) :] if names else []
+        at = sum(isinstance(key, str) for key in keys) - 1
+        at -= sum(isinstance(key, str) for key in path) - len(written)
+        if at >= 0 and isinstance(keys[-1], str):
+            spans.add((place.start + names[at].start(), place.start + names[at].end()))
+    mended = text
+    for start, end in sorted(spans, reverse=True):
+        mended = mended[:start] + right + mended[end:]
+    try:
+        tomllib.loads(mended)
+    except tomllib.TOMLDecodeError:  # both names have a header
+        return
+    if spans:
+        yield fix_between(f"Write {right}", text, mended)
 
 
 def _insertion(remedy: Insert, keys: Keys, text: str) -> Iterator[Fix]:

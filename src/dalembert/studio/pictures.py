@@ -81,7 +81,8 @@ def _picture_of(text: str, path: Path, live: bool) -> Picture:
     data, loose = without_loose_nodes(data)
     if not any(data.get(section) for section in parts_of(data)):
         blank = BLANK | {"title": path.stem} | (SPACE if _is_spatial(data) else {})
-        return _shown(blank, summary="nothing is drawn yet")
+        errors = _errors(data, text, path)
+        return _shown(blank, problems=errors, summary="nothing is drawn yet")
     if not live:
         picture = _page_of(data, {}, text, path, live)
         return replace(picture, problems=(*picture.problems, *loose_notes(loose, text, path)))
@@ -92,6 +93,15 @@ def _picture_of(text: str, path: Path, live: bool) -> Picture:
         if not places:
             raise
         return _page_of(data, {}, text, path, live)  # such as a number that cannot be a parameter
+
+
+def _errors(data: dict[str, Any], text: str, path: Path) -> tuple[Problem, ...]:
+    """Errors in the sections of a file without elements."""
+    try:
+        check_model_data(data, path)
+    except DalembertError as error:
+        return tuple(problems_of(error, text, path))
+    return ()
 
 
 def _is_spatial(data: dict[str, Any]) -> bool:

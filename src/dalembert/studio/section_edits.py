@@ -45,10 +45,6 @@ def set_section(edits: TextEdits, section: str, fields: Mapping[str, Any]) -> No
         return
     if not isinstance(old, dict):
         raise ModelError("is no table", section)
-    if _is_inline(edits, section):
-        kept = {key: value for key, value in old.items() if key not in fields}
-        edits.replace((section,), kept | values)
-        return
     for key, value in fields.items():
         if value is not None and old.get(key) == value:
             continue
@@ -61,11 +57,6 @@ def set_section(edits: TextEdits, section: str, fields: Mapping[str, Any]) -> No
             edits.remove(section, key)
         if value is not None:
             _add(edits, section, key, value)
-
-
-def _is_inline(edits: TextEdits, section: str) -> bool:
-    place = edits.places.get((section,))
-    return place is not None and not place.is_header
 
 
 def _add(edits: TextEdits, section: str, key: str, value: Any) -> None:

@@ -88,6 +88,8 @@ def plain(data: Any) -> Any:
     return data if data is None or isinstance(data, (bool, int, str)) else str(data)
 
 
+PLURAL = re.compile(r"ies$")
+"""End of the plural of a name that ends with y."""
 SIMILAR, NEAREST = 0.4, 0.5
 """Minimum similarity of several suggested names, and of a single one: one wrong letter of two."""
 WORD = re.compile(r"[^\W_]{3,}")
@@ -119,6 +121,8 @@ def _nearest(name: Any, names: list[str]) -> str:
 def _is_slip(name: str, known: str) -> bool:
     """Whether few letters differ, or a name abbreviates or contains the other, or a word of it."""
     if name in known or known in name:
+        return True
+    if PLURAL.sub("y", name) == PLURAL.sub("y", known):
         return True
     if {*WORD.findall(name)} & {*WORD.findall(known)}:
         return True

@@ -131,7 +131,7 @@ class Grammar:
                 warnings.simplefilter("ignore", SyntaxWarning)
                 tree = ast.parse(self.formula, mode="eval")
         except SyntaxError as error:
-            raise self.fail(f"syntax error at column {error.offset}: {error.msg}") from None
+            raise self.fail(self.syntax_error(error)) from None
         except (ValueError, RecursionError, MemoryError):
             raise self.fail("it cannot be read as a formula") from None
         value = self.visit(tree.body, 0)
@@ -143,7 +143,20 @@ class Grammar:
 
     def source(self, node: ast.AST) -> str:
         """The text of a part."""
-        source = ast.get_source_segment(self.formula, node) or ""
+        return self.as_written(ast.get_source_segment(self.formula, node) or "")
+
+    def syntax_error(self, error: SyntaxError) -> str:
+        """Message about a formula that is no expression: what is wrong, and at which part."""
+        rest = self.formula[error.offset - 1 :] if error.offset else ""
+        if not rest.strip():
+            return (
+                f"syntax error: the formula ends with {self.formula.rstrip()[-1:]!r}; complete it"
+            )
+        reason = "" if error.msg == "invalid syntax" else f": {error.msg}"
+        return f"syntax error at {self.as_written(rest)!r}{reason}"
+
+    def as_written(self, source: str) -> str:
+        """A part of the formula with its numbers with units in place of their names."""
         for name, amount in self.amounts.items():
             original = f"{amount.value / amount.unit.factor:g} {amount.unit.text}"
             source = re.sub(rf"\b{name}\b", original, source)
@@ -195,6 +208,8 @@ class Grammar:
             return self.name(self.spelled(node))
         if isinstance(node, ast.Call):
             return self.call(node, depth)
+        if isinstance(node, ast.Tuple):
+            raise self.fail("a comma separates arguments; write decimals with a point")
         raise self.fail(
             f"{type(node).__name__} is not allowed; use numbers, names, + - * / **, "
             "comparisons and functions"

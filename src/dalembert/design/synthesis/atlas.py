@@ -8,12 +8,14 @@ Source: I. Ullah, S. Kota (1997), Journal of Mechanical Design 119, 504-510.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dalembert.analysis.progress import part_of
 from dalembert.design.synthesis.linkage import Linkage
 from dalembert.design.synthesis.target import Target
 
@@ -52,20 +54,30 @@ class Atlas:
     branch: np.ndarray
     curves: np.ndarray
 
-    def nearest(self, target: Target, count: int) -> list[Start]:
-        """Linkages, transformed by similarities, that are nearest to the points of a target."""
+    def nearest(
+        self, target: Target, count: int, report: Callable[[float], None] = lambda fraction: None
+    ) -> list[Start]:
+        """Linkages, transformed by similarities, that are nearest to the points of a target.
+
+        Parameters
+        ----------
+        report : called with the completed fraction
+        """
         if target.closed and target.crank_angles is None:
             return self._closed(target, count)
         z = target.complex_points
         pick = np.unique(np.linspace(0, len(z) - 1, min(len(z), 9)).astype(int))
         candidates = []
-        for sense, positions in self._segments(target, len(z)):
+        segments = self._segments(target, len(z))
+        total = len(segments) * (1 if target.crank_angles is not None else 2)
+        for number, (sense, positions) in enumerate(segments):
+            report(number / total)
             samples = np.rint(positions * SAMPLES).astype(int) % SAMPLES
             _, distance = fit_similarity(self.curves[:, samples[pick]], z[pick])
             for k in np.argsort(distance)[: max(4, count // 4)]:
                 candidates.append((distance[k], k, sense, samples, 2 * np.pi * positions))
         if target.crank_angles is None:
-            candidates += self._segments_by_length(z, pick, count)
+            candidates += self._segments_by_length(z, pick, count, part_of(report, 0.5, 1.0))
         candidates.sort(key=lambda entry: entry[0])
         return self._distinct(candidates, z, count)
 
@@ -78,13 +90,16 @@ class Atlas:
         even = np.linspace(0, 1, size)
         return [(s, b + s * even * length) for b in starts for length in SEGMENTS for s in (1, -1)]
 
-    def _segments_by_length(self, z: np.ndarray, pick: np.ndarray, count: int) -> list:
+    def _segments_by_length(
+        self, z: np.ndarray, pick: np.ndarray, count: int, report: Callable[[float], None]
+    ) -> list:
         """Segments with the distances of the target along the curve between entries."""
         arc_length = np.concatenate([[0.0], np.cumsum(abs(np.diff(z)))])
         arc_length /= arc_length[-1] or 1.0
         curves, theta = self._resampled
         candidates = []
         for start in np.arange(0, 1, 1 / 24):
+            report(float(start))
             for length in SEGMENTS:
                 for sense in (1, -1):
                     positions = start + sense * length * arc_length

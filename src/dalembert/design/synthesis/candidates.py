@@ -90,6 +90,7 @@ class Candidates(Decision, Generic[CandidateT]):
     ----------
     starts : number of optimised starts
     interrupted : by Ctrl-C; the solutions computed so far are available
+    planned : number of starts of the whole search; None if unknown
     """
 
     file_suffix = "synthesis"
@@ -100,6 +101,7 @@ class Candidates(Decision, Generic[CandidateT]):
     starts: int
     name: str = "synthesis"
     interrupted: bool = False
+    planned: int | None = None
 
     @property
     def success(self) -> bool:  # type: ignore[override]
@@ -112,7 +114,8 @@ class Candidates(Decision, Generic[CandidateT]):
         count = len(self.solutions)
         noun = self.candidate_kind if count != 1 else self.candidate_kind[:-1]
         text = f"{count} {noun}, least error {self.best.error:.3g}"
-        return f"{text}; interrupted after {self.starts} starts" if self.interrupted else text
+        of = "" if self.planned is None else f" of {self.planned}"
+        return f"{text}; interrupted after {self.starts}{of} starts" if self.interrupted else text
 
     def live_task(self) -> LiveTask | None:
         task: LiveTask | None = self._page_function("task")(self)

@@ -9,7 +9,7 @@ determines the circuit; increasing crank angles preserve the order.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -131,11 +131,26 @@ class LinkageFit:
         margin = np.min(np.array(limits), initial=np.inf)
         return float(value) if np.isfinite(float(value)) and margin >= -FEASIBLE else np.inf
 
-    def select(self, starts: list[Start], count: int) -> list[Start]:
-        """The best starts after a few iterations, distinct optima first."""
+    def select(
+        self,
+        starts: list[Start],
+        count: int,
+        report: Callable[[float], None] = lambda fraction: None,
+    ) -> list[Start]:
+        """The best starts after a few iterations, distinct optima first.
+
+        Parameters
+        ----------
+        count : upper limit of their number
+        report : called with the completed fraction
+        """
         if len(starts) <= count:
             return starts
-        improved = [start for start in map(self._improve, starts) if start is not None]
+        improved = []
+        for number, start in enumerate(starts):
+            report(number / len(starts))
+            candidate = self._improve(start)
+            improved += [] if candidate is None else [candidate]
         improved.sort(key=lambda start: start.distance)
         alike = [k for k in range(1, len(improved)) if _alike(improved[k], improved[k - 1])]
         distinct = [start for k, start in enumerate(improved) if k not in alike]

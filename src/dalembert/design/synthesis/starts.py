@@ -7,7 +7,7 @@ linkages of the grid are improved together by the Levenberg–Marquardt method.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,6 +48,11 @@ def check_starts(starts: int) -> None:
         )
 
 
+def no_convergence(starts: int) -> str:
+    """Beginning of the message about a search without a solution."""
+    return "its start does not converge" if starts == 1 else f"none of {starts} starts converges"
+
+
 def starts_of(
     kind: type[Linkage],
     target: Target,
@@ -55,17 +60,18 @@ def starts_of(
     crank_turns: bool,
     count: int,
     rng: np.random.Generator,
+    report: Callable[[float], None] = lambda fraction: None,
 ) -> list[Start]:
     """Starts of a synthesis.
 
     Functions start from closed forms, motions through up to five poses from Burmester dyads, paths
-    from the atlas.
+    from the atlas, whose completed fraction is reported.
     """
     if target.points is None:
         exact = function_starts(kind, target, bounds, crank_turns, -(-3 * count // 4))
         return exact + _random_starts(kind, target, count - len(exact), rng)
     exact = _pose_starts(kind, target, crank_turns, -(-count // 2))
-    return exact + linkage_atlas(kind).nearest(target, count - len(exact))
+    return exact + linkage_atlas(kind).nearest(target, count - len(exact), report)
 
 
 def _pose_starts(kind: type[Linkage], target: Target, crank_turns: bool, count: int) -> list[Start]:

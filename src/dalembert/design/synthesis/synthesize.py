@@ -7,11 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from dalembert.analysis.progress import Reported, progress_reporter
+from dalembert.analysis.progress import Reported, part_of, progress_reporter
+from dalembert.design.synthesis.atlas import Start
 from dalembert.design.synthesis.four_bar import FourBar
 from dalembert.design.synthesis.linkage import Linkage
 from dalembert.design.synthesis.linkage_fit import LinkageFit
-from dalembert.design.synthesis.starts import check_starts, starts_of
+from dalembert.design.synthesis.starts import check_starts, no_convergence, starts_of
 from dalembert.design.synthesis.synthesis_result import Solution, SynthesisResult
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
@@ -22,6 +23,8 @@ from dalembert.text.wording import unknown
 
 CANDIDATES = 6
 """Number of compared starts per optimised start, for open paths."""
+ATLAS_WORK = 1500
+"""Work of the search in the atlas, relative to the optimisation of one start."""
 
 
 @check_arguments
@@ -84,14 +87,19 @@ def synthesize(
     fit = LinkageFit(linkage, scaled, ends, crank_turns, transmission, order)
     generator = random_generator(rng)
     count = CANDIDATES * starts if _is_open_path(target) else starts
-    selected = starts_of(linkage, scaled, ends, crank_turns, count, generator)
     solutions: list[Solution] = []
     free = target.crank_angles is None and target.outputs is None
-    done = 0
+    done, compared, selected = 0, list[Start](), list[Start]()
+    atlas = ATLAS_WORK if target.points is not None and free and not target.closed else 0
+    work = np.cumsum([atlas, count if count > starts else 0, starts])
+    begin, end = (float(part / work[2]) for part in work[:2])  # of the comparison of starts
     with progress_reporter(progress, f"{linkage.__name__}s") as report:
         try:
             with searching():
-                selected = fit.select(selected, starts)
+                searched = part_of(report, 0.0, begin)
+                compared = starts_of(linkage, scaled, ends, crank_turns, count, generator, searched)
+                selected = fit.select(compared, starts, part_of(report, begin, end))
+                optimised = part_of(report, end, 1.0)
                 for start in selected:
                     fitted = fit(start)
                     if fitted is not None:
@@ -100,17 +108,20 @@ def synthesize(
                             solutions, _solution(target, bar, fitted[1], crank_turns), free
                         )
                     done += 1
-                    report(done / len(selected))
+                    optimised(done / len(selected))
         except KeyboardInterrupt:
             if not solutions:
                 raise
     if not solutions:
         raise AnalysisError(
-            f"none of {len(selected)} starts converges to a {linkage.__name__} within the limits; "
-            "give more starts, wider bounds, a smaller transmission angle, or crank_turns=False"
+            f"{no_convergence(len(selected) or len(compared))} to a {linkage.__name__} within the "
+            "limits; give more starts, wider bounds, a smaller transmission angle, or "
+            "crank_turns=False"
         )
     solutions.sort(key=lambda solution: solution.error)
-    return SynthesisResult(target, solutions, done, interrupted=done < len(selected))
+    return SynthesisResult(
+        target, solutions, done, interrupted=done < len(selected), planned=len(selected)
+    )
 
 
 def _is_open_path(target: Target) -> bool:

@@ -16,8 +16,13 @@ import numpy as np
 
 from dalembert.analysis.progress import Reported, progress_reporter
 from dalembert.design.synthesis.linkage_fit import QUIET
-from dalembert.design.synthesis.mechanism_task import SAMPLES, MechanismTask, mechanism_task
-from dalembert.design.synthesis.starts import check_starts
+from dalembert.design.synthesis.mechanism_task import (
+    MAX_DRAWS,
+    SAMPLES,
+    MechanismTask,
+    mechanism_task,
+)
+from dalembert.design.synthesis.starts import check_starts, no_convergence
 from dalembert.design.synthesis.synthesis_result import MechanismSolution, MechanismSynthesisResult
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
@@ -104,13 +109,18 @@ def synthesize_mechanism(
             if not solutions:
                 raise
     if not solutions:
-        raise AnalysisError(
-            f"none of {attempts} starts converges to a mechanism with a fully rotating motor; give "
-            "more starts, or a model closer to the target"
-        )
+        failed = f"{no_convergence(attempts)} to a mechanism with a fully rotating motor"
+        if not attempts:
+            failed = f"no mechanism of {starts * MAX_DRAWS} random ones has a fully rotating motor"
+        raise AnalysisError(f"{failed}; give more starts, or a model closer to the target")
     solutions.sort(key=lambda solution: solution.error)
     return MechanismSynthesisResult(
-        target, _distinct(solutions), attempts, str(model.name), interrupted=done < starts
+        target,
+        _distinct(solutions),
+        attempts,
+        str(model.name),
+        interrupted=done < starts,
+        planned=starts,
     )
 
 

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from dalembert.io.choices import Record, one_of
 from dalembert.io.tables import table_of
-from dalembert.io.values import Flag, Integer, Number, Text, list_of, one_name
+from dalembert.io.values import Count, Flag, Integer, Number, Text, list_of, one_name
 
 Method = one_name("dalembert.sensitivity.methods:METHODS")
 Names = list[Text]
@@ -85,7 +85,7 @@ class ParetoTable(Record):
     local: one_name("dalembert.design.methods.registry:OPTIMIZERS") = Field(  # type: ignore[valid-type]
         default="slsqp", description="gradient method of each point"
     )
-    starts: Integer = Field(default=1, description="searches per point")
+    starts: Count = Field(default=1, description="searches per point")
     gradient: Method = "auto"  # type: ignore[valid-type]
     max_iterations: Integer = 100
     tolerance: Number = 1e-8
@@ -137,7 +137,7 @@ class ReliabilityTable(Record):
         description="failure if any limit is violated; `parallel`: if all are",
     )
     method: one_name("dalembert.design.reliability.first_order:METHODS") = "sqp"  # type: ignore[valid-type]
-    starts: Integer | None = Field(
+    starts: Count | None = Field(
         default=None, description="searches for design points of each limit; 3 by default"
     )
     tolerance: Number = 1e-8
@@ -241,5 +241,5 @@ class SynthesisTable(Record):
     crank_turns: Flag = Field(default=True, description="the crank rotates fully")
     transmission: Number = Field(default=0.0, description="minimum transmission angle [rad]")
     order: Flag = Field(default=True, description="points are passed in their order")
-    starts: Integer = Field(default=24, description="number of optimised candidates")
+    starts: Count = Field(default=24, description="number of optimised candidates")
     rng: Integer = Field(default=0, description="seed of the random numbers")

@@ -13,7 +13,6 @@ from dalembert.design.synthesis.four_bar import FourBar
 from dalembert.design.synthesis.linkage import Linkage
 from dalembert.design.synthesis.mechanism_task import mechanism_task
 from dalembert.design.synthesis.slider_crank import SliderCrank
-from dalembert.design.synthesis.starts import check_starts
 from dalembert.design.synthesis.synthesize import synthesize
 from dalembert.design.synthesis.synthesize_mechanism import synthesize_mechanism
 from dalembert.design.synthesis.target import Target
@@ -53,10 +52,6 @@ def make_synthesis(file: ModelFile, model: Any = None) -> partial[Any]:
         cure = 'is missing; add [synthesis] with type = "path" and points'
         raise file.located.error(cure, "synthesis")
     target = _target(file, table)
-    try:
-        check_starts(table.starts)
-    except AnalysisError as error:
-        raise file.located.error(str(error), "synthesis", "starts") from None
     bounds = {name: (float(low), float(high)) for name, (low, high) in table.bounds.items()}
     shared = {key: getattr(table, key) for key in ("order", "starts", "rng")} | {"bounds": bounds}
     if table.linkage not in LINKAGES:

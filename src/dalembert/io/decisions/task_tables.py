@@ -16,6 +16,7 @@ from dalembert.io.strategies import TRAJECTORY_METHODS
 from dalembert.io.tables import name_or_table, strategy_type
 from dalembert.io.values import (
     Bound,
+    Count,
     Entry,
     Flag,
     Integer,
@@ -75,7 +76,7 @@ class IdentifyTable(Record):
         default_factory=dict, description="column → `[lower, upper]` of an unknown lag [s]"
     )
     loss: Text = "linear"
-    starts: Integer = Field(default=1, description="number of searches from different values")
+    starts: Count = Field(default=1, description="number of searches from different values")
     rng: Integer = Field(default=0, description="seed of the starts")
     max_iterations: Integer = 100
 

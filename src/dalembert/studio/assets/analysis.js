@@ -1,11 +1,12 @@
 // Sheet "Analysis": what the picture shows, its times and drivers, and what prevents it.
 
+/** @import { FieldKind } from "./field_values.js" */
 /** @import { Document, PictureMessage, Problem } from "./types.d.ts" */
 
 import { button, el } from "./dom.js";
-import { entered } from "./field_values.js";
+import { accept } from "./field_values.js";
 
-/** A key of an analysis: its label and the kind of its value. @typedef {{ key: string, label: string, unit?: string, whole?: boolean, text?: boolean, empty?: string }} Field */
+/** A key of an analysis: its label and the kind of its value. @typedef {{ key: string, label: string, unit?: string, empty?: string } & FieldKind} Field */
 /** A type of analysis. @typedef {{ type: string, title: string, note: string, fields: Field[] }} Kind */
 
 const DURATION = { key: "duration", label: "Duration", unit: "s" }, OUTPUTS = { key: "outputs", label: "Instants", whole: true }, COUNT = { key: "count", label: "Modes", whole: true };
@@ -30,16 +31,10 @@ const KINDS = {
   ],
 };
 
-/** Number field; `act` receives its value, null for an empty one. @param {Field} field @param {unknown} value @param {(value: unknown) => void} act */
-export function numberField({ key, label, unit = "", whole = false, text = false, empty = "default" }, value, act) {
-  const input = el("input", { type: "text", name: key, value: value === undefined || typeof value === "object" ? "" : String(value), inputmode: whole ? "numeric" : "text", spellcheck: "false", autocomplete: "off", placeholder: empty,
-    onchange: () => {
-      const typed = entered(input.value, { whole, text }), problem = "problem" in typed ? typed.problem : "";
-      input.setAttribute("aria-invalid", String(Boolean(problem)));
-      input.setCustomValidity(problem);
-      if ("value" in typed) act(typed.value);
-      else input.reportValidity();
-    } });
+/** Number field; `act` receives its value, null for an empty one that is not required. @param {Field} field @param {unknown} value @param {(value: unknown) => void} act */
+export function numberField({ key, label, unit = "", empty = "default", ...kind }, value, act) {
+  const former = value === undefined || typeof value === "object" ? "" : String(value);
+  const input = el("input", { type: "text", name: key, value: former, inputmode: kind.whole ? "numeric" : "text", spellcheck: "false", autocomplete: "off", placeholder: empty, onchange: () => accept(input, kind, former, act) });
   return el("label", { class: "field" }, el("span", {}, label, unit && el("small", {}, ` [${unit}]`)), input);
 }
 
@@ -112,7 +107,7 @@ export class AnalysisSheet {
     const drivers = Object.entries(this.document?.drivers ?? {}).filter(([, driver]) => typeof driver?.law === "string" || typeof driver?.law === "number");
     if (!drivers.length || this.kinds !== KINDS.mechanism) return "";
     return el("fieldset", {}, el("legend", {}, "Drivers"), drivers.map(([name, { law }]) =>
-      numberField({ key: `law-${name}`, label: name, text: true }, law, (value) => value !== null && this.actions.edit(`set ${name}`, [{ op: "set", keys: ["drivers", name, "law"], value, written: true }]))));
+      numberField({ key: `law-${name}`, label: name, text: true, required: "A driver needs a law; its former one is kept" }, law, (value) => this.actions.edit(`set ${name}`, [{ op: "set", keys: ["drivers", name, "law"], value, written: true }]))));
   }
 
   /** Errors of the picture, with remedies. */

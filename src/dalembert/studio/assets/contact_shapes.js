@@ -1,6 +1,6 @@
 // Shapes of contacts that are drawn: all are in one element Collisions, in groups by the names of their bodies.
 
-/** @import { Change, Operation } from "./operations.js" */
+/** @import { Change } from "./operations.js" */
 /** @import { Page } from "./pictures.js" */
 /** @import { Place } from "./snapping.js" */
 /** @import { Tool } from "./tools.js" */
@@ -25,9 +25,7 @@ function withShape(document, body, shape) {
   const found = collisionsOf(document), group = body ?? "ground", label = `add ${String(shape.type).toLowerCase()} of contacts`;
   if (!found) return { label, operations: [{ op: "add", section: "forces", base: "collisions", fields: { type: "Collisions", ...LAW, shapes: { [group]: [shape] } } }] };
   const [name, { shapes }] = found;
-  /** @type {Operation} */
-  const set = Array.isArray(shapes) ? { op: "set", keys: ["forces", name, "shapes"], value: [...shapes, shape] } : { op: "set", keys: ["forces", name, "shapes", group], value: [...(shapes?.[group] ?? []), shape] };
-  return { label, operations: [set] };
+  return { label, operations: [{ op: "append_item", keys: ["forces", name, "shapes", ...(Array.isArray(shapes) ? [] : [group])], value: shape }] };
 }
 
 /** @param {Document} document @param {Place} center @param {Place} edge @returns {Change | null} */

@@ -3,8 +3,11 @@
 /** @import { Document } from "./types.d.ts" */
 
 import { numberField } from "./analysis.js";
+import { pairAt, pairChange } from "./contact_laws.js";
 import { collisionsOf, groupsOf } from "./contact_shapes.js";
 import { button, el } from "./dom.js";
+import { accept } from "./field_values.js";
+import { valueChange } from "./row_changes.js";
 
 const COEFFICIENTS = { friction: "Friction", restitution: "Restitution" };
 
@@ -28,11 +31,10 @@ export class ContactSheet {
   /** @param {string} name @param {any} entry */
   element(name, entry) {
     const groups = groupsOf(entry), names = Object.keys(groups), pairs = names.flatMap((one, k) => names.slice(k).map((other) => [one, other]));
-    const set = (/** @type {string} */ label, /** @type {string[]} */ keys, /** @type {unknown} */ value) => this.actions.edit(label, [{ op: "set", keys: ["forces", name, ...keys], value }]);
-    const all = el("div", { class: "fields" }, Object.entries(COEFFICIENTS).map(([key, label]) => numberField({ key, label }, entry[key], (value) => value !== null && set(`set ${key}`, [key], value))));
+    const change = (/** @type {string} */ label, /** @type {import("./operations.js").Operation[]} */ operations) => void (operations.length && this.actions.edit(label, operations));
+    const all = el("div", { class: "fields" }, Object.entries(COEFFICIENTS).map(([key, label]) => numberField({ key, label, empty: "0" }, entry[key], (value) => change(`${value === null ? "remove" : "set"} ${key}`, valueChange(["forces", name], entry, key, value)))));
     const drop = (/** @type {string} */ group, /** @type {number} */ k) => {
-      const rest = groups[group].filter((_, i) => i !== k);
-      if (rest.length) return set("remove shape", group ? ["shapes", group] : ["shapes"], rest);
+      if (groups[group].length > 1) return change("remove shape", [{ op: "remove_item", keys: ["forces", name, "shapes", ...(group ? [group] : []), k] }]);
       if (names.length < 2) return this.actions.edit("remove contacts", [{ op: "remove", section: "forces", name }]);
       this.actions.edit("remove group", [{ op: "remove group", name, group }]);
     };
@@ -43,19 +45,15 @@ export class ContactSheet {
 
   /** Own law of two groups. @param {string} name @param {any} entry @param {string[]} groups */
   row(name, entry, groups) {
-    const pairs = /** @type {any[]} */ (entry.pairs ?? []), at = pairs.findIndex((pair) => [...(pair.groups ?? [])].sort().join() === [...groups].sort().join()), pair = pairs[at] ?? {};
-    const change = (/** @type {Record<string, unknown>} */ fields) => {
-      const next = Object.fromEntries(Object.entries({ groups, ...pair, ...fields }).filter(([, value]) => value !== null)), list = at < 0 ? [...pairs, next] : pairs.map((old, k) => (k === at ? next : old));
-      this.actions.edit(`set contact ${groups.join("/")}`, [{ op: "set", keys: ["forces", name, "pairs"], value: list.filter((item) => Object.keys(item).length > 1) }]);
+    const pair = entry.pairs?.[pairAt(entry, groups)] ?? {};
+    const change = (/** @type {string} */ key, /** @type {unknown} */ value) => {
+      const operations = pairChange(name, entry, groups, key, value);
+      if (operations.length) this.actions.edit(`${value === null ? "remove" : "set"} ${key} of ${groups.join("/")}`, operations);
     };
-    const touch = el("input", { type: "checkbox", name: `touch-${groups.join("-")}`, "aria-label": `${groups.join(" and ")} touch`, onchange: () => change({ touching: touch.checked ? null : false }) });
+    const touch = el("input", { type: "checkbox", name: `touch-${groups.join("-")}`, "aria-label": `${groups.join(" and ")} touch`, onchange: () => change("touching", touch.checked ? null : false) });
     touch.checked = pair.touching !== false;
     const cells = Object.keys(COEFFICIENTS).map((key) => {
-      const input = el("input", { name: `${key}-${groups.join("-")}`, value: String(pair[key] ?? ""), placeholder: String(entry[key] ?? 0), inputmode: "decimal", disabled: pair.touching === false, "aria-label": `${key} of ${groups.join(" and ")}`, onchange: () => {
-        const text = input.value.trim(), value = Number(text);
-        input.setAttribute("aria-invalid", String(text !== "" && !Number.isFinite(value)));
-        if (text === "" || Number.isFinite(value)) change({ [key]: text === "" ? null : value });
-      } });
+      const old = pair[key] ?? "", input = el("input", { name: `${key}-${groups.join("-")}`, value: String(old), placeholder: String(entry[key] ?? 0), disabled: pair.touching === false, title: "number or formula; empty for the value of all contacts", "aria-label": `${key} of ${groups.join(" and ")}`, spellcheck: "false", autocomplete: "off", onchange: () => accept(input, {}, old, (value) => change(key, value)) });
       return el("td", {}, input);
     });
     return el("tr", {}, el("th", { scope: "row" }, groups.join(" / ")), ...cells, el("td", {}, touch));

@@ -6,6 +6,7 @@ import { numberField } from "./analysis.js";
 import { button, el } from "./dom.js";
 import { Measurements } from "./measurements.js";
 import { inWords } from "./responses.js";
+import { rowChange, valueChange } from "./row_changes.js";
 import { taskCard } from "./tasks.js";
 
 /** A task: what its form has. @typedef {{ section: string, title: string, note: string, aims?: boolean, response?: boolean, limits?: boolean, ranges?: boolean, tolerances?: boolean, data?: boolean, fields: import("./analysis.js").Field[] }} Task */
@@ -76,6 +77,9 @@ export class DesignSheet {
   /** @param {Record<string, unknown>} fields */
   change(fields) { this.actions.edit(`set ${this.chosen.section}`, [{ op: "section", section: this.chosen.section, fields }]); }
 
+  /** @param {import("./operations.js").Operation[]} operations */
+  edit(operations) { if (operations.length) this.actions.edit(`set ${this.chosen.section}`, operations); }
+
   render() {
     const { chosen, document } = this;
     this.tabs.replaceChildren(...TASKS.map((task) => button(task.title, () => { this.chosen = task; this.render(); }, { role: "tab", class: "pick", "aria-selected": String(task === chosen), title: task.note })));
@@ -137,14 +141,13 @@ export class DesignSheet {
   /** Limits of responses. */
   limits() {
     const key = this.chosen.section === "reliability" ? "limits" : "subject_to", limits = /** @type {any[]} */ (this.table[key] ?? []);
-    const replaced = (/** @type {string} */ name, /** @type {Record<string, unknown>} */ change) => {
-      const old = limits.find(({ response }) => response === name) ?? { response: name }, next = Object.fromEntries(Object.entries({ ...old, ...change }).filter(([, value]) => value !== null && value !== undefined));
-      const rest = limits.filter(({ response }) => response !== name), list = Object.keys(next).length > 1 ? [...rest, next] : rest;
-      this.set({ [key]: list.length ? list : null });
+    const change = (/** @type {string} */ response, /** @type {string} */ side, /** @type {unknown} */ value) => {
+      if (!limits.length) return value === null ? undefined : this.set({ [key]: [{ response, [side]: value }] });
+      this.edit(rowChange([this.chosen.section, key], limits, limits.findIndex((limit) => limit.response === response), { response }, side, value));
     };
     return el("fieldset", {}, el("legend", {}, "Limits"), this.responses.map((name) => {
       const limit = limits.find(({ response }) => response === name) ?? {};
-      return el("div", { class: "row three" }, el("span", {}, name), numberField({ key: `lower-${name}`, label: "≥", empty: "none" }, limit.lower, (value) => replaced(name, { lower: value })), numberField({ key: `upper-${name}`, label: "≤", empty: "none" }, limit.upper, (value) => replaced(name, { upper: value })));
+      return el("div", { class: "row three" }, el("span", {}, name), numberField({ key: `lower-${name}`, label: "≥", empty: "none" }, limit.lower, (value) => change(name, "lower", value)), numberField({ key: `upper-${name}`, label: "≤", empty: "none" }, limit.upper, (value) => change(name, "upper", value)));
     }));
   }
 
@@ -155,12 +158,14 @@ export class DesignSheet {
     return el("fieldset", {}, el("legend", {}, "Vary"), parameters.map(([name, entry]) => {
       const bounds = /** @type {unknown[]} */ (Array.isArray(entry?.bounds) ? entry.bounds : [undefined, undefined]), box = el("input", { type: "checkbox", name: `vary-${name}`, onchange: () => this.set({ vary: box.checked ? [...vary, name] : vary.filter((/** @type {string} */ other) => other !== name) }) });
       box.checked = vary.includes(name);
+      const single = typeof entry !== "object", keys = single ? ["parameters", name] : ["parameters", name, "bounds"], isBound = Array.isArray(entry?.bounds);
       const bound = (/** @type {number} */ k) => (/** @type {unknown} */ value) => {
-        const next = bounds.map((old, i) => (i === k ? value : old)), single = typeof entry !== "object";
-        if (next.some((item) => item === null || item === undefined)) return void (bounds[k] = value);
-        this.actions.edit(`bounds of ${name}`, [{ op: "set", keys: single ? ["parameters", name] : ["parameters", name, "bounds"], value: single ? { value: entry, bounds: next } : next }]);
+        if (isBound) return this.actions.edit(`bounds of ${name}`, [{ op: "set", keys: [...keys, k], value, written: true }]);
+        bounds[k] = value ?? undefined;
+        if (!bounds.includes(undefined)) this.actions.edit(`bounds of ${name}`, [{ op: "set", keys, value: single ? { value: entry, bounds } : bounds }]);
       };
-      return el("div", { class: "row three" }, el("label", { class: "check" }, box, name), numberField({ key: `low-${name}`, label: "from", empty: "none" }, bounds[0], bound(0)), numberField({ key: `high-${name}`, label: "to", empty: "none" }, bounds[1], bound(1)));
+      const field = (/** @type {string} */ key, /** @type {string} */ label, /** @type {number} */ k) => numberField({ key: `${key}-${name}`, label, empty: "none", required: isBound ? "Both bounds are needed; the former one is kept" : "" }, bounds[k], bound(k));
+      return el("div", { class: "row three" }, el("label", { class: "check" }, box, name), field("low", "from", 0), field("high", "to", 1));
     }));
   }
 
@@ -168,9 +173,6 @@ export class DesignSheet {
   tolerances() {
     const own = this.table.tolerances ?? {};
     return el("fieldset", {}, el("legend", {}, "Tolerances ±"), Object.keys(this.document?.parameters ?? {}).map((name) =>
-      numberField({ key: `tolerance-${name}`, label: name, empty: "exact" }, own[name], (value) => {
-        const next = Object.fromEntries(Object.entries({ ...own, [name]: value }).filter(([, width]) => width !== null));
-        this.set({ tolerances: next });
-      })));
+      numberField({ key: `tolerance-${name}`, label: name, empty: "exact" }, own[name], (value) => (this.table.tolerances ? this.edit(valueChange([this.chosen.section, "tolerances"], own, name, value)) : value !== null && this.set({ tolerances: { [name]: value } })))));
   }
 }

@@ -26,11 +26,11 @@ export const STEPS = [
 ];
 
 export class Guide {
-  /** @param {HTMLElement} stage @param {() => Now} now */
-  constructor(stage, now) {
+  /** @param {HTMLElement} parent whose last child, the problems, it precedes @param {() => Now} now */
+  constructor(parent, now) {
     this.now = now;
     this.card = el("aside", { class: "guide card", hidden: true, "aria-label": "Guided first build" });
-    stage.append(this.card);
+    parent.insertBefore(this.card, parent.lastElementChild);
     /** Step that is shown; -1 for none. */
     this.step = -1;
     const kept = localStorage.getItem(KEY);

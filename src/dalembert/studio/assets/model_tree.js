@@ -5,6 +5,7 @@
 /** @import { Document } from "./types.d.ts" */
 
 import { button, el } from "./dom.js";
+import { accept } from "./field_values.js";
 import { isRemovable, removal } from "./space_targets.js";
 
 /** Sections of the tree, with their titles. */
@@ -77,7 +78,7 @@ export class ModelTree {
   /** Inputs of the numbers of a value. @param {(string | number)[]} keys @param {any} value @param {string} label @returns {HTMLElement[]} */
   fields(keys, value, label) {
     const input = (/** @type {(string | number)[]} */ path, /** @type {any} */ old, /** @type {string} */ name) => {
-      const field = el("input", { type: "text", value: String(old), "aria-label": name, spellcheck: "false", onchange: () => this.write(path, old, field.value, name) });
+      const field = el("input", { type: "text", value: String(old), "aria-label": name, spellcheck: "false", onchange: () => accept(field, { required: "A value is needed here; the former one is kept" }, old, (value) => this.write(path, old, value, name)) });
       return field;
     };
     const plain = (/** @type {any} */ part) => typeof part === "number" || typeof part === "string";
@@ -90,10 +91,8 @@ export class ModelTree {
     return Object.entries(value).filter(([key]) => !["points", "frames", "body"].includes(key)).flatMap(([key, part]) => this.fields([...keys, key], part, label && label !== "connect" ? `${label}.${key}` : key));
   }
 
-  /** @param {(string | number)[]} keys @param {unknown} old @param {string} typed @param {string} name */
-  write(keys, old, typed, name) {
-    const text = typed.trim(), number = Number(text.replace(",", "."));
-    if (text === "" || text === String(old)) return;
-    this.actions.edit(`set ${name}`, [{ op: "set", keys, value: Number.isFinite(number) ? number : text }]);
+  /** @param {(string | number)[]} keys @param {unknown} old @param {string | number | null} value @param {string} name */
+  write(keys, old, value, name) {
+    if (String(value) !== String(old)) this.actions.edit(`set ${name}`, [{ op: "set", keys, value }]);
   }
 }

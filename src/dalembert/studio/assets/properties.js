@@ -6,6 +6,7 @@
 import { ask } from "./ask.js";
 import { button, el } from "./dom.js";
 import { remove, rename } from "./editing.js";
+import { accept } from "./field_values.js";
 import { sectionOf } from "./selection.js";
 
 /** Keys that are not numbers of an element. */
@@ -63,7 +64,7 @@ export class Properties {
   row(keys, value, section, name) {
     const own = keys.slice(2), label = own.map((key, k) => (typeof key === "number" && own[k - 1] !== "connect" ? "xyz"[key] : String(key))).join(" "), unit = this.unit(section, name, own);
     const input = el("input", { type: "text", value: String(value), "aria-label": label, spellcheck: "false", autocomplete: "off", title: value === "" ? "not stated in the file" : "number, number with a unit, or formula" });
-    input.addEventListener("change", () => this.write(keys, input.value.trim()));
+    input.addEventListener("change", () => accept(input, { required: value === "" ? "" : "A number is needed here; the former one is kept" }, value, (typed) => typed !== null && this.write(keys, typed)));
     input.addEventListener("keydown", (event) => {
       if (event.key === "Escape") {
         input.value = String(value);
@@ -82,10 +83,8 @@ export class Properties {
     return match && match[1] !== "1" ? match[1] : "";
   }
 
-  /** @param {Keys} keys @param {string} text */
-  write(keys, text) {
-    if (!text) return;
-    const number = Number(text), value = Number.isFinite(number) ? number : text;
+  /** @param {Keys} keys @param {string | number} value */
+  write(keys, value) {
     this.drawing.actions.change({ label: `set ${keys.slice(1).join(".")}`, operations: [{ op: "set", keys, value, written: true }] });
   }
 

@@ -11,6 +11,7 @@ import { bindDivider } from "./divider.js";
 import { byId } from "./dom.js";
 import { Drawing } from "./drawing.js";
 import { Editor } from "./editor.js";
+import { REFUSAL } from "./field_values.js";
 import { FileBar } from "./file_bar.js";
 import { Guide } from "./guide.js";
 import { addInsight } from "./insight.js";
@@ -103,7 +104,7 @@ class Studio {
     this.palette = new Palette(byId("palette"), (name) => this.drawing.choose(name));
     this.properties = new Properties(byId("writing"), this.drawing, () => this.completion);
     /** The guided first build. @type {Guide | undefined} */
-    this.guide = new Guide(byId("canvas"), () => ({ ...this.file, document: this.known, tool: this.drawing.tool.name }));
+    this.guide = new Guide(byId("writing"), () => ({ ...this.file, document: this.known, tool: this.drawing.tool.name }));
     this.space = new Space(this.pictures, this.drawing.actions, byId("canvas"));
     this.structure = new Structure(this.pictures, this.drawing.actions, byId("canvas"), byId("writing"), () => this.completion);
     this.spaceStructure = new SpaceStructure(this.pictures, this.drawing.actions, byId("canvas"), byId("writing"), () => this.completion);
@@ -122,6 +123,7 @@ class Studio {
     // Overlays come last: their keys are digits, which are typed numbers while one draws.
     for (const listening of [this.space, this.spaceStructure, this.structure, this.drawing, this.insight.overlays]) document.addEventListener("keydown", (event) => listening.key(event));
     document.addEventListener("keydown", (event) => this.key(event));
+    document.addEventListener(REFUSAL, (event) => this.say(/** @type {CustomEvent<string>} */ (event).detail, true, true));
     window.addEventListener("pagehide", () => this.editor.flush());
     window.addEventListener("beforeunload", (event) => { if (!this.joined && (this.unsent || this.editing !== null || this.commands.waiting.length)) event.preventDefault(); });
     document.addEventListener("visibilitychange", () => this.editor.flush());

@@ -5,8 +5,10 @@
 import { numberField } from "./analysis.js";
 import { titleOf } from "./design.js";
 import { button, el } from "./dom.js";
+import { accept } from "./field_values.js";
+import { CHART, chartScale, drawChart } from "./function_chart.js";
 import { SIX_BARS, linkageFields } from "./six_bars.js";
-import { synthesisOf } from "./targets.js";
+import { COLUMNS, addedFunctionPoint, movedFunctionPoint, removedRow, synthesisOf, targetOf, typed } from "./target_edits.js";
 import { taskCard } from "./tasks.js";
 
 /** Time of a revolution on a card [ms]. */
@@ -67,7 +69,7 @@ export class SynthesisSheet {
     const table = synthesisOf(this.document), type = /** @type {keyof typeof TYPES} */ (table.type ?? "path");
     const focused = /** @type {HTMLInputElement | null} */ (this.form.querySelector(":focus"))?.name;
     const choose = (/** @type {string} */ key, /** @type {Record<string, string>} */ options, /** @type {string} */ value, /** @type {string} */ label) => {
-      const select = el("select", { name: key, onchange: () => this.set(`set ${key}`, key === "linkage" || (key === "type" && SIX_BARS[table.linkage]) ? { type, [key]: select.value, ...linkageFields(key === "linkage" ? select.value : table.linkage, key === "type" ? select.value : type, table.points ?? []) } : { type, [key]: select.value }) }, Object.entries(options).map(([name, text]) => el("option", { value: name }, text)));
+      const select = el("select", { name: key, onchange: () => this.set(`set ${key}`, key === "linkage" || (key === "type" && SIX_BARS[table.linkage]) ? { type, [key]: select.value, ...linkageFields(key === "linkage" ? select.value : table.linkage, key === "type" ? select.value : type, targetOf(this.document).points.filter((point) => point.every(Number.isFinite))) } : { type, [key]: select.value }) }, Object.entries(options).map(([name, text]) => el("option", { value: name }, text)));
       select.value = value;
       return el("label", { class: "field" }, el("span", {}, label), select);
     };
@@ -79,7 +81,7 @@ export class SynthesisSheet {
         numberField({ key: "starts", label: "Starts", whole: true }, table.starts, (value) => this.set("set starts", { type, starts: value })),
         type === "path" && el("label", { class: "field check" }, closed, "closed path"),
         table.linkage === "own" && numberField({ key: "point", label: "Point", text: true }, table.point, (value) => this.set("set point", { type, point: value }))),
-      type === "function" ? this.functionTarget(table) : el("div", { class: "chips" }, button(type === "path" ? "Click points (⇧T)" : "Click poses (⇧P)", () => this.actions.draw(type === "path" ? "target" : "pose"), { class: "button" })),
+      type === "function" ? this.functionTarget() : el("div", { class: "chips" }, button(type === "path" ? "Click points (⇧T)" : "Click poses (⇧P)", () => this.actions.draw(type === "path" ? "target" : "pose"), { class: "button" })),
       this.entries(table, type),
       el("div", { class: "chips" }, button("Search linkages", () => this.actions.start("synthesis"), { class: "button primary", id: "start-synthesis", disabled: !this.count(table, type) })),
     ].filter((node) => node instanceof Node));
@@ -90,85 +92,44 @@ export class SynthesisSheet {
   /** Number of entries of the target. @param {Record<string, any>} table @param {string} type */
   count(table, type) { return (type === "function" ? table.outputs : table.points)?.length ?? 0; }
 
-  /** Columns of a target. @param {string} type @returns {[string, (number | null)[]][]} */
-  columns(type) { return type === "function" ? [["crank_angles", [null]], ["outputs", [null]]] : type === "motion" ? [["points", [0, 1]], ["coupler_angles", [null]]] : [["points", [0, 1]]]; }
-
   /** List of the entries. @param {Record<string, any>} table @param {string} type */
   entries(table, type) {
-    const count = this.count(table, type), columns = this.columns(type);
+    const count = this.count(table, type), columns = COLUMNS[type];
     if (!count) return el("p", { class: "muted" }, "No entries yet.");
     const heads = type === "function" ? ["crank [rad]", "output [rad]"] : type === "motion" ? ["x [m]", "y [m]", "angle [rad]"] : ["x [m]", "y [m]"];
     const cell = (/** @type {number} */ row, /** @type {string} */ key, /** @type {number | null} */ part) => {
-      const old = table[key]?.[row], input = el("input", { name: `${key}-${row}-${part}`, value: String((part === null ? old : old?.[part]) ?? ""), inputmode: "decimal", "aria-label": `${key} ${row + 1}`, onchange: () => {
-        const value = Number(input.value.trim() || NaN), isNumber = Number.isFinite(value);
-        input.setAttribute("aria-invalid", String(!isNumber));
-        input.setCustomValidity(isNumber ? "" : `'${input.value}' is no number; × removes the entry`);
-        if (!isNumber) return void input.reportValidity();
-        const column = [...table[key]];
-        column[row] = part === null ? value : column[row].map((/** @type {number} */ item, /** @type {number} */ i) => (i === part ? value : item));
-        this.set("move target", { [key]: column });
-      } });
+      const item = table[key]?.[row], old = (part === null ? item : item?.[part]) ?? "";
+      const input = el("input", { name: `${key}-${row}-${part}`, value: String(old), title: "number, number with a unit, or formula", "aria-label": `${key} ${row + 1}`, spellcheck: "false", autocomplete: "off",
+        onchange: () => accept(input, { required: "A target needs this number; × removes the entry" }, old, (value) => this.actions.edit("move target", typed(key, row, part, value))) });
       return el("td", {}, input);
     };
-    const drop = (/** @type {number} */ row) => this.set("remove target", Object.fromEntries([...columns.map(([key]) => key), ...(table.crank_angles && type !== "function" ? ["crank_angles"] : [])].map((key) => [key, (table[key] ?? []).filter((/** @type {unknown} */ _, /** @type {number} */ k) => k !== row)])));
     return el("div", { class: "entries" }, el("table", {}, el("thead", {}, el("tr", {}, ["", ...heads, ""].map((text) => el("th", { scope: "col" }, text)))), el("tbody", {}, Array.from({ length: count }, (_, row) =>
-      el("tr", { onmouseenter: () => this.actions.mark(row), onmouseleave: () => this.actions.mark(-1) }, el("th", { scope: "row" }, String(row + 1)), columns.flatMap(([key, parts]) => parts.map((part) => cell(row, key, part))), el("td", {}, button("×", () => drop(row), { class: "button quiet", "aria-label": `Remove entry ${row + 1}` })))))));
+      el("tr", { onmouseenter: () => this.actions.mark(row), onmouseleave: () => this.actions.mark(-1) }, el("th", { scope: "row" }, String(row + 1)), columns.flatMap(([key, parts]) => parts.map((part) => cell(row, key, part))), el("td", {}, button("×", () => this.actions.edit("remove target", removedRow(this.document, row)), { class: "button quiet", "aria-label": `Remove entry ${row + 1}` })))))));
   }
 
-  /** Chart on which points of a function are clicked. @param {Record<string, any>} table */
-  functionTarget(table) {
-    const canvas = el("canvas", { class: "function", width: 640, height: 320, tabindex: "0", role: "img", "aria-label": "Output over crank angle; a click adds a point" }), crank = /** @type {number[]} */ (table.crank_angles ?? []), outputs = /** @type {number[]} */ (table.outputs ?? []);
-    const turn = 2 * Math.PI, low = Math.min(-1, ...outputs) - 0.2, high = Math.max(1, ...outputs) + 0.2, left = 44, bottom = 30;
-    const at = (/** @type {number} */ x, /** @type {number} */ y) => [left + (x / turn) * (640 - left - 10), 320 - bottom - ((y - low) / (high - low)) * (320 - bottom - 10)];
-    const pixel = (/** @type {PointerEvent} */ event) => { const box = canvas.getBoundingClientRect(); return [((event.clientX - box.left) / box.width) * 640, ((event.clientY - box.top) / box.height) * 320]; };
-    const valueAt = (/** @type {number} */ u, /** @type {number} */ v) => [((u - left) / (640 - left - 10)) * turn, low + ((320 - bottom - v) / (320 - bottom - 10)) * (high - low)].map((value) => Number(value.toPrecision(4)));
+  /** Chart on which points of a function are clicked. */
+  functionTarget() {
+    const canvas = el("canvas", { class: "function", ...CHART, tabindex: "0", role: "img", "aria-label": "Output over crank angle; a click adds a point" }), { crank, outputs } = targetOf(this.document), scale = chartScale(outputs);
+    const at = (/** @type {PointerEvent} */ event) => { const box = canvas.getBoundingClientRect(); return [((event.clientX - box.left) / box.width) * CHART.width, ((event.clientY - box.top) / box.height) * CHART.height]; };
+    const values = (/** @type {PointerEvent} */ event) => scale.values(at(event)).map((value) => Number(value.toPrecision(4)));
     let dragged = -1, moved = /** @type {number[] | null} */ (null);
+    const style = getComputedStyle(document.documentElement), draw = () => drawChart(/** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d")), scale, crank.map((x, k) => (k === dragged && moved ? moved : [x, outputs[k]])), (name) => style.getPropertyValue(`--${name}`).trim());
     canvas.addEventListener("pointerdown", (event) => {
-      const [u, v] = pixel(event);
-      dragged = crank.findIndex((x, k) => Math.hypot(at(x, outputs[k])[0] - u, at(x, outputs[k])[1] - v) < 16);
+      const [u, v] = at(event);
+      dragged = crank.findIndex((x, k) => { const [a, b] = scale.pixel([x, outputs[k]]); return Math.hypot(a - u, b - v) < 16; });
       canvas.setPointerCapture(event.pointerId);
     });
     canvas.addEventListener("pointermove", (event) => {
       if (dragged < 0 || !event.buttons) return;
-      const [u, v] = pixel(event);
-      moved = valueAt(u, v);
+      moved = values(event);
       draw();
     });
     canvas.addEventListener("pointerup", (event) => {
-      const [u, v] = pixel(event), rows = crank.map((angle, k) => (k === dragged && moved ? moved : [angle, outputs[k]]));
-      if (dragged < 0) rows.push(valueAt(u, v));
-      if (dragged < 0 || moved) {
-        rows.sort(([a], [b]) => a - b);
-        this.set(dragged < 0 ? "add function point" : "move function point", { type: "function", points: null, coupler_angles: null, crank_angles: rows.map(([angle]) => angle), outputs: rows.map(([, value]) => value) });
-      }
+      const operations = dragged < 0 ? addedFunctionPoint(this.document, values(event)) : moved ? movedFunctionPoint(this.document, dragged, moved) : [];
+      if (operations.length) this.actions.edit(dragged < 0 ? "add function point" : "move function point", operations);
       [dragged, moved] = [-1, null];
+      draw();  // formulas are not moved
     });
-    const ctx = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d")), style = getComputedStyle(document.documentElement), colour = (/** @type {string} */ name) => style.getPropertyValue(`--${name}`).trim();
-    const draw = () => {
-      const rows = crank.map((x, k) => (k === dragged && moved ? moved : [x, outputs[k]]));
-      ctx.clearRect(0, 0, 640, 320);
-      [ctx.strokeStyle, ctx.fillStyle, ctx.font, ctx.lineWidth] = [colour("line"), colour("muted"), "20px system-ui, sans-serif", 1];
-      for (let k = 0; k <= 4; k++) {
-        const [x, y] = at((k * turn) / 4, low);
-        ctx.strokeRect(x, 10, 0.01, y - 10);
-        ctx.fillText(`${90 * k}°`, x - 14, 316);
-      }
-      for (const value of [Math.ceil(low), 0, Math.floor(high)]) {
-        const [x, y] = at(0, value);
-        ctx.strokeRect(x, y, 640 - left - 10, 0.01);
-        ctx.fillText(String(value), 8, y + 6);
-      }
-      [ctx.strokeStyle, ctx.fillStyle, ctx.lineWidth] = [colour("accent"), colour("accent"), 3];
-      ctx.beginPath();
-      for (const [x, y] of [...rows].sort(([a], [b]) => a - b)) ctx.lineTo(.../** @type {[number, number]} */ (at(x, y)));
-      ctx.stroke();
-      for (const [x, y] of rows) {
-        const [u, v] = at(x, y);
-        ctx.beginPath();
-        ctx.arc(u, v, 7, 0, turn);
-        ctx.fill();
-      }
-    };
     draw();
     return el("figure", {}, canvas, el("figcaption", { class: "muted" }, "A click adds a point, a drag moves one: output [rad, m] over the crank angle."));
   }

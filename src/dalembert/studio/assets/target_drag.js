@@ -4,7 +4,8 @@
 /** @import { Document } from "./types.d.ts" */
 
 import { snap } from "./snapping.js";
-import { ARM, synthesisOf } from "./targets.js";
+import { movedPoint, synthesisOf, targetOf, turnedPose } from "./target_edits.js";
+import { ARM } from "./targets.js";
 
 /** Distance within which the pointer catches a target [px]. */
 const CATCH = 9;
@@ -18,24 +19,26 @@ export class TargetDrag {
     this.actions = actions;
     /** @type {Grip | null} */
     this.grip = null;
-    /** Keys of the section while a target is dragged. @type {Record<string, any> | null} */
+    /** Coordinates of the target while it is dragged, or its angle. @type {number[] | number | null} */
     this.moved = null;
     pictures.onShow.unshift((page) => this.bind(page));  // before the drawing, whose clicks it takes
   }
 
   /** The document with the target at the pointer. @returns {Document | null} */
   get document() {
-    const document = this.actions.document();
-    return document && this.moved ? { ...document, synthesis: { ...synthesisOf(document), ...this.moved } } : document;
+    const document = this.actions.document(), { grip, moved } = this;
+    if (!document || !grip || moved === null) return document;
+    const key = grip.turns ? "coupler_angles" : "points", table = synthesisOf(document);
+    return { ...document, synthesis: { ...table, [key]: table[key].map((/** @type {unknown} */ old, /** @type {number} */ k) => (k === grip.entry ? moved : old)) } };
   }
 
   /** Target at a pixel. @param {Page} page @param {[number, number]} pixel @returns {Grip | null} */
   at(page, [u, v]) {
-    const { type, points = [], coupler_angles: angles = [] } = synthesisOf(this.actions.document());
-    if (!["path", "motion"].includes(type) || !Array.isArray(points)) return null;
+    const { type, points, angles } = targetOf(this.actions.document());
+    if (!["path", "motion"].includes(type)) return null;
     const near = (/** @type {number} */ x, /** @type {number} */ y) => Math.hypot(x - u, y - v) < CATCH;
     for (let entry = points.length - 1; entry >= 0; entry--) {
-      if (!Array.isArray(points[entry]) || !points[entry].every(Number.isFinite)) continue;
+      if (!points[entry].every(Number.isFinite)) continue;
       const [x, y] = page.scene.view.screen(points[entry]), angle = type === "motion" ? angles[entry] : NaN;
       if (near(x, y)) return { entry, turns: false };
       if (Number.isFinite(angle) && near(x + Math.cos(angle) * ARM, y - Math.sin(angle) * ARM)) return { entry, turns: true };
@@ -64,7 +67,8 @@ export class TargetDrag {
       if (!this.grip) return false;
       const { grip, moved } = this;
       [this.grip, this.moved] = [null, null];
-      if (written && moved) this.actions.edit(grip.turns ? "turn target" : "move target", [{ op: "section", section: "synthesis", fields: moved }]);
+      const document = this.actions.document(), operations = !written || moved === null ? [] : Array.isArray(moved) ? movedPoint(document, grip.entry, moved) : turnedPose(document, grip.entry, moved);
+      if (operations.length) this.actions.edit(grip.turns ? "turn target" : "move target", operations);
       page.scene.invalidate();
       return true;
     };
@@ -77,15 +81,14 @@ export class TargetDrag {
     }, true);
   }
 
-  /** Keys of the section with a target at a pixel. @param {Page} page @param {Grip} grip @param {[number, number]} pixel @param {boolean} free */
+  /** Coordinates of a target at a pixel, or its angle. @param {Page} page @param {Grip} grip @param {[number, number]} pixel @param {boolean} free */
   change(page, { entry, turns }, pixel, free) {
-    const table = synthesisOf(this.actions.document()), short = (/** @type {number} */ value) => Number(value.toPrecision(6));
+    const { points, angles } = targetOf(this.actions.document());
     if (!turns) {
       const { x, y } = snap(page, pixel, { free });
-      return { points: table.points.map((/** @type {number[]} */ point, /** @type {number} */ k) => (k === entry ? [short(x), short(y)] : point)) };
+      return [x, y];
     }
-    const [x, y] = page.scene.view.screen(table.points[entry]), old = table.coupler_angles[entry], angle = Math.atan2(y - pixel[1], pixel[0] - x);
-    const turned = short(angle + 2 * Math.PI * Math.round((old - angle) / (2 * Math.PI)));
-    return { coupler_angles: table.coupler_angles.map((/** @type {number} */ value, /** @type {number} */ k) => (k === entry ? turned : value)) };
+    const [x, y] = page.scene.view.screen(points[entry]), angle = Math.atan2(y - pixel[1], pixel[0] - x);
+    return angle + 2 * Math.PI * Math.round((angles[entry] - angle) / (2 * Math.PI));
   }
 }
