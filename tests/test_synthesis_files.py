@@ -176,5 +176,5 @@ def test_interrupted(tmp_path, capsys, monkeypatch):
     text = filled(OWN, angles=ANGLES, outputs=x).replace("starts = 1", "starts = 4")
     path = written(tmp_path, text)
     assert main(["synthesize", str(path), "--output", str(tmp_path / "o")]) == 130
-    assert "interrupted after 1 starts" in capsys.readouterr().out
+    assert "interrupted after 1 start\n" in capsys.readouterr().out
     assert len(list((tmp_path / "o").iterdir())) == 3

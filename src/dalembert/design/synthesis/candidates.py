@@ -11,6 +11,7 @@ import numpy as np
 
 from dalembert.design.decision import Decision
 from dalembert.design.synthesis.target import Target
+from dalembert.text.wording import counted
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -112,7 +113,8 @@ class Candidates(Decision, Generic[CandidateT]):
         count = len(self.solutions)
         noun = self.candidate_kind if count != 1 else self.candidate_kind[:-1]
         text = f"{count} {noun}, least error {self.best.error:.3g}"
-        return f"{text}; interrupted after {self.starts} starts" if self.interrupted else text
+        ending = f"; interrupted after {counted(self.starts, 'start')}"
+        return f"{text}{ending}" if self.interrupted else text
 
     def live_task(self) -> LiveTask | None:
         task: LiveTask | None = self._page_function("task")(self)
