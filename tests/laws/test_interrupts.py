@@ -11,7 +11,7 @@ import pytest
 from interrupted_commands import COMMANDS, interrupted_after
 
 import dalembert as da
-from dalembert import structures
+from dalembert import planar, structures
 from dalembert.design.optimize import optimization
 from dalembert.interrupts import check_ctrl_c, ctrl_c, defer_ctrl_c, searching
 
@@ -142,3 +142,17 @@ def test_an_interrupted_reliability_names_the_limits_searched():
     both = da.reliability(None, ["r - s", "9 - s"], random, progress=pressed_at(2), samples=1000)
     assert both.message == "interrupted after the search of the design points"
     assert both.beta < result.beta
+
+
+def test_an_interrupted_identification_shows_no_intervals():
+    """The speed is 3 m/s; the first iteration is at the start."""
+    system = da.System("throw")
+    v = system.parameter("v", 1.0, "m/s", bounds=(0, 10))
+    system.add(planar.Particle("stone", mass=2.0, velocity=(v, 0)))
+    data = {"time": np.linspace(0, 2, 21), "stone.x": 3.0 * np.linspace(0, 2, 21)}
+    result = da.identify(system.build(), data, vary=["v"], progress=pressed_at(1))
+    assert result.message == "interrupted after 1 iteration"
+    assert "not meaningful away from the minimum" in result.notes[0]
+    table = next(view for view in result.page()["views"] if view.get("title") == "Unknowns")
+    assert table["heads"] == ["Start", "Reached"]
+    assert [len(row["cells"]) for row in table["rows"]] == [2]

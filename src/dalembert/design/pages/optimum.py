@@ -31,7 +31,7 @@ def optimum_page(optimum: OptimizationResult, **first_view: Any) -> dict[str, An
     """Page of an ``OptimizationResult``."""
     units = checked_units(first_view.get("units") or ())
     page = optimum.motion.page(**first_view)
-    page["title"] = f"{page['title']}: optimum"
+    page["title"] += ": optimum" if optimum.success else ": best design reached"
     page["optimum"] = optimum_payload(optimum, units)
     page["views"] = [*page.get("views", ()), *optimum_views(optimum, units)]
     page["verdict"] = verdict(optimum)
