@@ -3,8 +3,9 @@
 /** @import { Document } from "./types.d.ts" */
 
 import { numberField } from "./analysis.js";
-import { collisionsOf, groupsOf } from "./contact_shapes.js";
+import { collisionsIn, groupsOf } from "./contact_shapes.js";
 import { button, el } from "./dom.js";
+import { entered } from "./field_values.js";
 
 const COEFFICIENTS = { friction: "Friction", restitution: "Restitution" };
 
@@ -18,18 +19,20 @@ export class ContactSheet {
 
   /** @param {Document | null} document */
   show(document) {
-    const found = collisionsOf(document), tools = el("div", { class: "chips" }, [["circle", "Circle"], ["capsule", "Capsule"], ["polygon", "Polygon"], ["halfplane", "Half plane"]].map(([tool, title]) => button(title, () => this.actions.draw(tool))));
-    const focused = /** @type {HTMLInputElement | null} */ (this.node.querySelector(":focus"))?.name;
-    if (Array.isArray(document?.gravity) && document.gravity.length === 3) return this.node.replaceChildren(el("p", { class: "muted" }, "Shapes of contacts of spatial models are written in the text."));
-    this.node.replaceChildren(el("p", { class: "muted" }, "Shapes are attached to bodies by clicks. Bodies with shapes touch each other; groups of shapes may have their own friction and restitution."), tools, ...(found ? [this.element(...found)] : []));
-    if (focused) /** @type {HTMLElement | null} */ (this.node.querySelector(`[name="${CSS.escape(focused)}"]`))?.focus();
+    const { gravity, dimension } = /** @type {any} */ (document ?? {}), isSpatial = dimension === 3 || (dimension === undefined && Array.isArray(gravity) && gravity.length === 3);
+    const focused = /** @type {HTMLInputElement | null} */ (this.node.querySelector(":focus")), same = () => /** @type {NodeListOf<HTMLElement>} */ (this.node.querySelectorAll(`[name="${CSS.escape(focused?.name ?? "")}"]`)), at = [...same()].indexOf(/** @type {HTMLElement} */ (focused));
+    const about = isSpatial ? "Shapes of contacts of spatial models are written in the text." : "Shapes are attached to bodies by clicks.";
+    const tools = el("div", { class: "chips" }, [["circle", "Circle"], ["capsule", "Capsule"], ["polygon", "Polygon"], ["halfplane", "Half plane"]].map(([tool, title]) => button(title, () => this.actions.draw(tool))));
+    this.node.replaceChildren(el("p", { class: "muted" }, `${about} Bodies with shapes touch each other; groups of shapes may have their own friction and restitution.`), ...(isSpatial ? [] : [tools]), ...collisionsIn(document).map(([name, entry]) => this.element(name, entry)));
+    same()[at]?.focus();
   }
 
   /** @param {string} name @param {any} entry */
   element(name, entry) {
     const groups = groupsOf(entry), names = Object.keys(groups), pairs = names.flatMap((one, k) => names.slice(k).map((other) => [one, other]));
     const set = (/** @type {string} */ label, /** @type {string[]} */ keys, /** @type {unknown} */ value) => this.actions.edit(label, [{ op: "set", keys: ["forces", name, ...keys], value }]);
-    const all = el("div", { class: "fields" }, Object.entries(COEFFICIENTS).map(([key, label]) => numberField({ key, label }, entry[key], (value) => value !== null && set(`set ${key}`, [key], value))));
+    const keys = Object.entries(COEFFICIENTS).filter(([key]) => key !== "restitution" || !entry.law);
+    const all = el("div", { class: "fields" }, keys.map(([key, label]) => numberField({ key, label, empty: "0" }, entry[key], (value) => (value === null ? this.actions.edit(`remove ${key}`, [{ op: "drop", keys: ["forces", name, key] }]) : set(`set ${key}`, [key], value)))), entry.law && el("p", { class: "muted" }, `Normal force: ${entry.law.type ?? entry.law}`));
     const drop = (/** @type {string} */ group, /** @type {number} */ k) => {
       const rest = groups[group].filter((_, i) => i !== k);
       if (rest.length) return set("remove shape", group ? ["shapes", group] : ["shapes"], rest);
@@ -45,16 +48,19 @@ export class ContactSheet {
   row(name, entry, groups) {
     const pairs = /** @type {any[]} */ (entry.pairs ?? []), at = pairs.findIndex((pair) => [...(pair.groups ?? [])].sort().join() === [...groups].sort().join()), pair = pairs[at] ?? {};
     const change = (/** @type {Record<string, unknown>} */ fields) => {
-      const next = Object.fromEntries(Object.entries({ groups, ...pair, ...fields }).filter(([, value]) => value !== null)), list = at < 0 ? [...pairs, next] : pairs.map((old, k) => (k === at ? next : old));
-      this.actions.edit(`set contact ${groups.join("/")}`, [{ op: "set", keys: ["forces", name, "pairs"], value: list.filter((item) => Object.keys(item).length > 1) }]);
+      const next = Object.fromEntries(Object.entries({ groups, ...pair, ...fields }).filter(([, value]) => value !== null)), list = (at < 0 ? [...pairs, next] : pairs.map((old, k) => (k === at ? next : old))).filter((item) => Object.keys(item).length > 1), keys = ["forces", name, "pairs"];
+      this.actions.edit(`set contact ${groups.join("/")}`, [list.length ? { op: "set", keys, value: list } : { op: "drop", keys }]);
     };
     const touch = el("input", { type: "checkbox", name: `touch-${groups.join("-")}`, "aria-label": `${groups.join(" and ")} touch`, onchange: () => change({ touching: touch.checked ? null : false }) });
     touch.checked = pair.touching !== false;
     const cells = Object.keys(COEFFICIENTS).map((key) => {
-      const input = el("input", { name: `${key}-${groups.join("-")}`, value: String(pair[key] ?? ""), placeholder: String(entry[key] ?? 0), inputmode: "decimal", disabled: pair.touching === false, "aria-label": `${key} of ${groups.join(" and ")}`, onchange: () => {
-        const text = input.value.trim(), value = Number(text);
-        input.setAttribute("aria-invalid", String(text !== "" && !Number.isFinite(value)));
-        if (text === "" || Number.isFinite(value)) change({ [key]: text === "" ? null : value });
+      const law = key === "restitution" && (pair.law ?? entry.law), of = `${key} of ${groups.join(" and ")}`;
+      const input = el("input", { name: `${key}-${groups.join("-")}`, value: String(pair[key] ?? ""), placeholder: law ? law.type ?? law : String(entry[key] ?? 0), inputmode: "text", disabled: pair.touching === false || Boolean(law), "aria-label": of, onchange: () => {
+        const typed = entered(input.value, {}), problem = "problem" in typed ? typed.problem : "";
+        input.setAttribute("aria-invalid", String(Boolean(problem)));
+        input.setCustomValidity(problem);
+        if ("value" in typed) change({ [key]: typed.value });
+        else input.reportValidity();
       } });
       return el("td", {}, input);
     });
