@@ -131,6 +131,86 @@ def test_a_concave_polygon_is_refused(desk: tuple[Desk, Studio]) -> None:
     assert visit.text == UNTITLED
 
 
+SECOND = FLOOR + (
+    'more = { type = "Collisions", law = { type = "HuntCrossley", stiffness = 1e6,'
+    " restitution = 0.5, impact_speed = 1.0 }, "
+    'shapes = { a = [{ type = "Circle", point = "ball", radius = 0.01 }],'
+    ' b = [{ type = "Circle", point = "other", radius = 0.02 }] } }\n'
+)
+
+
+def enter(visit: Desk, name: str, text: str, number: int = 0) -> str:
+    """Type into a field of the sheet; returns the message beside it."""
+    field = visit.page.locator(f".contacts [name='{name}']").nth(number)
+    field.fill(text)
+    field.press("Enter")
+    visit.until("studio.isAnswered", 20)
+    message: str = field.evaluate("field => field.validationMessage")
+    return message
+
+
+def test_coefficients_of_contacts_are_numbers_or_formulas_or_removed(
+    desk: tuple[Desk, Studio],
+) -> None:
+    visit, _ = desk
+    text = FLOOR.replace("[bodies]", "parameters = { mu = 0.4 }\n[bodies]")
+    visit.show(text)
+    visit.page.click("#tab-contacts")
+    assert enter(visit, "friction-ball-other", "0,5") == "Write a decimal point: 0.5"
+    assert visit.text == text
+    assert enter(visit, "friction-ball-other", "mu/2") == ""
+    entry = visit.document["forces"]["touch"]
+    assert entry["pairs"] == [{"groups": ["ball", "other"], "friction": "mu/2"}]
+    visit.until("studio.described.revision >= studio.file.revision", 60)
+    assert visit.errors_shown() == []
+    enter(visit, "friction-ball-other", "")
+    assert visit.text == text
+    enter(visit, "friction", "")
+    assert "friction" not in visit.document["forces"]["touch"]
+    for _ in range(3):
+        visit.press("Control+z")
+    assert visit.text == text
+    visit.page.click("#tab-text")
+
+
+def test_all_elements_of_contacts_are_listed(desk: tuple[Desk, Studio]) -> None:
+    """One with a normal force law has no coefficient of restitution."""
+    visit, _ = desk
+    visit.show(SECOND)
+    assert visit.errors_shown() == []
+    visit.page.click("#tab-contacts")
+    assert visit.page.locator(".contacts h3").all_inner_texts() == ["touch", "more"]
+    assert "Normal force: HuntCrossley" in visit.page.inner_text(".contacts")
+    assert visit.page.locator(".contacts [name=restitution]").count() == 1
+    assert visit.page.locator(".contacts [name=restitution-a-b]").is_disabled()
+    enter(visit, "friction", "0.7", 1)
+    assert visit.document["forces"]["more"]["friction"] == 0.7
+    assert visit.js("document.activeElement.value") == "0.7"
+    assert visit.document["forces"]["touch"]["friction"] == 0.3
+    visit.page.click("#tab-text")
+
+
+def test_contacts_of_spatial_models_have_coefficients(desk: tuple[Desk, Studio]) -> None:
+    visit, _ = desk
+    visit.show(
+        "format = 1\ndimension = 3\n[bodies]\n"
+        'one = { type = "Particle", mass = 1, position = [0, 0, 0] }\n'
+        'two = { type = "Particle", mass = 1, position = [1, 0, 0] }\n[forces.hits]\n'
+        'type = "Collisions"\n[forces.hits.shapes]\n'
+        'a = [{ type = "Sphere", point = "one", radius = 0.1 }]\n'
+        'b = [{ type = "Sphere", point = "two", radius = 0.1 }]\n'
+    )
+    assert visit.errors_shown() == []
+    visit.page.click("#tab-contacts")
+    assert visit.page.locator(".contacts .chips").count() == 0  # no planar tools
+    enter(visit, "restitution-a-b", "0.25")
+    pairs = visit.document["forces"]["hits"]["pairs"]
+    assert pairs == [{"groups": ["a", "b"], "restitution": 0.25}]
+    visit.settle()
+    assert visit.errors_shown() == []
+    visit.page.click("#tab-text")
+
+
 MODEL = """\
 format = 1
 [bodies]

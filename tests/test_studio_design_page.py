@@ -181,7 +181,7 @@ def test_a_start_beside_a_running_task_is_not_offered(desk: tuple[Desk, Studio])
     visit.page.click("#tab-design")
     task = visit.js(
         "JSON.stringify({ kind: 'task', number: 1, section: 'sweep', "
-        "status: 'running', fraction: 0.5, history: [], text: '', page: '', "
+        "status: 'running', stopping: false, fraction: 0.5, history: [], text: '', page: '', "
         "designs: [], cards: [], digest: '' })"
     )
     visit.js(f"studio.handlers.task({task})")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from structure_desk import LOOK as STRUCTURE_LOOK
-from studio_desk import WAIT, Desk
+from studio_desk import WAIT, Desk, reset
 from studio_runs import Studio
 from test_studio_server import page, receive, send
 from test_studio_structures import SQUARE
@@ -133,3 +133,33 @@ def test_a_press_that_ends_outside_the_picture_is_over(desk: tuple[Desk, Studio]
     mouse.up()
     assert not visit.js("studio.pictures.held")
     visit.show(SQUARE + "# more\n")
+
+
+@pytest.mark.parametrize("before", [{}, {"structure": True}], ids=["mechanism", "structure"])
+def test_a_structure_is_drawn_by_keys_before_its_first_picture(
+    desk: tuple[Desk, Studio], before: dict[str, bool]
+) -> None:
+    """The picture of the model before is still shown."""
+    visit, studio = desk
+    reset(studio, **before)
+    visit.until(f"studio.structure.possible === {str(bool(before)).lower()}", 60)
+    visit.settle()
+    visit.js(
+        """(() => {
+            const { pictures } = studio;
+            window.held = [];
+            pictures.receive = (message) => held.push(message);
+        })()"""
+    )
+    revision = visit.revision
+    reset(studio, structure=True)
+    visit.until(f"studio.file.revision > {revision} && studio.structure.possible", 60)
+    visit.page.locator("#canvas").focus()
+    visit.page.keyboard.press("b")
+    for place in ("0, 0", "1, 0"):
+        visit.page.keyboard.type(place)
+        visit.page.keyboard.press("Enter")
+    visit.until("Object.keys(studio.file.document?.elements ?? {}).length === 1", 20)
+    visit.js("delete studio.pictures.receive; held.forEach((m) => studio.pictures.receive(m))")
+    visit.settle()
+    assert visit.document["nodes"] == {"n1": [0.0, 0.0], "n2": [1.0, 0.0]}

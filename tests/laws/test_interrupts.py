@@ -11,7 +11,7 @@ import pytest
 from interrupted_commands import COMMANDS, interrupted_after
 
 import dalembert as da
-from dalembert import structures
+from dalembert import planar, structures
 from dalembert.design.optimize import optimization
 from dalembert.interrupts import check_ctrl_c, ctrl_c, defer_ctrl_c, searching
 
@@ -122,3 +122,53 @@ def test_commands_at_a_random_moment(name, tmp_path):
     """A sample of ``python -m tests.interrupted_commands``."""
     wait = float(np.random.default_rng().uniform(0.6, 3.0))
     assert not list(interrupted_after(wait, COMMANDS[name], tmp_path))
+
+
+def pressed_at(count: int):
+    """Progress that presses Ctrl-C at a call."""
+    calls = []
+
+    def report(*numbers: float) -> None:
+        calls.append(numbers)
+        if len(calls) == count:
+            signal.raise_signal(signal.SIGINT)
+
+    return report
+
+
+def test_an_interrupted_optimum_claims_no_optimum():
+    best = da.optimize(**rod(), progress=pressed_at(2))
+    assert best.sentence.endswith("interrupted before the optimum")
+    labels = best.live_task().page()["designs"]["labels"]
+    assert labels[0] == "start" and "optimum" not in labels
+
+
+def test_the_first_design_of_an_interrupted_front_is_not_best_in_all_aims():
+    find = rod()
+    aims = [find["minimize"], da.final("rod.stress")]
+    front = da.pareto(find["model"], aims, analysis=da.Statics(), progress=pressed_at(1))
+    assert len(front) == 1 and front.interrupted
+    assert front.sentence == "one design so far (normal-constraint; interrupted after 1 search)"
+
+
+def test_an_interrupted_reliability_names_the_limits_searched():
+    random = {"r": da.Normal(10.0, 2.0), "s": da.Normal(4.0, 1.5)}
+    result = da.reliability(None, ["r - s", "9 - s"], random, progress=pressed_at(1))
+    assert result.message == "interrupted; only 1 of 2 limits searched"
+    both = da.reliability(None, ["r - s", "9 - s"], random, progress=pressed_at(2), samples=1000)
+    assert both.message == "interrupted after the search of the design points"
+    assert both.beta < result.beta
+
+
+def test_an_interrupted_identification_shows_no_intervals():
+    """The speed is 3 m/s; the first iteration is at the start."""
+    system = da.System("throw")
+    v = system.parameter("v", 1.0, "m/s", bounds=(0, 10))
+    system.add(planar.Particle("stone", mass=2.0, velocity=(v, 0)))
+    data = {"time": np.linspace(0, 2, 21), "stone.x": 3.0 * np.linspace(0, 2, 21)}
+    result = da.identify(system.build(), data, vary=["v"], progress=pressed_at(1))
+    assert result.message == "interrupted after 1 iteration"
+    assert "not meaningful away from the minimum" in result.notes[0]
+    table = next(view for view in result.page()["views"] if view.get("title") == "Unknowns")
+    assert table["heads"] == ["Start", "Reached"]
+    assert [len(row["cells"]) for row in table["rows"]] == [2]

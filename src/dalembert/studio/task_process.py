@@ -5,19 +5,21 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
 from dalembert.studio.child import child_context
 from dalembert.studio.task_work import STOP, Iteration, Outcome, TaskRequest, work
 
-PATIENCE = 5.0
-"""Time in which a stopped task completes its result; it is killed afterwards [s]."""
+DOUBLE_CLICK = 1.0
+"""Time after a stop in which a second one is the same one [s]."""
 INTERVAL = 0.1
 """Least time between two reports [s]."""
 MAX_HISTORY = 1000
 """Upper limit of the reported iterations."""
 RUNNING, DONE, STOPPED, FAILED = "running", "done", "stopped", "failed"
+ENDED_AT_ONCE = "ended at once, without its result so far"
 ENDED = "the process of the task ended unexpectedly ({}); start it again"
 
 
@@ -31,6 +33,7 @@ class TaskState:
     section : of the file
     digest : of the text with which it was started
     status : ``running``, ``done``, ``stopped`` or ``failed``
+    stopping : whether it was stopped and completes its result
     fraction : completed part; None if it reports iterations
     history : number and objective of each iteration
     outcome : at the end
@@ -40,6 +43,7 @@ class TaskState:
     section: str
     digest: str
     status: str = RUNNING
+    stopping: bool = False
     fraction: float | None = None
     history: list[tuple[int, float]] = field(default_factory=list)
     outcome: Outcome = field(default_factory=Outcome)
@@ -53,6 +57,7 @@ class TaskState:
             "section": self.section,
             "digest": self.digest,
             "status": self.status,
+            "stopping": self.stopping,
             "fraction": self.fraction,
             "history": self.history,
             "text": outcome.sentence,
@@ -77,7 +82,7 @@ class TaskProcess:
         self.state = state
         self._report = report
         self._reported = 0.0
-        self._stopped = False
+        self._stopped: float | None = None
         context = child_context()
         self._connection, other = context.Pipe()
         self.process = context.Process(target=work, args=(other, request), daemon=True)
@@ -86,26 +91,21 @@ class TaskProcess:
         threading.Thread(target=self._receive, daemon=True).start()
 
     def stop(self) -> None:
-        """End the search and keep its result so far; a second call kills the process."""
-        if self._stopped:
-            self.process.kill()
+        """End the search and keep its result so far; a later call kills the process."""
+        now = time.monotonic()
+        if self._stopped is not None:
+            if now - self._stopped > DOUBLE_CLICK:
+                self.process.kill()
             return
-        self._stopped = True
-        try:
+        self._stopped = now
+        with suppress(OSError):
             self._connection.send(STOP)
-        except OSError:
-            return
-        timer = threading.Timer(PATIENCE, self._end_of_patience)
-        timer.daemon = True
-        timer.start()
-
-    def _end_of_patience(self) -> None:
-        if self.state.status == RUNNING:
-            self.process.kill()
+        self.state.stopping = True
+        self._report()
 
     def close(self) -> None:
         """Kill the process."""
-        self._stopped = True
+        self._stopped = time.monotonic()
         self.process.kill()
 
     def _receive(self) -> None:
@@ -121,8 +121,9 @@ class TaskProcess:
         self._finish(message)
 
     def _reason(self) -> str:
-        if self._stopped:
-            return "stopped; there was no result yet"
+        if self._stopped is not None:
+            begun = self.state.history or self.state.fraction
+            return ENDED_AT_ONCE if begun else "stopped; there was no result yet"
         code = self.process.exitcode or 0
         return ENDED.format(f"signal {-code}" if code < 0 else f"exit code {code}")
 
@@ -139,8 +140,9 @@ class TaskProcess:
             self._report()
 
     def _finish(self, outcome: Outcome) -> None:
+        self.state.stopping = False
         self.state.outcome = outcome
-        ended = STOPPED if outcome.interrupted or self._stopped else FAILED
+        ended = STOPPED if outcome.interrupted or self._stopped is not None else FAILED
         usable = bool(outcome.page) or outcome.ok
         self.state.status = DONE if usable and not outcome.interrupted else ended
         self._report()

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 MIN_SAMPLES = 20
 """Lower limit of the samples for testing the autocorrelation of residuals."""
+UNFINISHED = "standard deviations and intervals are not meaningful away from the minimum"
 ROUNDING = 1e-6
 """Threshold for residuals due to rounding and time steps, relative to the data range [-]."""
 
@@ -187,7 +188,7 @@ class IdentificationResult(Decision):
             text = f"{len(self.minima)} minima from several starts; the next best is at {location}"
             notes.append(f"{text}, cost {cost:.4g} instead of {self.minima[0][0]:.4g}")
         if not self.success:
-            notes.insert(0, self.message)
+            notes.insert(0, f"{self.message}; {UNFINISHED}")
         return notes
 
     def _correlated_residuals(self) -> Iterator[tuple[str, float]]:

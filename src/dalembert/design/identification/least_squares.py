@@ -12,6 +12,7 @@ from dalembert.design.identification.misfit import Misfit
 from dalembert.design.methods.search_options import check_stop
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.interrupts import raising_ctrl_c
+from dalembert.text.wording import counted
 
 LOSSES = ("linear", "soft_l1", "huber", "cauchy", "arctan")
 NORMAL = 1.4826
@@ -70,7 +71,7 @@ class LeastSquaresSolver:
                 raise
             self.interrupted = True
             cost, best = self._reached
-            return Fit(best, False, f"interrupted after {self._count} iteration(s)", cost)
+            return Fit(best, False, f"interrupted after {counted(self._count, 'iteration')}", cost)
 
     def _search(self, x: np.ndarray) -> Fit:
         from scipy.optimize import least_squares
@@ -144,7 +145,7 @@ class LeastSquaresSolver:
         is_specified = self.use_specified_noise()
         if self.interrupted:
             cost = 0.5 * float(np.sum(self.residual(x) ** 2))
-            fit = Fit(x, False, f"interrupted after {self._count} iteration(s)", cost)
+            fit = Fit(x, False, f"interrupted after {counted(self._count, 'iteration')}", cost)
         else:
             fit = self.solve(x)
         if is_specified or self.interrupted:

@@ -28,7 +28,7 @@ from dalembert.results.analysis import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.arguments import check_arguments
-from dalembert.text.wording import unknown
+from dalembert.text.wording import counted, unknown
 
 
 @check_arguments
@@ -207,5 +207,7 @@ def solve(program: Program, method: Optimizer, stop: Stop) -> OptimizationResult
     except KeyboardInterrupt:
         interrupted, iterations = True, len(program.history) - 1
         best = program.scaled(program.best[0])
-        outcome = OptimizerResult(best, False, f"interrupted after {iterations} iteration(s)")
+        outcome = OptimizerResult(
+            best, False, f"interrupted after {counted(iterations, 'iteration')}"
+        )
     return verified_optimum(program, outcome, interrupted)

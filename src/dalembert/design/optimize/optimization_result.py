@@ -107,8 +107,14 @@ class OptimizationResult(Decision):
     @property
     def sentence(self) -> str:
         first, unit = self.history[0].objective, f" {self.unit}" if self.unit else ""
-        state = "optimal" if self.success else "not optimal"
-        return f"{self.label} {first:.4g} → {self.fun:.4g}{unit}, {state}"
+        return f"{self.label} {first:.4g} → {self.fun:.4g}{unit}, {self.state}"
+
+    @property
+    def state(self) -> str:
+        """Whether the design is optimal, or the search was interrupted."""
+        if self.interrupted:
+            return "interrupted before the optimum"
+        return "optimal" if self.success else "not optimal"
 
     def findings(self) -> dict[str, Any]:
         return {

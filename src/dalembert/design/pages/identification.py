@@ -57,24 +57,26 @@ def _motion_page(
 
 
 def identification_views(identification: IdentificationResult) -> list[dict[str, Any]]:
-    """Unknowns with their intervals, fit and residuals, confidence ellipses and notes."""
+    """Unknowns, fit and residuals, notes; after convergence, intervals and confidence ellipses."""
     interval, start = identification.interval(), identification.misfit.unknowns.start
+    converged = identification.success
     parameters = identification.misfit.model.parameters
     units = [parameters[n].unit if n in parameters else "" for n in identification.x]
     rows = [
         {
             "name": name,
-            "cells": [float(first), value, identification.deviation[name], *interval[name]],
+            "cells": [float(first), value]
+            + ([identification.deviation[name], *interval[name]] if converged else []),
             "unit": unit,
         }
         for (name, value), first, unit in zip(identification.x.items(), start, units, strict=True)
     ]
-    heads = ["Start", "Estimate", "± σ", "95 % from", "to"]
+    heads = ["Start", "Estimate", "± σ", "95 % from", "to"] if converged else ["Start", "Reached"]
     table = {"kind": "rows", "title": "Unknowns", "heads": heads, "rows": rows}
     payload = [{**table, "place": "board"}, *fits(identification.misfit, identification.predicted)]
     covariance = identification.covariance.values
     finite = np.flatnonzero(np.isfinite(np.diag(covariance)))
-    if finite.size >= 2:
+    if converged and finite.size >= 2:
         shown = finite[:MAX_UNKNOWNS]
         names = [list(identification.x)[k] for k in shown]
         centre = np.array(list(identification.x.values()))[shown]

@@ -31,12 +31,12 @@ def optimum_page(optimum: OptimizationResult, **first_view: Any) -> dict[str, An
     """Page of an ``OptimizationResult``."""
     units = checked_units(first_view.get("units") or ())
     page = optimum.motion.page(**first_view)
-    page["title"] = f"{page['title']}: optimum"
+    page["title"] += ": optimum" if optimum.success else ": best design reached"
     page["optimum"] = optimum_payload(optimum, units)
     page["views"] = [*page.get("views", ()), *optimum_views(optimum, units)]
     page["verdict"] = verdict(optimum)
     if units:
-        page["verdict"]["text"] = _sentence(page["optimum"])
+        page["verdict"]["text"] = _sentence(page["optimum"], optimum.state)
     first = optimum.initial.page()
     if page.get("kind") == "structure":
         page["scene"]["ghosts"] = [{"mesh": first["scene"]["mesh"]}]
@@ -67,7 +67,7 @@ def optimum_task(optimum: OptimizationResult) -> LiveTask | None:
 
 
 def _iterates(optimum: OptimizationResult, units: Sequence[str]) -> dict[str, Any]:
-    """Table of the iterates; the last one is the best design."""
+    """Table of the iterates; the last one is the optimum, or the best design reached."""
     factor, unit = shown_in(optimum.unit, units)
     history, last = optimum.history, len(optimum.history) - 1
     columns = [(optimum.label, unit, "aim", [iterate.objective / factor for iterate in history])]
@@ -78,7 +78,8 @@ def _iterates(optimum: OptimizationResult, units: Sequence[str]) -> dict[str, An
         size, shown = shown_in(variable.unit, (*units, *filter(None, [variable.declared_unit])))
         values = [iterate.parameters[variable.name] / size for iterate in history]
         columns.append((variable.name, shown, "parameter", values))
-    labels = ["start", *(f"iteration {k}" for k in range(1, last)), "optimum"]
+    end = "optimum" if optimum.success else "best design"
+    labels = ["start", *(f"iteration {k}" for k in range(1, last)), end]
     return views.designs(columns, labels=labels[: last + 1], chosen=last)
 
 
@@ -105,10 +106,9 @@ def optimum_payload(optimum: OptimizationResult, units: Sequence[str] = ()) -> d
     }
 
 
-def _sentence(payload: dict[str, Any]) -> str:
+def _sentence(payload: dict[str, Any], state: str) -> str:
     """``OptimizationResult.sentence`` in the units of the page."""
     unit = f" {payload['unit']}" if payload["unit"] else ""
-    state = "optimal" if payload["success"] else "not optimal"
     return f"{payload['label']} {payload['start']:.4g} → {payload['value']:.4g}{unit}, {state}"
 
 

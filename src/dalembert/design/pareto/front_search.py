@@ -163,7 +163,9 @@ class FrontSearch:
         except KeyboardInterrupt:
             if not self.solutions:
                 raise
-            front = self.result(method, f"interrupted after {len(self.solutions)} searches")
+            count = len(self.solutions)
+            done = f"{count} search{'' if count == 1 else 'es'}"
+            front = self.result(method, f"interrupted after {done}")
             front.interrupted = True
             return front
 

@@ -132,6 +132,8 @@ class ParetoResult(Decision):
 
     @property
     def sentence(self) -> str:
+        if len(self) == 1 and self.interrupted:
+            return f"one design so far ({self.message})"
         if len(self) == 1:
             return f"one design, best in all aims ({self.message})"
         return f"{len(self)} designs, none better in all aims ({self.message})"

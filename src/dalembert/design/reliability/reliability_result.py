@@ -85,7 +85,10 @@ class ReliabilityResult(Decision):
     def message(self) -> str:  # type: ignore[override]
         """Outcome of the searches."""
         if self.interrupted:
-            return f"interrupted after {len(self.points)} design point(s)"
+            searched, total = len(self._nearest()), len(self.searches)
+            if searched < total:
+                return f"interrupted; only {searched} of {total} limits searched"
+            return "interrupted after the search of the design points"
         state = "converged" if self.success else "not converged"
         note = f", {len(self.warnings)} warning(s)" if self.warnings else ""
         return f"{state}, residual {self.residual:.1e}{note}"

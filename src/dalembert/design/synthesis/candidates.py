@@ -11,6 +11,7 @@ import numpy as np
 
 from dalembert.design.decision import Decision
 from dalembert.design.synthesis.target import Target
+from dalembert.text.wording import counted
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -114,8 +115,10 @@ class Candidates(Decision, Generic[CandidateT]):
         count = len(self.solutions)
         noun = self.candidate_kind if count != 1 else self.candidate_kind[:-1]
         text = f"{count} {noun}, least error {self.best.error:.3g}"
-        of = "" if self.planned is None else f" of {self.planned}"
-        return f"{text}; interrupted after {self.starts}{of} starts" if self.interrupted else text
+        ending = f"; interrupted after {counted(self.starts, 'start')}"
+        if self.planned is not None:
+            ending = f"; interrupted after {self.starts} of {counted(self.planned, 'start')}"
+        return f"{text}{ending}" if self.interrupted else text
 
     def live_task(self) -> LiveTask | None:
         task: LiveTask | None = self._page_function("task")(self)

@@ -14,8 +14,11 @@ import { inBody } from "./snapping.js";
 /** Friction and restitution of a new element. */
 const LAW = { friction: 0.3, restitution: 0.2 };
 
-/** The element Collisions of a document: its name and entry. @param {Document | null} document @returns {[string, any] | null} */
-export const collisionsOf = (document) => Object.entries(document?.forces ?? {}).find(([, entry]) => entry?.type === "Collisions") ?? null;
+/** Elements Collisions of a document: their names and entries. @param {Document | null} document @returns {[string, any][]} */
+export const collisionsIn = (document) => Object.entries(document?.forces ?? {}).filter(([, entry]) => entry?.type === "Collisions");
+
+/** The first of them, which has the shapes that are drawn. @param {Document | null} document @returns {[string, any] | null} */
+export const collisionsOf = (document) => collisionsIn(document)[0] ?? null;
 
 /** Groups of shapes by name; a list without groups is one without a name. @param {any} entry @returns {Record<string, any[]>} */
 export const groupsOf = (entry) => (Array.isArray(entry?.shapes) ? { "": entry.shapes } : entry?.shapes ?? {});

@@ -4,7 +4,7 @@
 
 import { numberField } from "./analysis.js";
 import { pairAt, pairChange } from "./contact_laws.js";
-import { collisionsOf, groupsOf } from "./contact_shapes.js";
+import { collisionsIn, groupsOf } from "./contact_shapes.js";
 import { button, el } from "./dom.js";
 import { accept } from "./field_values.js";
 import { valueChange } from "./row_changes.js";
@@ -21,18 +21,20 @@ export class ContactSheet {
 
   /** @param {Document | null} document */
   show(document) {
-    const found = collisionsOf(document), tools = el("div", { class: "chips" }, [["circle", "Circle"], ["capsule", "Capsule"], ["polygon", "Polygon"], ["halfplane", "Half plane"]].map(([tool, title]) => button(title, () => this.actions.draw(tool))));
-    const focused = /** @type {HTMLInputElement | null} */ (this.node.querySelector(":focus"))?.name;
-    if (Array.isArray(document?.gravity) && document.gravity.length === 3) return this.node.replaceChildren(el("p", { class: "muted" }, "Shapes of contacts of spatial models are written in the text."));
-    this.node.replaceChildren(el("p", { class: "muted" }, "Shapes are attached to bodies by clicks. Bodies with shapes touch each other; groups of shapes may have their own friction and restitution."), tools, ...(found ? [this.element(...found)] : []));
-    if (focused) /** @type {HTMLElement | null} */ (this.node.querySelector(`[name="${CSS.escape(focused)}"]`))?.focus();
+    const { gravity, dimension } = /** @type {any} */ (document ?? {}), isSpatial = dimension === 3 || (dimension === undefined && Array.isArray(gravity) && gravity.length === 3);
+    const focused = /** @type {HTMLInputElement | null} */ (this.node.querySelector(":focus")), same = () => /** @type {NodeListOf<HTMLElement>} */ (this.node.querySelectorAll(`[name="${CSS.escape(focused?.name ?? "")}"]`)), at = [...same()].indexOf(/** @type {HTMLElement} */ (focused));
+    const about = isSpatial ? "Shapes of contacts of spatial models are written in the text." : "Shapes are attached to bodies by clicks.";
+    const tools = el("div", { class: "chips" }, [["circle", "Circle"], ["capsule", "Capsule"], ["polygon", "Polygon"], ["halfplane", "Half plane"]].map(([tool, title]) => button(title, () => this.actions.draw(tool))));
+    this.node.replaceChildren(el("p", { class: "muted" }, `${about} Bodies with shapes touch each other; groups of shapes may have their own friction and restitution.`), ...(isSpatial ? [] : [tools]), ...collisionsIn(document).map(([name, entry]) => this.element(name, entry)));
+    same()[at]?.focus();
   }
 
   /** @param {string} name @param {any} entry */
   element(name, entry) {
     const groups = groupsOf(entry), names = Object.keys(groups), pairs = names.flatMap((one, k) => names.slice(k).map((other) => [one, other]));
     const change = (/** @type {string} */ label, /** @type {import("./operations.js").Operation[]} */ operations) => void (operations.length && this.actions.edit(label, operations));
-    const all = el("div", { class: "fields" }, Object.entries(COEFFICIENTS).map(([key, label]) => numberField({ key, label, empty: "0" }, entry[key], (value) => change(`${value === null ? "remove" : "set"} ${key}`, valueChange(["forces", name], entry, key, value)))));
+    const keys = Object.entries(COEFFICIENTS).filter(([key]) => key !== "restitution" || !entry.law);
+    const all = el("div", { class: "fields" }, keys.map(([key, label]) => numberField({ key, label, empty: "0" }, entry[key], (value) => change(`${value === null ? "remove" : "set"} ${key}`, valueChange(["forces", name], entry, key, value)))), entry.law && el("p", { class: "muted" }, `Normal force: ${entry.law.type ?? entry.law}`));
     const drop = (/** @type {string} */ group, /** @type {number} */ k) => {
       if (groups[group].length > 1) return change("remove shape", [{ op: "remove_item", keys: ["forces", name, "shapes", ...(group ? [group] : []), k] }]);
       if (names.length < 2) return this.actions.edit("remove contacts", [{ op: "remove", section: "forces", name }]);
@@ -53,7 +55,8 @@ export class ContactSheet {
     const touch = el("input", { type: "checkbox", name: `touch-${groups.join("-")}`, "aria-label": `${groups.join(" and ")} touch`, onchange: () => change("touching", touch.checked ? null : false) });
     touch.checked = pair.touching !== false;
     const cells = Object.keys(COEFFICIENTS).map((key) => {
-      const old = pair[key] ?? "", input = el("input", { name: `${key}-${groups.join("-")}`, value: String(old), placeholder: String(entry[key] ?? 0), disabled: pair.touching === false, title: "number or formula; empty for the value of all contacts", "aria-label": `${key} of ${groups.join(" and ")}`, spellcheck: "false", autocomplete: "off", onchange: () => accept(input, {}, old, (value) => change(key, value)) });
+      const law = key === "restitution" && (pair.law ?? entry.law), old = pair[key] ?? "";
+      const input = el("input", { name: `${key}-${groups.join("-")}`, value: String(old), placeholder: law ? law.type ?? law : String(entry[key] ?? 0), inputmode: "text", disabled: pair.touching === false || Boolean(law), title: "number or formula; empty for the value of all contacts", "aria-label": `${key} of ${groups.join(" and ")}`, spellcheck: "false", autocomplete: "off", onchange: () => accept(input, {}, old, (value) => change(key, value)) });
       return el("td", {}, input);
     });
     return el("tr", {}, el("th", { scope: "row" }, groups.join(" / ")), ...cells, el("td", {}, touch));

@@ -7,7 +7,7 @@ import { button, el } from "./dom.js";
 import { Measurements } from "./measurements.js";
 import { inWords } from "./responses.js";
 import { rowChange, valueChange } from "./row_changes.js";
-import { taskCard } from "./tasks.js";
+import { TaskCards } from "./tasks.js";
 
 /** A task: what its form has. @typedef {{ section: string, title: string, note: string, aims?: boolean, response?: boolean, limits?: boolean, ranges?: boolean, tolerances?: boolean, data?: boolean, fields: import("./analysis.js").Field[] }} Task */
 
@@ -38,7 +38,8 @@ export class DesignSheet {
     this.tasks = {};
     this.tabs = el("div", { class: "picks", role: "tablist", "aria-label": "Design task" });
     this.form = el("div", { class: "form" });
-    this.state = el("div", { class: "states" });
+    this.cards = new TaskCards(actions);
+    this.state = this.cards.node;
     this.begin = button("Start", () => this.actions.start(this.chosen.section), { class: "button primary", id: "start-task" });
     /** Why it is not possible to start. */
     this.refusal = el("span", { class: "muted", role: "status" });
@@ -101,7 +102,7 @@ export class DesignSheet {
     const others = running && running !== task ? [running] : [];
     this.refusal.textContent = running ? `${titleOf(running.section)} runs; stop it to start a task.` : "";
     this.begin.disabled = Boolean(running);
-    this.state.replaceChildren(...[task, ...others].flatMap((item) => (item ? [taskCard(item, titleOf(item.section), this.actions.digest(), this.actions)] : [])));
+    this.cards.show([...(task ? [task] : []), ...others], titleOf);
   }
 
   /** Responses of the file: reductions of measures to numbers. */

@@ -85,6 +85,8 @@ export class Exports {
 
   /** @param {string} text @param {number | null} share of the work that is done; null at its end @param {boolean} [failed] */
   say(text, share, failed = false) {
+    const progress = /** @type {HTMLProgressElement | null} */ (this.state.querySelector("progress"));
+    if (share && progress) return void (progress.value = share);  // the button stays, so that a press of it is not lost
     const running = share === null ? [] : [el("progress", { max: "1", value: share || null, "aria-label": "Progress" }), button("Stop", () => this.request("stop export"))];
     this.state.replaceChildren(el("p", { class: failed ? "error" : null }, text), ...running);
   }

@@ -107,18 +107,19 @@ export class Structure {
     if (this.document) this.plan = new Plan(this.document, page);
     this.palette.node.hidden = !this.possible;
     this.properties.show();
-    if (!this.possible) return;
     const { scene, player } = page, { canvas } = scene, view = /** @type {Window} */ (this.pictures.frame?.contentWindow);
-    const grid = /** @type {HTMLElement | null | undefined} */ (this.pictures.frame?.contentDocument?.getElementById("grid"));
-    if (grid && !scene.show.grid) grid.click();
-    if (!page.motion.mesh && scene.view.fitted) [scene.view.x, scene.view.y, scene.view.s, scene.view.fitted] = [2, 0.5, Math.max(60, canvas.clientWidth / 7), false];
-    if (!this.moving.length) player.pause();
+    // Also in the picture of a mechanism: a structure opened after it is drawn on it until its own picture comes.
     takePointer(page, view, () => this.page === page && this.possible, () => this.drag !== null, {
       pointerdown: (event, at) => this.down(event, at), pointermove: (event, at) => this.over(event, at), pointerup: (event) => release(this, event),
       dblclick: () => this.tool.name !== "select",
     });
     view.addEventListener("keydown", (event) => this.key(event), true);
     scene.overlays.push((/** @type {{ ctx: CanvasRenderingContext2D }} */ { ctx }) => { if (this.possible && this.page === page) drawStructure(ctx, this); });
+    if (!this.possible) return;
+    const grid = /** @type {HTMLElement | null | undefined} */ (this.pictures.frame?.contentDocument?.getElementById("grid"));
+    if (grid && !scene.show.grid) grid.click();
+    if (!page.motion.mesh && scene.view.fitted) [scene.view.x, scene.view.y, scene.view.s, scene.view.fitted] = [2, 0.5, Math.max(60, canvas.clientWidth / 7), false];
+    if (!this.moving.length) player.pause();
     this.refresh();
   }
 

@@ -9,7 +9,7 @@ import { accept } from "./field_values.js";
 import { CHART, chartScale, drawChart } from "./function_chart.js";
 import { SIX_BARS, linkageFields } from "./six_bars.js";
 import { COLUMNS, addedFunctionPoint, movedFunctionPoint, removedRow, synthesisOf, targetOf, typed } from "./target_edits.js";
-import { taskCard } from "./tasks.js";
+import { TaskCards } from "./tasks.js";
 
 /** Time of a revolution on a card [ms]. */
 const TURN = 3000;
@@ -31,9 +31,9 @@ export class SynthesisSheet {
     /** @type {keyof typeof SORTS} */
     this.sort = "error";
     this.form = el("div", { class: "form" });
-    this.state = el("div", { class: "states" });
+    this.states = new TaskCards(actions);
     this.cards = el("div", { class: "candidates" });
-    this.node = el("section", { class: "sheet synthesis" }, this.form, this.state, this.cards);
+    this.node = el("section", { class: "sheet synthesis" }, this.form, this.states.node, this.cards);
     /** Canvases of the cards. @type {{ canvas: HTMLCanvasElement, card: Card }[]} */
     this.drawn = [];
     const draw = (/** @type {number} */ time) => {
@@ -136,7 +136,7 @@ export class SynthesisSheet {
 
   renderState() {
     const tasks = [this.task, this.other?.status === "running" ? this.other : null];
-    this.state.replaceChildren(...tasks.flatMap((task) => (task ? [taskCard(task, titleOf(task.section), this.actions.digest(), this.actions)] : [])));
+    this.states.show(tasks.flatMap((task) => task ?? []), titleOf);
   }
 
   renderCards() {

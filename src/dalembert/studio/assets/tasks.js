@@ -23,17 +23,64 @@ function historyPlot(history) {
 
 const STATES = { running: "runs", done: "done", stopped: "stopped", failed: "failed" };
 
-/** Card of a task: progress while it runs, its result afterwards.
- * @param {TaskMessage} task @param {string} title @param {string} digest of the present text @param {{ stop: () => void, open: (task: TaskMessage) => void }} actions */
-export function taskCard(task, title, digest, { stop, open }) {
-  const { status, fraction, history, text, page } = task, runs = status === "running";
-  const age = digest === task.digest ? "of the present text" : "of a former text";
-  return el("div", { class: `task ${status}`, role: "status" },
-    el("div", { class: "head" }, el("strong", {}, `${title}: ${STATES[status]}`), el("small", {}, age)),
-    runs && (fraction === null ? el("progress", { "aria-label": "Progress" }) : el("progress", { value: fraction, max: 1, "aria-label": "Progress" })),
-    history.length > 0 && historyPlot(history),
-    text && el("p", { class: "result" }, text),
-    el("div", { class: "chips" }, runs && button("Stop", stop, { title: "End the search; its result so far is kept. A second time: end it at once" }), page && button("Show the result", () => open(task), { class: "button primary" })));
+/** Card of a task: progress while it runs, its result afterwards. Its buttons stay while the task proceeds, so that a press or the focus of one is not lost. */
+class TaskCard {
+  /** @param {Actions} actions */
+  constructor({ stop, open }) {
+    /** @type {TaskMessage | null} */
+    this.task = null;
+    this.title = el("strong", {});
+    this.age = el("small", {});
+    this.progress = el("progress", { "aria-label": "Progress" });
+    this.plot = el("div", {});
+    this.result = el("p", { class: "result" });
+    this.stop = button("Stop", stop);
+    this.open = button("Show the result", () => this.task && open(this.task), { class: "button primary" });
+    this.node = el("div", { role: "status" }, el("div", { class: "head" }, this.title, this.age), this.progress, this.plot, this.result, el("div", { class: "chips" }, this.stop, this.open));
+  }
+
+  /** @param {TaskMessage} task @param {string} title @param {string} digest of the present text */
+  show(task, title, digest) {
+    const { status, fraction, history, text, page } = this.task = task, runs = status === "running", stops = runs && task.stopping;
+    this.node.className = `task ${status}`;
+    this.title.textContent = `${title}: ${stops ? "stops and completes its result" : STATES[status]}`;
+    this.age.textContent = digest === task.digest ? "of the present text" : "of a former text";
+    this.progress.hidden = !runs;
+    if (fraction === null) this.progress.removeAttribute("value");
+    else this.progress.value = fraction;
+    this.plot.replaceChildren(...(history.length ? [historyPlot(history)] : []));
+    this.plot.hidden = !history.length;
+    this.result.textContent = text;
+    this.result.hidden = !text;
+    this.stop.hidden = !runs;
+    this.stop.textContent = stops ? "End at once" : "Stop";
+    this.stop.title = stops ? "Without its result so far" : "End the search; its result so far is kept";
+    this.open.hidden = !page;
+  }
+}
+
+/** @typedef {{ stop: () => void, open: (task: TaskMessage) => void, digest: () => string }} Actions */
+
+/** Cards of tasks, one for each section. */
+export class TaskCards {
+  /** @param {Actions} actions */
+  constructor(actions) {
+    this.actions = actions;
+    this.node = el("div", { class: "states" });
+    /** @type {Map<string, TaskCard>} */
+    this.cards = new Map();
+  }
+
+  /** @param {TaskMessage[]} tasks @param {(section: string) => string} titleOf */
+  show(tasks, titleOf) {
+    const nodes = tasks.map((task) => {
+      const card = this.cards.get(task.section) ?? new TaskCard(this.actions);
+      this.cards.set(task.section, card);
+      card.show(task, titleOf(task.section), this.actions.digest());
+      return card.node;
+    });
+    if (nodes.length !== this.node.children.length || nodes.some((node, k) => node !== this.node.children[k])) this.node.replaceChildren(...nodes);
+  }
 }
 
 /** Result of a task in a frame over the desk. */

@@ -24,7 +24,7 @@ export interface PreviewMessage { kind: "preview"; fields: Record<string, unknow
 /** A candidate of a synthesis; `lines` are places over the instants. */
 export interface Card { error: number; distance: number; dimensions: Record<string, number>; marks: string[]; target: number[][]; curve: number[][]; lines: number[][][][]; operations?: Record<string, unknown>[]; parameters?: Record<string, number> }
 /** State of a design task; `page` is the address of its result, empty if there is none. */
-export interface TaskMessage { kind: "task"; number: number; section: string; digest: string; status: "running" | "done" | "stopped" | "failed"; fraction: number | null; history: [number, number][]; text: string; ok: boolean; page: string; designs: Record<string, number>[]; cards: Card[] }
+export interface TaskMessage { kind: "task"; number: number; section: string; digest: string; status: "running" | "done" | "stopped" | "failed"; stopping: boolean; fraction: number | null; history: [number, number][]; text: string; ok: boolean; page: string; designs: Record<string, number>[]; cards: Card[] }
 export type Message = FilesMessage | ExportMessage | TextMessage | PictureMessage | NoticeMessage | ConflictMessage;
 export type Attributes = Record<string, string | boolean | number | ((event: Event) => void) | null | undefined>;
 export type Child = Node | string | null | undefined | false;
