@@ -72,7 +72,7 @@ def roller_lift(angle: float) -> float:
     return float(center(v)[1])
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize(("lift", "roller"), [(flat_lift, False), (roller_lift, True)])
 def test_an_elliptic_cam_lifts_its_follower(scheme, lift, roller):
@@ -168,6 +168,7 @@ def geneva() -> list:
     return corners
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("scheme", "step"), list(zip(SCHEMES, [1e-3, 2e-3], strict=True)))
 def test_a_geneva_drive_turns_by_quarters_and_dwells(scheme, step):
     """In a slot, ``tan ψ = r sin θ/(a − r cos θ)``, within the clearance; then it rests."""
@@ -201,6 +202,7 @@ def parallel(x: float, radius: float) -> np.ndarray:
     return np.array([x, x * x]) + radius * np.array([-2 * x, 1]) / math.hypot(2 * x, 1)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_a_disc_slides_in_a_parabolic_bowl(scheme):
     """Beside the motion of a bead on the parallel curve; of first order in the step."""

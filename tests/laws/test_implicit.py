@@ -279,7 +279,7 @@ ADAPTIVE = [("Radau, adaptive", form) for form in FORMS]
 PROJECTED = [(m, f, True) for m in METHODS for f in FORMS]
 
 
-@pytest.mark.product
+@pytest.mark.few(5)
 @pytest.mark.parametrize(
     ("method", "form", "projected"),
     sampled([*PROJECTED, *((*pair, False) for pair in [*PAIRS, *ADAPTIVE])], 3),
