@@ -88,6 +88,7 @@ def test_the_estimate_is_that_of_a_ball_between_walls(scheme: da.AnticipatedImpa
     assert error > 1e-3 and error / 5 < motion.error_estimate.share < 5 * error
 
 
+@pytest.mark.thorough
 def test_force_laws_alone_have_errors_of_second_order():
     """A ball between two compliant walls."""
     model = swinging(planar.contact.Hertz(stiffness=1e4))

@@ -110,6 +110,7 @@ def test_a_box_turns_over_its_corner_with_second_order(compiled, monkeypatch):
     assert errors[0] > SECOND * errors[1] and errors[1] < 3e-4
 
 
+@pytest.mark.thorough
 def test_balls_that_are_concentric_in_the_middle_of_a_step_collide():
     """The direction there is not defined; the impact has the one at the start."""
     system, kit = da.System("shot"), spatial.contact

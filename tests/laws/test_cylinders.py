@@ -274,6 +274,7 @@ def test_a_disc_rolls_steadily_on_its_rim():
     assert np.diff(motion.data["energy"].values).max() < 1e-4
 
 
+@pytest.mark.thorough
 def test_cylinders_among_solids_neither_overlap_nor_gain_energy():
     rng, system = np.random.default_rng(3), da.System("mixture", gravity=(0.0, 0.0, -G))
     shapes = [contact.HalfSpace(system.ground.frame())]

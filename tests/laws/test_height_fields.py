@@ -191,6 +191,7 @@ def test_a_slope_of_triangles_is_an_inclined_plane(name):
     )
 
 
+@pytest.mark.thorough
 def test_a_ball_oscillates_in_a_bowl():
     """Without friction, its centre moves on a curve parallel to the parabola ``z = x²/(2 R)``."""
     curvature, radius, foot = 0.5, 0.05, 0.1
