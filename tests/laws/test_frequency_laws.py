@@ -330,6 +330,7 @@ def test_structures_about_a_loaded_state(nonlinear: bool) -> None:
     np.testing.assert_allclose(rows[2], rows[0], rtol=0, atol=1e-5 * size)
 
 
+@pytest.mark.thorough
 def test_random_gradients_by_quadrature() -> None:
     table = {"frequency": [0.3, 1.0, 4.0], "density": [1e-3, 1e-2, 2e-3]}
     analysis = da.RandomResponse(

@@ -86,6 +86,7 @@ def test_every_strategy_is_listed(base, table):
     assert _concrete(base) <= {type(strategy) for strategy in table.values()}
 
 
+@pytest.mark.few(24)
 @pytest.mark.parametrize("name", [*CASES, *SPATIAL_CASES])
 def test_every_number_given_is_a_parameter(name):
     """So that gradients tested over the registry reach every quantity of every element."""
