@@ -76,7 +76,7 @@ def test_a_point_of_the_front_is_a_mechanism(show, front):  # noqa: F811
     page.until("dalembert.player.time > 0.02")
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("viewport", [(1440, 900), (390, 844)])
 def test_draws(show, front, viewport, scheme):  # noqa: F811
@@ -86,6 +86,7 @@ def test_draws(show, front, viewport, scheme):  # noqa: F811
     assert page.js("[...document.querySelectorAll('svg.chart')].every(s => s.children.length)")
 
 
+@pytest.mark.thorough
 def test_a_range_of_an_axis_keeps_designs(show, slider):  # noqa: F811
     design = da.DesignTable.grid({"r": [0.06, 0.1, 0.14, 0.45], "l": [0.4, 0.5]})
     study = da.sweep(slider, design, analysis=ANALYSIS, responses=[FORCE, REACH])
@@ -115,6 +116,7 @@ def test_a_range_of_an_axis_keeps_designs(show, slider):  # noqa: F811
     assert "failed" in page.page.inner_text("#panels").lower()
 
 
+@pytest.mark.thorough
 def test_structures_are_chosen_too(show):  # noqa: F811
     structure = da.Structure("two bars")
     h = structure.parameter("h", 0.4, "m", bounds=(0.3, 2.0))
@@ -147,6 +149,7 @@ def test_structures_are_chosen_too(show):  # noqa: F811
     assert ghost.picture("#scene") != before
 
 
+@pytest.mark.thorough
 def test_designs_in_space_are_shown_at_once(show):  # noqa: F811
     path = Path(__file__).parents[1] / "examples" / "rssr_four_bar.toml"
     model = da.load_model(path).build()
@@ -243,7 +246,7 @@ OVERLAPS = """(() => {
 })()"""
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("count", [1, 2, 3, 5, 7, 10])
 @pytest.mark.parametrize("viewport", [(1440, 900), (390, 844)])
 def test_texts_of_parallel_axes_are_clear_of_each_other(show, count, viewport):  # noqa: F811

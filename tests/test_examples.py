@@ -71,6 +71,7 @@ def test_file_and_script_are_the_same_structure(name: str) -> None:
     np.testing.assert_allclose(again.displacements, motion(name).displacements, atol=1e-12)
 
 
+@pytest.mark.few(9)
 @pytest.mark.parametrize(
     ("name", "each"),
     [(name, 5) for name in (*SMOOTH, *STRUCTURES)]
@@ -98,6 +99,7 @@ def test_gradients_agree(name: str, each: int) -> None:
     assert (errors / largest).max() <= 1e-6
 
 
+@pytest.mark.few(10)
 @pytest.mark.parametrize("name", FILES)
 def test_file_and_script_are_the_same_mechanism(name: str) -> None:
     build = getattr(script("carts"), name) if name.startswith("cart_") else script(name).build
@@ -119,6 +121,7 @@ def test_file_and_script_are_the_same_mechanism(name: str) -> None:
     np.testing.assert_allclose(again.y, trajectory.y, atol=1e-9 * (1 + np.abs(trajectory.y).max()))
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", OPTIMISED)
 def test_files_optimise(name: str) -> None:
     design = make_design(file(name), model(name))

@@ -172,6 +172,7 @@ def _first_copies(twin: Twin) -> np.ndarray:
     return np.vstack([*rows, np.zeros((others, twin.m.nv))])
 
 
+@pytest.mark.few(25)
 @pytest.mark.parametrize("name", CASES)
 def test_every_case_is_loaded_and_has_our_equations_unless_it_names_what_it_lacks(name):
     model = model_of(name)
@@ -364,6 +365,7 @@ def test_omissions_are_comments_and_obstacles_name_the_element(tmp_path):
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
 
 
+@pytest.mark.few(8)
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_examples_have_our_equations_or_name_what_they_lack(path):
     model = load_model_file(path).model()

@@ -75,6 +75,7 @@ def top() -> da.Model:
     return system.build()
 
 
+@pytest.mark.thorough
 def test_a_spatial_motion_is_drawn(tab: Firefox, tmp_path: Path) -> None:
     motion = da.solve_dynamics(top(), 0.5, step=0.002)
     responses = [da.maximum("foot.force_norm"), da.mean("kinetic_energy")]
@@ -86,6 +87,7 @@ def test_a_spatial_motion_is_drawn(tab: Firefox, tmp_path: Path) -> None:
     check_silence(tab, path)
 
 
+@pytest.mark.thorough
 def test_a_structure_follows_its_sliders(tab: Firefox, tmp_path: Path) -> None:
     result = da.solve_statics(truss())
     responses = [da.at(0, "compliance"), da.maximum("bar0.stress")]

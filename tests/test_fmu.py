@@ -194,6 +194,7 @@ def finite_differences(one, unknowns, knowns, step=1e-5):
     return np.array(columns).T
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", ["ModelExchange", "CoSimulation"])
 def test_derivatives_while_running(kind, unit):
     one = Instance(unit.path, kind).begin(torque=1.5)
@@ -214,6 +215,7 @@ def test_derivatives_while_running(kind, unit):
     one.free()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", ["ModelExchange", "CoSimulation"])
 def test_derivatives_of_the_start(kind, unit):
     """Through the assembly at other parameters."""
@@ -248,6 +250,7 @@ def test_any_communication_step(unit):
     assert np.allclose(ends[2:], ends[0], rtol=1e-5, atol=1e-5)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("version", [3, 2])
 @pytest.mark.parametrize("kind", ["ModelExchange", "CoSimulation"])
 def test_saved_states(version, kind, unit, unit2):

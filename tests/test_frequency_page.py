@@ -56,6 +56,7 @@ RESPONSES = {
 }
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", RESPONSES)
 def test_the_page_shows_the_highest_peak(name: str, show: Any) -> None:
     response = RESPONSES[name]()

@@ -14,6 +14,7 @@ from dalembert.design.optimize.evaluation_log import EvaluationLog
 from dalembert.files import atomic_path, clear_left_over
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(os.name == "nt", reason="needs signals")
 def test_killed_commands_leave_nothing_half_written():
     """A sample of ``python -m tests.killed_commands``, two kills."""

@@ -109,6 +109,7 @@ def test_points_of_a_front_run_in_the_page(opened: Any, front: da.ParetoResult) 
         assert page.js("document.querySelector('.parameter .value small').textContent") == "mm"
 
 
+@pytest.mark.thorough
 def test_values_of_the_table_in_the_page(opened: Any, front: da.ParetoResult) -> None:
     with opened(front) as page:
         values = choose(page, 1)
@@ -128,6 +129,7 @@ def test_iterations_of_an_optimum_run_in_the_page(
             assert choose(page, k)["force"] == pytest.approx(iterate.objective, rel=1e-7)
 
 
+@pytest.mark.thorough
 def test_an_optimum_is_compared_with_its_start(opened: Any, optimum: da.OptimizationResult) -> None:
     with opened(optimum) as page:
         assert page.js("dalembert.motion.ghosts.length") == 3
@@ -139,6 +141,7 @@ def test_an_optimum_is_compared_with_its_start(opened: Any, optimum: da.Optimiza
         assert page.js("dalembert.motion.ghosts.length") == 0
 
 
+@pytest.mark.thorough
 def test_dots_of_the_convergence_select_iterations(
     opened: Any, optimum: da.OptimizationResult
 ) -> None:
@@ -162,6 +165,7 @@ def pendulum() -> da.Model:
     return system.build()
 
 
+@pytest.mark.thorough
 def test_iterations_of_a_simulated_mechanism_run_in_the_page(opened: Any) -> None:
     peak = da.maximum("pivot.force_norm", smooth=0.05, name="peak")
     slow = da.Limit(da.rms("bar.angular_velocity"), upper=4.0)
@@ -178,6 +182,7 @@ def test_iterations_of_a_simulated_mechanism_run_in_the_page(opened: Any) -> Non
             assert choose(page, k)["peak"] == pytest.approx(iterate.objective, rel=1e-7)
 
 
+@pytest.mark.thorough
 def test_a_saved_page_shows_its_design(
     browser: Any, opened: Any, front: da.ParetoResult, tmp_path: Path
 ) -> None:
@@ -194,6 +199,7 @@ def test_a_saved_page_shows_its_design(
         assert (saved.requests, saved.console) == ([], [])
 
 
+@pytest.mark.thorough
 def test_sliders_leave_the_designs_and_return(opened: Any, front: da.ParetoResult) -> None:
     with opened(front) as page:
         choose(page, 0)
@@ -230,6 +236,7 @@ def test_the_address_names_a_design(opened: Any, front: da.ParetoResult) -> None
         assert page.js("dalembert.choice.chosen") == front.table_of_designs()["chosen"]
 
 
+@pytest.mark.thorough
 def test_designs_of_a_study_run_in_the_page(opened: Any, model: da.Model) -> None:
     table = da.DesignTable.grid({"r": [0.45, 0.06, 0.1, 0.14], "l": [0.4, 0.5, 0.7]})
     study = da.sweep(model, table, analysis=ANALYSIS, responses=[FORCE, SPEED])
@@ -256,6 +263,7 @@ def test_samples_of_tolerances_run_in_the_page(opened: Any, model: da.Model) -> 
         assert high == pytest.approx(max(0.101, samples.max()))
 
 
+@pytest.mark.thorough
 def test_a_tolerance_without_samples_has_sliders(opened: Any, model: da.Model) -> None:
     result = da.tolerance(model, FORCE, {"mass": 0.1}, analysis=ANALYSIS)
     with opened(result) as page:
@@ -266,6 +274,7 @@ def test_a_tolerance_without_samples_has_sliders(opened: Any, model: da.Model) -
         assert responses(page)["force"] == pytest.approx(result.worst[1], rel=1e-7)
 
 
+@pytest.mark.thorough
 def test_points_and_samples_of_a_reliability_run_in_the_page(opened: Any, model: da.Model) -> None:
     random = {"mass": da.Normal(2.0, 0.2), "r": da.Lognormal(0.1, 0.005)}
     limit = da.Limit(FORCE, upper=30.0)
@@ -281,6 +290,7 @@ def test_points_and_samples_of_a_reliability_run_in_the_page(opened: Any, model:
             assert choose(page, k)["force"] == pytest.approx(values[k], rel=1e-7)
 
 
+@pytest.mark.thorough
 def test_estimates_have_sliders(opened: Any, model: da.Model) -> None:
     run = ANALYSIS.run(model, {"r": 0.12, "mass": 2.3})
     data = {"time": run.time, "torque": run.values("motor.effort")}

@@ -42,6 +42,7 @@ def test_an_equilibrium_follows_its_sliders(browser: Any, tmp_path: Path) -> Non
         assert (found.requests, found.console) == ([], [])
 
 
+@pytest.mark.thorough
 def test_an_equilibrium_with_states_follows_its_sliders(browser: Any, tmp_path: Path) -> None:
     """Positions, states and signals with gradients; instability and failure in the page."""
     system = da.System("controlled arm", gravity=(0, -9.81))

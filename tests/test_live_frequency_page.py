@@ -106,6 +106,7 @@ def test_the_shape_is_that_of_the_chosen_frequency(page: Visit) -> None:
     assert float(text.split(" Hz")[0]) == pytest.approx(frequency, rel=1e-4)
 
 
+@pytest.mark.thorough
 def test_improvement_reaches_the_optimum_of_equal_peaks(page: Visit) -> None:
     page.js("dalembert.improvement.goals.set(dalembert.table.responses[0], 'minimise')")
     page.js("void dalembert.improvement.start()")
@@ -138,6 +139,7 @@ def test_peaks_are_added(page: Visit) -> None:
     assert "%" in page.page.locator(".responses tbody tr").last.inner_text()
 
 
+@pytest.mark.thorough
 def test_a_structure_follows_its_sliders(browser: Any, tmp_path: Path) -> None:
     """A mast on a shaken foundation: curves, slopes and shapes."""
     mast = da.Structure("mast")

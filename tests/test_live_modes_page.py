@@ -37,6 +37,7 @@ def compare(page: Visit, modes: Any) -> None:
         assert states[number - 1] == (free if modes.frequencies[number - 1] == 0 else expected_name)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("build", "values"),
     [
@@ -73,6 +74,7 @@ def test_modes_follow_their_sliders(
         assert (page.requests, page.console) == ([], [])
 
 
+@pytest.mark.thorough
 def test_whirl_of_a_spinning_rotor(browser: Any, tmp_path: Path) -> None:
     model, analysis = spinning_rotor(), da.Modal(equilibrium=False)
     path = analysis.run(model).report(tmp_path / "modes.html", live=True)
@@ -88,6 +90,7 @@ def test_whirl_of_a_spinning_rotor(browser: Any, tmp_path: Path) -> None:
         assert (page.requests, page.console) == ([], [])
 
 
+@pytest.mark.thorough
 def test_strong_damping_changes_the_number_of_modes(browser: Any, tmp_path: Path) -> None:
     """A pair of conjugate eigenvalues becomes two decays."""
     model, analysis = carts(), da.Modal()
@@ -133,6 +136,7 @@ def test_the_amplitude_and_kept_designs_remain(browser: Any, tmp_path: Path) -> 
         assert page.js("dalembert.table.values.at(-1)") == pytest.approx(expected, rel=VALUES)
 
 
+@pytest.mark.thorough
 def test_coincident_modes_have_different_pictures(browser: Any, tmp_path: Path) -> None:
     system = da.System("spherical pendulum", gravity=(0.0, 0.0, -9.81))
     length = system.parameter("length", 1.0, "m", bounds=(0.5, 2.0))

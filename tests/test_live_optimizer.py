@@ -70,6 +70,7 @@ def minimise(folder: Path, f: str, df: str, c: str, dc: str, start: list[float])
     return json.loads(run.stdout)
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("start", [0.4, 0.05, 0.9])
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_minima_within_bounds_and_limits(tmp_path: Path, name: str, start: float) -> None:

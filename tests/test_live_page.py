@@ -118,6 +118,7 @@ def test_labels_and_units_of_responses(live: Visit, motion: Any) -> None:
     ]
 
 
+@pytest.mark.thorough
 def test_responses_have_the_preferred_units(motion: Any, browser: Any, tmp_path: Path) -> None:
     responses = [
         da.final("coupler.x"),
@@ -189,6 +190,7 @@ def test_responses_are_added_and_removed(live: Visit, motion: Any) -> None:
     assert live.js("dalembert.table.responses.length") == count
 
 
+@pytest.mark.thorough
 def test_responses_that_a_page_cannot_compute_are_refused(motion: Any, tmp_path: Path) -> None:
     with pytest.raises(UnsupportedError, match=r"at\(0\.0015, coupler\.x\).*not an output"):
         motion.report(tmp_path / "x.html", responses=[da.at(0.0015, "coupler.x")])
@@ -196,6 +198,7 @@ def test_responses_that_a_page_cannot_compute_are_refused(motion: Any, tmp_path:
         motion.report(tmp_path / "x.html", responses=["A.force_norm"])
 
 
+@pytest.mark.thorough
 def test_series_in_preferred_units(browser: Any, motion: Any, tmp_path: Path) -> None:
     path = motion.report(tmp_path / "mm.html", plots=[["coupler.x"]], units=["mm", "kN"])
     with visit(browser, path) as found:
@@ -270,6 +273,7 @@ def test_improvement_ends_at_an_optimum_within_bounds_and_limits(
     assert np.abs(objective - price * constraint).max() < 1e-3 * np.abs(gradients[0] * ranges).max()
 
 
+@pytest.mark.thorough
 def test_improvement_stops_beside_designs_that_cannot_be_assembled(improving: Visit) -> None:
     change(improving, l2=0.8)
     message = improved(improving, {"reach": ("maximise",)}, locked="l2 m")
@@ -280,6 +284,7 @@ def test_improvement_stops_beside_designs_that_cannot_be_assembled(improving: Vi
     assert improving.js("dalembert.table.values.every(Number.isFinite)")
 
 
+@pytest.mark.thorough
 def test_history_of_an_improvement(improving: Visit) -> None:
     energy = da.integral("kinetic_energy").label
     improved(improving, {energy: ("minimise",)})
@@ -302,6 +307,7 @@ def test_history_of_an_improvement(improving: Visit) -> None:
     assert present(improving) == INITIAL
 
 
+@pytest.mark.thorough
 def test_improvement_is_stopped(improving: Visit) -> None:
     improving.js("dalembert.improvement.goals.set(dalembert.table.responses[0], 'minimise')")
     improving.page.click("#improve-start")
@@ -386,6 +392,7 @@ def pendulum(browser: Any, tmp_path: Path) -> Iterator[Visit]:
         assert (opened.requests, opened.console) == ([], [])
 
 
+@pytest.mark.thorough
 def test_copied_lines_contain_open_bounds(pendulum: Visit) -> None:
     pendulum.js("navigator.clipboard.writeText = (t) => { window.copied = t; }")
     pendulum.page.click("#use-design > summary")
@@ -396,6 +403,7 @@ def test_copied_lines_contain_open_bounds(pendulum: Visit) -> None:
     assert rows["mass"]["bounds"] == [0.1, np.inf]
 
 
+@pytest.mark.thorough
 def test_limits_of_tiny_responses_are_not_satisfied_by_chance(pendulum: Visit) -> None:
     pendulum.page.click("#improve")
     pendulum.js(
@@ -442,6 +450,7 @@ HOSTILE = {
 }
 
 
+@pytest.mark.thorough
 def test_addresses_without_effect_and_with_one(browser: Any, page_path: Path) -> None:
     with visit(browser, page_path) as found:
         for address, values in HOSTILE.items():
@@ -522,6 +531,7 @@ def chain(links: int = 10) -> Any:
     return da.solve_dynamics(system.build(), 0.2, step=0.002)
 
 
+@pytest.mark.thorough
 def test_many_parameters_on_a_narrow_page(browser: Any, tmp_path: Path) -> None:
     longest = da.maximum("joint_with_a_very_long_name_3.force_norm")
     path = chain().report(tmp_path / "chain.html", live=True, responses=[longest])
@@ -598,6 +608,7 @@ def test_a_dragged_path_follows_the_pointer(path_page: Visit) -> None:
     assert present(path_page) == INITIAL
 
 
+@pytest.mark.thorough
 def test_a_path_dragged_out_of_reach_comes_to_rest_and_returns(path_page: Visit) -> None:
     x, y = hold_path(path_page)
     path_page.page.mouse.move(x + 400, y - 300, steps=4)
@@ -630,6 +641,7 @@ def test_a_design_that_cannot_be_assembled_keeps_the_picture(live: Visit) -> Non
     assert live.page.locator(".live-status").first.is_hidden()
 
 
+@pytest.mark.thorough
 def test_a_long_run_shows_progress_and_gives_way_to_a_newer_design(live: Visit) -> None:
     live.js("dalembert.solver.worker.postMessage = () => {}")  # a run that never ends
     live.js("dalembert.design.set(0, 0.36)")
@@ -645,6 +657,7 @@ def test_a_long_run_shows_progress_and_gives_way_to_a_newer_design(live: Visit) 
     assert live.js("dalembert.picture.result.parameters[0]") == 0.37
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("absent", ["WebAssembly", "Worker"])
 def test_a_browser_that_cannot_run_the_module(browser: Any, page_path: Path, absent: str) -> None:
     with visit(browser, page_path, before=f"delete window.{absent}") as found:

@@ -116,6 +116,7 @@ def test_a_truss_follows_its_sliders(browser: Any, tmp_path: Path) -> None:
         assert (page.requests, page.console) == ([], [])
 
 
+@pytest.mark.thorough
 def test_modes_of_a_frame_follow_their_sliders(browser: Any, tmp_path: Path) -> None:
     model, analysis = portal(), da.Modal(count=3)
     path = analysis.run(model).report(tmp_path / "portal.html")
@@ -139,6 +140,7 @@ def test_modes_of_a_frame_follow_their_sliders(browser: Any, tmp_path: Path) -> 
         assert (page.requests, page.console) == ([], [])
 
 
+@pytest.mark.thorough
 def test_responses_of_structures_are_added(browser: Any, tmp_path: Path) -> None:
     model, analysis = truss(), da.Statics()
     path = analysis.run(model).report(tmp_path / "truss.html", responses=[da.total("compliance")])
@@ -164,6 +166,7 @@ def test_responses_of_structures_are_added(browser: Any, tmp_path: Path) -> None
         assert page.console == []
 
 
+@pytest.mark.thorough
 def test_a_statically_unstable_design_keeps_the_picture(browser: Any, tmp_path: Path) -> None:
     model = truss()
     path = da.solve_statics(model).report(tmp_path / "truss.html", live=True)

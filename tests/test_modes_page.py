@@ -50,6 +50,7 @@ def test_shapes_are_those_of_the_modes() -> None:
         np.testing.assert_allclose(imag, modes.shapes.imag[3 * k : 3 * k + 3], atol=1e-9)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("build", [carts, double_pendulum, suspended_body])
 def test_the_largest_movement_is_a_tenth_of_the_mechanism(build: Any, show: Any) -> None:
     modes = da.linearize(build())
@@ -89,6 +90,7 @@ def test_a_row_or_a_dot_chooses_a_mode(show: Any) -> None:
     assert cells[4] == "decaying oscillation"
 
 
+@pytest.mark.thorough
 def test_undamped_modes_have_no_complex_plane(show: Any) -> None:
     model = double_pendulum(damping=0.0)
     page = show(da.linearize(model))
@@ -96,6 +98,7 @@ def test_undamped_modes_have_no_complex_plane(show: Any) -> None:
     assert "ζ" not in page.page.inner_text("#case option >> nth=0")
 
 
+@pytest.mark.thorough
 def test_unstable_modes_are_named(show: Any) -> None:
     system = da.System("inverted", gravity=(0.0, -9.81))
     bar = system.add(da.planar.Bar("bar", length=1.0, mass=1.0, angle=np.pi / 2))
@@ -114,6 +117,7 @@ def test_pages_use_preferred_units(show: Any, tmp_path: Path) -> None:
     assert "frequency [mHz]" in page.page.inner_text("#eigenvalues thead").replace("\xa0", " ")
 
 
+@pytest.mark.thorough
 def test_two_runs_on_one_page(show: Any) -> None:
     first, second = (da.linearize(carts(), parameters={"mass": mass}) for mass in (1.0, 2.0))
     page = show(overlay(first.page(), second.page(), "second.nc"))
@@ -129,6 +133,7 @@ def test_modes_have_no_film(tmp_path: Path) -> None:
         write_film(da.linearize(carts()).page(), tmp_path / "film.gif")
 
 
+@pytest.mark.thorough
 def test_the_optimum_of_a_frequency_shows_the_first_design(show: Any) -> None:
     model = double_pendulum()
     first = da.at(1, "frequency")

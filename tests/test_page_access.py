@@ -70,6 +70,7 @@ def open_menus(page: Visit) -> None:
     page.frames()
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("kind", PAGES)
 def test_everything_has_a_name_and_is_reached_where_it_is_seen(show, kind: str) -> None:
     page = show(PAGES[kind](), viewport=(1000, 700))
@@ -140,6 +141,7 @@ def cost(show, frames: int) -> int:
     return page.js("drawn")
 
 
+@pytest.mark.thorough
 def test_a_frame_costs_what_is_seen_of_it(show) -> None:
     few, many = cost(show, 1000), cost(show, 20_000)
     assert many < 1.5 * few < 4000

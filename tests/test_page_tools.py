@@ -46,6 +46,7 @@ def saved(page: Any, click: str) -> bytes:
     return waiting.value.path().read_bytes()
 
 
+@pytest.mark.thorough
 def test_each_kind_of_arrow_has_a_length_of_its_own(show: Any) -> None:
     page = show(gallery())
     assert page.page.locator("#arrows input").count() == 2
@@ -66,6 +67,7 @@ def test_menus_open_and_close_by_key(show: Any) -> None:
     assert page.js("document.activeElement.textContent") == "Arrows"
 
 
+@pytest.mark.thorough
 def test_what_travels_is_followed(show: Any) -> None:
     page = show(convoy())
     assert page.js("dalembert.scene.followed.name") == "front"
@@ -79,6 +81,7 @@ def test_what_travels_is_followed(show: Any) -> None:
     assert page.js("dalembert.scene.view.s") < 40
 
 
+@pytest.mark.thorough
 def test_points_that_are_one_share_a_chip(show: Any) -> None:
     page = show(convoy())
     assert page.page.locator(".trace").all_inner_texts() == ["p0 = p1"]
@@ -107,6 +110,7 @@ def test_time_is_zoomed_in_all_plots(show: Any) -> None:
     assert 0.1 < first < last < 0.7
 
 
+@pytest.mark.thorough
 def test_a_plot_runs_over_another_series(show: Any) -> None:
     page = show(four_bar())
     before = page.picture(".plot .base")
@@ -119,6 +123,7 @@ def test_a_plot_runs_over_another_series(show: Any) -> None:
     assert "over rocker.angle" in page.page.get_attribute(".plot .base", "aria-label")
 
 
+@pytest.mark.thorough
 def test_angles_in_degrees_and_back(show: Any) -> None:
     page = show(four_bar())
     series = "dalembert.motion.seriesByName.get('crank.angle')"
@@ -144,6 +149,7 @@ def test_pictures_drawings_and_films_are_saved(show: Any) -> None:
     assert (frames, plays) == (40, 0) and film.count(b"fcTL") == 40
 
 
+@pytest.mark.thorough
 def test_a_plot_is_saved_with_its_legend(show: Any) -> None:
     page = show(four_bar())
     svg = saved(page, "document.querySelectorAll('.plot .menu-item')[2].click()").decode()
@@ -199,6 +205,7 @@ def flight() -> da.Motion:
     return da.solve_dynamics(system.build(), 1.0, step=0.02)
 
 
+@pytest.mark.thorough
 def test_what_travels_in_space_is_followed(show: Any, flight: da.Motion) -> None:
     page = show(flight, viewport=(1000, 560))
     assert page.js("dalembert.scene.followed.name") == "ball0"
@@ -217,6 +224,7 @@ def test_pictures_in_space_are_not_blank(show: Any, flight: da.Motion) -> None:
     assert len(image.open(io.BytesIO(png)).convert("RGB").getcolors(1 << 24)) > 200
 
 
+@pytest.mark.thorough
 def test_a_report_plays_inside_a_notebook(browser: Any, tmp_path: Path) -> None:
     """In a frame without rights beyond scripts and downloads."""
     path = tmp_path / "notebook.html"

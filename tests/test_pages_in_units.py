@@ -31,6 +31,7 @@ def test_units_reach_the_drawing_and_a_body_is_traced(browser, tmp_path) -> None
         assert "500" in seen.js('document.querySelector("#parameters tbody").textContent')
 
 
+@pytest.mark.thorough
 def test_ellipsoids_of_inertia_can_be_hidden(browser, tmp_path) -> None:
     system = da.System("free")
     system.add(spatial.Body("top", mass=1.0, inertia=(0.01, 0.02, 0.03)))
@@ -43,6 +44,7 @@ def test_ellipsoids_of_inertia_can_be_hidden(browser, tmp_path) -> None:
         assert seen.picture("#scene") != shown and not seen.errors
 
 
+@pytest.mark.thorough
 def test_an_optimum_in_declared_units_marks_broken_limits(browser, tmp_path) -> None:
     """Without units of the page, parameters are in those of their declaration."""
     structure = da.Structure("spring")
@@ -69,6 +71,7 @@ def test_an_optimum_in_declared_units_marks_broken_limits(browser, tmp_path) -> 
     assert [row.split(" ")[0] for row in rows if "✗" in row] == ["b"]
 
 
+@pytest.mark.thorough
 def test_the_page_of_an_optimum_has_its_units_and_variables_first(browser, tmp_path) -> None:
     structure = da.Structure("spring")
     k = structure.parameter("k", 50.0, "N/m", bounds=(1, 1e3))

@@ -91,7 +91,7 @@ def test_write_page_replaces_the_file_in_one_go(
 # In a browser -------------------------------------------------------------
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("viewport", [(1440, 900), (390, 844)])
 @pytest.mark.parametrize("make", [four_bar, gallery])
@@ -119,6 +119,7 @@ def test_plays_pauses_and_keeps_still_on_request(show: Any) -> None:
     assert page.picture("#scene") == after
 
 
+@pytest.mark.thorough
 def test_plays_by_itself_where_motion_is_welcome(show: Any) -> None:
     page = show(four_bar(), still=False)
     assert page.js("dalembert.player.playing") is True
@@ -152,6 +153,7 @@ def test_scrubber_keys_and_seek_set_the_time(show: Any) -> None:
     assert page.js("dalembert.player.time") == pytest.approx(0.21 * 8)
 
 
+@pytest.mark.thorough
 def test_pose_lies_between_frames(show: Any) -> None:
     page = show(four_bar(frames=5, duration=4.0))
     pose = "(() => { const p = dalembert.motion.pose(dalembert.motion.bodies[0]); return p.a; })()"
@@ -160,6 +162,7 @@ def test_pose_lies_between_frames(show: Any) -> None:
     assert page.js(pose) == pytest.approx(0.75 * angles[1] + 0.25 * angles[2])
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("duration", "speed"), [(6.0, 1), (0.008, 0.001), (86400.0, 10000), (2.0, 0.2)]
 )
@@ -173,6 +176,7 @@ def test_a_loop_takes_a_few_seconds(show: Any, duration: float, speed: float) ->
     assert page.js("dalembert.player.speed") == pytest.approx(min(0.1 * speed, 1))
 
 
+@pytest.mark.thorough
 def test_without_loop_it_stops_at_the_end(show: Any) -> None:
     page = show(four_bar())
     page.page.click("#loop")
@@ -182,6 +186,7 @@ def test_without_loop_it_stops_at_the_end(show: Any) -> None:
     assert page.js("dalembert.player.time") == pytest.approx(0.8)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("control", ["#reactions", "#labels", "#grid", ".trace"])
 def test_toggles_change_the_picture_and_back(show: Any, control: str) -> None:
     page = show(four_bar())
@@ -268,6 +273,7 @@ def test_plots_scrub_hover_and_change(show: Any, tmp_path: Path) -> None:
     assert page.locator(".plot").count() == 3
 
 
+@pytest.mark.thorough
 def test_picker_offers_two_units_at_most(show: Any) -> None:
     page = show(four_bar())
     page.page.get_by_label("Choose series").nth(1).click()
@@ -275,6 +281,7 @@ def test_picker_offers_two_units_at_most(show: Any) -> None:
     assert page.page.locator(".choice:has-text('B.force_x') input").is_enabled()
 
 
+@pytest.mark.thorough
 def test_theme_button(show: Any) -> None:
     page = show(four_bar())
     before = page.picture("#scene")
@@ -284,7 +291,7 @@ def test_theme_button(show: Any) -> None:
     assert page.picture("#scene") != before
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("frames", [0, 1, 2])
 @pytest.mark.parametrize("scene", [{}, {"bodies": []}, {"bodies": [{"name": "only"}]}])
 def test_nearly_empty_payloads(show: Any, frames: int, scene: dict[str, Any]) -> None:
@@ -316,6 +323,7 @@ def test_static_result_lists_its_values(show: Any) -> None:
     assert page.ink("#scene") > 20
 
 
+@pytest.mark.thorough
 def test_gaps_are_left_out(show: Any) -> None:
     payload = four_bar(frames=41)
     for column in ("x", "y", "angle"):
@@ -377,6 +385,7 @@ PIECES = """(times => {
 })"""
 
 
+@pytest.mark.thorough
 def test_many_bodies_and_frames_stay_responsive(show: Any) -> None:
     """More frames take no more to draw; whole paths are drawn once, not in each picture."""
     pieces = {}
@@ -394,6 +403,7 @@ def test_many_bodies_and_frames_stay_responsive(show: Any) -> None:
     page.until("dalembert.player.time > 0")
 
 
+@pytest.mark.thorough
 def test_prints(show: Any, tmp_path: Path) -> None:
     page = show(four_bar(), scheme="dark")
     sheet = page.page.pdf(format="A4")

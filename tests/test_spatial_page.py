@@ -112,6 +112,7 @@ def test_page_is_one_file_with_the_library_inside() -> None:
     assert len(render_page({"format": 1, "title": "plane", "time": [], "scene": {}})) < 2e5
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("make", "viewport", "scheme"),
     [
@@ -128,6 +129,7 @@ def test_draws(show: Any, make: Any, viewport: tuple[int, int], scheme: str) -> 
     assert page.js("document.documentElement.scrollWidth <= innerWidth")
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("make", [heavy_top, hinges])
 def test_bodies_stand_where_the_data_say(show: Any, make: Any) -> None:
     motion = make()
@@ -140,6 +142,7 @@ def test_bodies_stand_where_the_data_say(show: Any, make: Any) -> None:
             assert np.allclose(drawn[:3, :3], turn.as_matrix(), atol=1e-6)
 
 
+@pytest.mark.thorough
 def test_between_frames_bodies_turn_about_one_axis(show: Any) -> None:
     motion = heavy_top()
     (drawn,) = matrices(show(motion), 0.2 + 0.01 * 0.3).values()
@@ -171,6 +174,7 @@ def test_turns_zooms_pans_and_fits(show: Any) -> None:
     assert np.allclose(page.js(state)[0], home[0])
 
 
+@pytest.mark.thorough
 def test_looks_along_the_axes(show: Any) -> None:
     page = show(hinges())
     for key, axis in {"1": (1, 0, 0), "2": (0, -1, 0), "3": (0, 0, 1)}.items():
@@ -182,6 +186,7 @@ def test_looks_along_the_axes(show: Any) -> None:
         assert title.endswith(f"({key})")
 
 
+@pytest.mark.thorough
 def test_toggles_change_the_picture_and_back(show: Any) -> None:
     page = show(hinges())
     page.js("dalembert.player.seek(0.5)")
@@ -212,6 +217,7 @@ def test_arrows_are_as_long_as_asked_and_point_along_the_reaction(show: Any) -> 
     assert np.linalg.norm(page.js(read)[0]) == pytest.approx(length * 10**0.5, rel=1e-3)
 
 
+@pytest.mark.thorough
 def test_section_leaves_out_one_side(show: Any) -> None:
     page = show(hinges())
     page.page.click("#section")
@@ -240,6 +246,7 @@ def test_tooltip_names_what_is_under_the_pointer(show: Any) -> None:
     assert not page.page.is_visible("#tip")
 
 
+@pytest.mark.thorough
 def test_without_webgl_it_is_painted(show: Any) -> None:
     refuse = """const get = HTMLCanvasElement.prototype.getContext;
         HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
@@ -252,6 +259,7 @@ def test_without_webgl_it_is_painted(show: Any) -> None:
     assert page.picture("#scene") != drawn
 
 
+@pytest.mark.thorough
 def test_paper_is_light_and_sharp(show: Any) -> None:
     page = show(heavy_top(), scheme="dark")
     page.js("window.dispatchEvent(new Event('beforeprint'))")
@@ -273,6 +281,7 @@ def test_the_force_of_a_rolling_contact_stands_where_it_touches() -> None:
     assert np.allclose(contact["force_z"], motion["D.force.z"].values)
 
 
+@pytest.mark.thorough
 def test_a_rod_leads_to_a_joint_beside_a_solid(show: Any) -> None:
     system = da.System("hammer", gravity=(0, 0, -9.81))
     head = spatial.Box("head", size=(0.1, 0.1, 0.1), mass=1, position=(0, 0, -0.5))
@@ -286,6 +295,7 @@ def test_a_rod_leads_to_a_joint_beside_a_solid(show: Any) -> None:
     assert max(tops) >= 0.5 - 1e-6
 
 
+@pytest.mark.thorough
 def test_bodies_of_the_plane_stand_in_space(show: Any) -> None:
     system = da.System("mixed", gravity=(0, -9.81, 0))
     arm = planar.Bar("arm", length=0.4, mass=1, angle=0.5, angular_velocity=3)
@@ -303,6 +313,7 @@ def test_bodies_of_the_plane_stand_in_space(show: Any) -> None:
     assert page.js("dalembert.scene.view.up.toArray()") == [0, 1, 0]
 
 
+@pytest.mark.thorough
 def test_what_cannot_be_assembled_is_drawn_with_its_gap(browser: Any, tmp_path: Path) -> None:
     system = da.System("too short")
     a = system.add(spatial.Bar("a", length=0.3, radius=0.01, mass=1))
@@ -322,6 +333,7 @@ def test_what_cannot_be_assembled_is_drawn_with_its_gap(browser: Any, tmp_path: 
         assert page_visit.console == [] and page_visit.requests == []
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("frames", [0, 1, 2])
 def test_nearly_empty_payloads(browser: Any, tmp_path: Path, frames: int) -> None:
     scene = [{}, {"bodies": []}, {"bodies": [{"name": "only"}]}][frames]
@@ -353,6 +365,7 @@ def test_a_film_of_space_moves() -> None:
     film._draw_was_started = True  # it is not meant to be rendered
 
 
+@pytest.mark.thorough
 def test_a_parallel_projection_has_one_scale(show: Any) -> None:
     """Pixels of the drawing are those of the camera, in both projections."""
     page = show(heavy_top(), viewport=SMALL)

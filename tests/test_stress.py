@@ -24,6 +24,7 @@ def test_every_family_has_a_sample():
     assert SAMPLE.keys() == FAMILIES.keys()
 
 
+@pytest.mark.few(8)
 @pytest.mark.parametrize(("family", "seed"), [(f, s) for f in SAMPLE for s in SAMPLE[f]])
 def test_sample(family, seed):
     verdict = judged(family, seed, judge)

@@ -64,6 +64,7 @@ def test_field_and_scale_change_the_picture(show) -> None:
     assert page.js("document.querySelector('#colours').hidden") is True
 
 
+@pytest.mark.thorough
 def test_cases_change_the_tables(show) -> None:
     result = solved("beam")
     page = show(result)
@@ -78,6 +79,7 @@ def test_cases_change_the_tables(show) -> None:
     assert total == "sum: fx 0 N, fy 0 N"
 
 
+@pytest.mark.thorough
 def test_tables_are_sorted_by_size(show) -> None:
     page = show(solved("plate"))
     page.js("document.querySelectorAll('#displacements .sort')[2].click()")
@@ -110,6 +112,7 @@ def test_hovering_tells_names_and_values(show) -> None:
     assert "moment i" in tip
 
 
+@pytest.mark.thorough
 def test_diagrams_along_beams(show) -> None:
     result = solved("beam")
     page = show(result)
@@ -150,6 +153,7 @@ def test_motion_plays(show) -> None:
     assert between == pytest.approx((lower + upper) / 2, rel=1e-9)
 
 
+@pytest.mark.thorough
 def test_modes_have_scales_of_their_own(show) -> None:
     structure = cantilever()
     structure.elements["beam"].density = da.Expression(7850.0)
@@ -179,6 +183,7 @@ def test_hostile_names_stay_text(show) -> None:
     assert page.js("document.title") == name
 
 
+@pytest.mark.thorough
 def test_narrow_page_has_no_overflow(show) -> None:
     page = show(solved("plate"), viewport=(390, 800))
     assert page.js("document.documentElement.scrollWidth") <= 390
@@ -216,6 +221,7 @@ def test_loads_and_members_tell_their_values(show) -> None:
     assert rows == sum(block.count for block in result.model.blocks)
 
 
+@pytest.mark.thorough
 def test_shapes_have_no_size(show) -> None:
     """What is told of a mode is in parts of the largest."""
     structure = cantilever()
@@ -263,6 +269,7 @@ def test_structures_are_filmed(tmp_path: Path, make, frames: int, state: str | N
         write_film(page, tmp_path / "film.gif", state="mode 99", **short)
 
 
+@pytest.mark.thorough
 def test_two_structures_are_on_one_page(show) -> None:
     """The second one is twice as strong and moves half as far, pale behind the first."""
     runs = [da.solve_statics(truss(area).build()).page() for area in (1e-4, 2e-4)]
@@ -281,6 +288,7 @@ def test_two_structures_are_on_one_page(show) -> None:
         overlay(runs[0], runs[1] | {"states": {"names": ["snow"]}}, "x")
 
 
+@pytest.mark.thorough
 def test_chosen_units_are_shown(show) -> None:
     page = show(da.solve_statics(truss(1e-4).build()).page(units=["inch", "lbf"]))
     assert "[inch]" in page.js("document.querySelector('#displacements thead').textContent")
@@ -298,6 +306,7 @@ def truss(area: float):
     return structure
 
 
+@pytest.mark.thorough
 def test_states_of_a_load_path_are_not_times(show) -> None:
     """The player shows them one after the other, at multiples of its usual speed."""
     toggle = da.Structure("toggle")
@@ -350,7 +359,7 @@ BESIDE_PANELS = """(() => {
 })()"""
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("viewport", [(1440, 900), (390, 844)])
 @pytest.mark.parametrize("name", list(BUILDERS))
 def test_values_of_loads_are_beside_the_legend_and_the_buttons(show, name: str, viewport) -> None:

@@ -298,6 +298,7 @@ def killed_study(folder: Path, count: int, kills: int, rng: random.Random) -> in
             return met
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL there")
 def test_killed_at_random_times(tmp_path):
     pytest.importorskip("pyarrow")

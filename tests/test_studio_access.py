@@ -50,6 +50,7 @@ def test_a_bar_is_drawn_moved_and_removed_by_the_keyboard(desk: Desks) -> None:
     assert "bar1" not in visit.text
 
 
+@pytest.mark.thorough
 def test_the_guide_leads_through_a_four_bar(desk: Desks, tmp_path: Path) -> None:
     visit, _ = desk
     assert "in two minutes" in visit.page.inner_text(".guide")
@@ -78,6 +79,7 @@ def test_the_guide_leads_through_a_four_bar(desk: Desks, tmp_path: Path) -> None
     assert visit.page.inner_text(".guide").startswith("7 of 9")
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_contrast_and_names(desk: Desks, theme: str) -> None:
     visit, _ = desk
@@ -94,6 +96,7 @@ def test_contrast_and_names(desk: Desks, theme: str) -> None:
         assert not visit.js("document.getElementById('sheet').open")
 
 
+@pytest.mark.thorough
 def test_the_keyboard_reaches_all_parts_and_is_not_caught(desk: Desks) -> None:
     visit, _ = desk
     visit.js("document.activeElement.blur()")
@@ -110,6 +113,7 @@ def test_the_keyboard_reaches_all_parts_and_is_not_caught(desk: Desks) -> None:
     assert (seen.count("actions") > 5 and "BODY" in seen) or seen[-1] != seen[-20]
 
 
+@pytest.mark.thorough
 def test_a_phone_shows_the_picture_and_its_sliders(desk: Desks) -> None:
     visit, _ = desk
     visit.draw("b", (0, 0), (0.5, 0))
@@ -139,6 +143,7 @@ def test_a_fix_is_a_button(desk: Desks) -> None:
     assert visit.text == text
 
 
+@pytest.mark.thorough
 def test_print_shows_the_picture_alone(desk: Desks) -> None:
     visit, _ = desk
     visit.draw("b", (0, 0), (0.5, 0))

@@ -33,6 +33,7 @@ def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
         yield server
 
 
+@pytest.mark.thorough
 def test_a_flood_of_one_page_leaves_others_served(studio: Studio) -> None:
     with page(studio) as one, page(studio) as two:
         state = receive(one, "text")
@@ -61,6 +62,7 @@ def test_connections_that_say_nothing_do_no_harm(studio: Studio) -> None:
         connection.close()
 
 
+@pytest.mark.thorough
 def test_a_page_that_reads_nothing_does_not_stop_others(studio: Studio) -> None:
     address = studio.address.replace("http:", "ws:") + "socket"
     from websockets.sync.client import connect
@@ -90,6 +92,7 @@ def test_deep_and_odd_texts_are_problems_not_ends(studio: Studio) -> None:
         assert receive(one, "text", changed=False)["text"] == FOUR_BAR
 
 
+@pytest.mark.thorough
 def test_two_programs_on_one_file(tmp_path: Path) -> None:
     path = tmp_path / "model.toml"
     path.write_text(FOUR_BAR)
@@ -248,6 +251,7 @@ def test_kill_at_any_moment_leaves_a_whole_file_and_the_text(
     assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]
 
 
+@pytest.mark.thorough
 def test_a_killed_building_process_is_started_again(studio: Studio) -> None:
     if not Path("/proc").exists():
         pytest.skip("no list of processes")

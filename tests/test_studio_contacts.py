@@ -72,6 +72,7 @@ def test_shapes_are_attached_and_bodies_rest_on_the_floor(desk: tuple[Desk, Stud
     assert [pair["groups"] for pair in entry["pairs"]] == [["mass1", "ground"]]
 
 
+@pytest.mark.thorough
 def test_a_floor_is_drawn_before_the_bodies_on_it(desk: tuple[Desk, Studio]) -> None:
     """The picture shows the first shape; the message names what is missing."""
     visit, _ = desk
@@ -98,6 +99,7 @@ FLOOR = UNTITLED + (
 )
 
 
+@pytest.mark.thorough
 def test_shapes_of_copies_belong_to_the_same_contacts(desk: tuple[Desk, Studio]) -> None:
     """The copy of a body touches the floor and the other bodies as the body does."""
     visit, _ = desk
@@ -120,6 +122,7 @@ def test_shapes_of_copies_belong_to_the_same_contacts(desk: tuple[Desk, Studio])
         assert visit.text == text
 
 
+@pytest.mark.thorough
 def test_a_concave_polygon_is_refused(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.page.locator("#palette button").first.focus()

@@ -101,6 +101,7 @@ BACKDROP = "getComputedStyle(document.querySelector('{}'), '::backdrop').backgro
 AGE = "document.querySelector('.task small').textContent"
 
 
+@pytest.mark.thorough
 def test_a_result_belongs_to_a_text_not_to_its_revision(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.show(FOUR_BAR)
@@ -154,6 +155,7 @@ def test_sliders_of_a_result_are_written_into_the_text(desk: tuple[Desk, Studio]
         assert {key: visit.document["parameters"][key]["value"] for key in before} == before
 
 
+@pytest.mark.thorough
 def test_responses_are_listed_in_words(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     before, after = FOUR_BAR.split("[responses]\n", 1)
@@ -175,6 +177,7 @@ root = { type = "RMS", measure = "bar1.end.y" }
         assert line in [" ".join(text.split()) for text in listed]
 
 
+@pytest.mark.thorough
 def test_a_start_beside_a_running_task_is_not_offered(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.show(FOUR_BAR)

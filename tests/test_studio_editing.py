@@ -99,6 +99,7 @@ def test_a_transformed_mechanism_moves_as_the_original(
         assert visit.text == MECHANISM
 
 
+@pytest.mark.thorough
 def test_a_copy_has_the_joints_between_its_parts(
     desk: tuple[Desk, Studio],
     tmp_path: Path,
@@ -121,6 +122,7 @@ def test_a_copy_has_the_joints_between_its_parts(
     assert visit.text == MECHANISM
 
 
+@pytest.mark.thorough
 def test_bodies_are_dragged_and_their_neighbours_follow(
     desk: tuple[Desk, Studio],
 ) -> None:

@@ -9,6 +9,7 @@ import random
 from pathlib import Path
 
 import numpy as np
+import pytest
 from studio_desk import Desk
 from studio_runs import Studio
 from test_studio_editing import MECHANISM
@@ -42,6 +43,7 @@ def check_picture(visit: Desk, path: Path) -> None:
         assert np.allclose(place, wanted, atol=2e-6), (name, place, wanted)
 
 
+@pytest.mark.thorough
 def test_random_edits_are_shown_and_undone(
     shared_desk: tuple[Desk, Studio], tmp_path: Path
 ) -> None:

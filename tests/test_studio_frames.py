@@ -57,6 +57,7 @@ def test_a_picture_is_shown_in_the_frame_that_waits(desk: tuple[Desk, Any]) -> N
     assert visit.js("studio.pictures.frame.contentDocument.title") == "untitled"
 
 
+@pytest.mark.thorough
 def test_a_frame_that_was_not_loaded_is_loaded_again(desk: tuple[Desk, Any]) -> None:
     visit, _ = desk
     visit.show(BAR)
@@ -72,6 +73,7 @@ def test_a_frame_that_was_not_loaded_is_loaded_again(desk: tuple[Desk, Any]) -> 
     assert not visit.js("broken.includes(studio.pictures.frame)")
 
 
+@pytest.mark.thorough
 def test_a_picture_in_place_of_one_without_data_has_its_frame(desk: tuple[Desk, Any]) -> None:
     visit, _ = desk
     visit.show(BAR)

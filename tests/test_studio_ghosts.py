@@ -43,6 +43,7 @@ def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
     return shared_desk
 
 
+@pytest.mark.thorough
 def test_another_configuration_is_drawn_and_taken(desk: tuple[Desk, Studio]) -> None:
     """It has the joint B on the other side of the line from A to C."""
     visit, _ = desk
@@ -123,6 +124,7 @@ def test_swept_areas_and_dead_centres_are_those_of_the_four_bar(
     assert first[2] + second[2] == pytest.approx(1, abs=1e-3)
 
 
+@pytest.mark.thorough
 def test_a_cycle_that_starts_at_a_dead_centre_has_both(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.show(SLIDER_CRANK)

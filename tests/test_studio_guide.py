@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
 from studio_desk import Desk, opened, reset
 from studio_runs import Studio
 
@@ -69,6 +70,7 @@ def _scale(desk: Desk) -> float:
     return float(desk.js("studio.pictures.page.scene.view.s"))
 
 
+@pytest.mark.thorough
 def test_the_view_stays_while_a_falling_body_is_drawn(browser: Any, studio_server: Studio) -> None:
     reset(studio_server)
     with opened(browser, studio_server, look="void 0") as desk:

@@ -11,6 +11,7 @@ from studio_runs import Studio
 from test_studio_tools import CRANK
 
 
+@pytest.mark.thorough
 def test_what_was_typed_last_survives_a_reload(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.show(CRANK)
@@ -35,6 +36,7 @@ def test_a_paste_that_is_too_long_is_refused_and_the_next_text_stored(
     assert visit.text == "# short\n" + CRANK
 
 
+@pytest.mark.thorough
 def test_any_name_can_be_selected(desk: tuple[Desk, Studio]) -> None:
     """Names that are not valid, or mean something to scripts, are text like others.
 
@@ -54,6 +56,7 @@ def test_any_name_can_be_selected(desk: tuple[Desk, Studio]) -> None:
     assert visit.js("({}).mass") is None
 
 
+@pytest.mark.thorough
 def test_a_structure_is_drawn_by_the_keyboard(browser: Any, studio_server: Studio) -> None:
     reset(studio_server, structure=True)
     with opened(browser, studio_server, STRUCTURE_LOOK) as visit:
@@ -92,6 +95,7 @@ POINTS = """(() => {
 })()"""
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("size", [(390, 844), (844, 390)])
 def test_a_phone_shows_the_whole_drawing(
     browser: Any, studio_server: Studio, size: tuple[int, int]

@@ -44,6 +44,7 @@ def test_steps_that_overtake_the_picture_all_count(desk: tuple[Desk, Studio]) ->
     assert len(visit.document["bodies"]) == 4 and not visit.errors_shown()
 
 
+@pytest.mark.thorough
 def test_clicks_before_the_answer_are_carried_out_after_it(desk: tuple[Desk, Studio]) -> None:
     """Three bars, another change and an undo, while the server has not answered the first."""
     visit, _ = desk
@@ -72,6 +73,7 @@ def test_clicks_before_the_answer_are_carried_out_after_it(desk: tuple[Desk, Stu
     assert visit.revision == revision
 
 
+@pytest.mark.thorough
 def test_a_drag_on_an_outdated_picture_keeps_the_drag_before(desk: tuple[Desk, Studio]) -> None:
     """Both ends of a bar are dragged before the picture of the first drag comes."""
     visit, _ = desk
@@ -88,6 +90,7 @@ def test_a_drag_on_an_outdated_picture_keeps_the_drag_before(desk: tuple[Desk, S
     assert bar["angle"] == pytest.approx(np.arctan2(0.1, 0.4))
 
 
+@pytest.mark.thorough
 def test_a_press_in_the_picture_keeps_it_until_it_is_released(desk: tuple[Desk, Studio]) -> None:
     """A picture that comes during a drag replaces the shown one after it."""
     visit, studio = desk
@@ -119,6 +122,7 @@ def test_a_press_in_the_picture_keeps_it_until_it_is_released(desk: tuple[Desk, 
     assert visit.text.endswith("# of another page\n")
 
 
+@pytest.mark.thorough
 def test_a_press_that_ends_outside_the_picture_is_over(desk: tuple[Desk, Studio]) -> None:
     """Pictures are replaced again, without another movement over the picture."""
     visit, _ = desk

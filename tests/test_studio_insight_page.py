@@ -91,6 +91,7 @@ def test_an_analysis_is_shown_and_written(desk: tuple[Desk, Studio]) -> None:
     visit.until("studio.file.document.drivers.motor.law === 'pi*t'", 10)
 
 
+@pytest.mark.thorough
 def test_an_obstacle_is_stated_over_the_drawn_position(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.js("studio.edit('x', [{ op: 'remove', section: 'drivers', name: 'motor' }])")
@@ -106,6 +107,7 @@ def test_an_obstacle_is_stated_over_the_drawn_position(desk: tuple[Desk, Studio]
     visit.until("!document.querySelector('.obstacle')", 30)
 
 
+@pytest.mark.thorough
 def test_overlays_are_the_kinematics_of_the_mechanism(
     desk: tuple[Desk, Studio], tmp_path: Path
 ) -> None:
@@ -213,6 +215,7 @@ def test_targets_are_clicked_and_a_candidate_is_inserted(desk: tuple[Desk, Studi
     assert visit.text == text
 
 
+@pytest.mark.thorough
 def test_an_optimum_is_written_into_the_text(desk: tuple[Desk, Studio], browser: Any) -> None:
     visit, studio = desk
     visit.page.click("#tab-analysis")

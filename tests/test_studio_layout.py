@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import pytest
 from studio_desk import UNTITLED, Desk, opened, reset
 from studio_runs import Studio
 
@@ -40,6 +41,7 @@ HIDDEN = """(() => {
 SHOWN_TABS = "[...document.querySelectorAll('.tab')].filter((t) => t.offsetWidth).map((t) => t.id)"
 
 
+@pytest.mark.thorough
 def test_nothing_moves_or_covers_the_drawing(browser: Any, studio_server: Studio) -> None:
     reset(studio_server)
     with opened(browser, studio_server, "0", (1180, 820)) as visit:
@@ -95,6 +97,7 @@ GAP = """(() => {
 })()"""
 
 
+@pytest.mark.thorough
 def test_messages_are_shown_in_full(browser: Any, studio_server: Studio) -> None:
     reset(studio_server)
     with opened(browser, studio_server, "0", (1280, 720)) as visit:

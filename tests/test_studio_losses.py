@@ -75,6 +75,7 @@ def test_a_wrong_clock_deletes_no_draft(tmp_path: Path, monkeypatch: pytest.Monk
         again.close()
 
 
+@pytest.mark.thorough
 def test_ten_thousand_changes_are_undone(tmp_path: Path) -> None:
     """The history keeps what changed, not the whole texts, which would be 1 GB."""
     path = tmp_path / "long.toml"
@@ -108,6 +109,7 @@ def running(process: int) -> bool:
         return False
 
 
+@pytest.mark.thorough
 def test_no_process_outlives_a_killed_server(tmp_path: Path) -> None:
     if not Path("/proc").exists():
         pytest.skip("no list of processes")
@@ -236,6 +238,7 @@ def resources(process: int) -> tuple[int, int]:
     return now
 
 
+@pytest.mark.thorough
 def test_pages_that_come_and_go_leave_nothing(studio: Studio) -> None:
     if not Path("/proc").exists():
         pytest.skip("no list of files")

@@ -67,6 +67,7 @@ def test_slider_crank(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     assert np.trapezoid(moment, efforts.time) == pytest.approx(0, abs=1e-3 * np.ptp(moment))
 
 
+@pytest.mark.thorough
 def test_quick_return(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     """Whitworth's crank and slotted lever: angle of the lever, and ratio of the times."""
     visit, _ = desk
@@ -87,6 +88,7 @@ def test_quick_return(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     assert np.ptp(fine) == pytest.approx(2 * half, abs=1e-4)
 
 
+@pytest.mark.thorough
 def test_gear_train(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     """Two gears of 0.1 and 0.2 m: the second turns half as fast, backwards."""
     visit, _ = desk
@@ -101,6 +103,7 @@ def test_gear_train(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     assert motion["bar2.angle"].values - math.pi / 2 == pytest.approx(-TURN / 2, abs=1e-8)
 
 
+@pytest.mark.thorough
 def test_stephenson_six_bar(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     """Grübler: 3·5 − 2·7 = 1; the four-bar loop and the dyad close at every instant."""
     visit, _ = desk
@@ -126,6 +129,7 @@ def test_stephenson_six_bar(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     assert abs(place["plate1.P3"] - place["bar4.start"]) == pytest.approx(0.5)
 
 
+@pytest.mark.thorough
 def test_scissor_lift(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     """Height of both upper ends over the width of the base."""
     visit, _ = desk
@@ -143,6 +147,7 @@ def test_scissor_lift(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
         assert motion[f"{name}.y"].values == pytest.approx(height, abs=1e-6)
 
 
+@pytest.mark.thorough
 def test_boom_with_a_cylinder(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     """The length of a cylinder gives the angle of the boom by the law of cosines."""
     visit, _ = desk
@@ -160,6 +165,7 @@ def test_boom_with_a_cylinder(desk: tuple[Desk, Studio], tmp_path: Path) -> None
     assert motion["bar1.angle"].values == pytest.approx(angle, abs=1e-6)
 
 
+@pytest.mark.thorough
 def test_cam_and_follower(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     """A circular cam about a centre off its pin lifts the follower as an eccentric does."""
     visit, _ = desk

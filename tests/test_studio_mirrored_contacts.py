@@ -79,6 +79,7 @@ def test_all_is_mirrored(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     assert visit.text == TEXT
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("key", ["h", "r"])
 def test_the_floor_stays_where_only_the_body_is_selected(
     desk: tuple[Desk, Studio], key: str
@@ -101,6 +102,7 @@ def test_the_floor_stays_where_only_the_body_is_selected(
     assert visit.text == TEXT
 
 
+@pytest.mark.thorough
 def test_a_plate_touches_the_floor(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.draw("p", (0.3, 0.4), (0.6, 0.4), (0.5, 0.6), (0.3, 0.4))

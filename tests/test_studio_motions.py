@@ -28,6 +28,7 @@ HOURS = PENDULUMS + '[analysis]\ntype = "Dynamics"\nduration = 7200.0\noutputs =
 SHORT = PENDULUMS + '[analysis]\ntype = "Dynamics"\nduration = 0.2\n'
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("text", "limit"), [(HOURS, "STATED"), (PENDULUMS, "USUAL")])
 def test_a_motion_that_takes_long_is_shown_in_part(
     text: str, limit: str, tmp_path: Path, monkeypatch: Any

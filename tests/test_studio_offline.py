@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from studio_desk import WAIT, Desk
 from studio_runs import Studio
 from test_studio_server import page, receive, send
@@ -63,6 +64,7 @@ def test_what_is_drawn_without_a_connection_comes_after_it(desk: tuple[Desk, Stu
     assert visit.text == EMPTY
 
 
+@pytest.mark.thorough
 def test_a_change_that_did_not_arrive_is_sent_again_and_none_twice(
     desk: tuple[Desk, Studio],
 ) -> None:
@@ -84,6 +86,7 @@ def test_a_change_that_did_not_arrive_is_sent_again_and_none_twice(
     assert len(visit.document["bodies"]) == 1
 
 
+@pytest.mark.thorough
 def test_a_change_to_what_another_page_has_changed_is_given_up(desk: tuple[Desk, Studio]) -> None:
     visit, studio = desk
     visit.show(EMPTY)
@@ -100,6 +103,7 @@ def test_a_change_to_what_another_page_has_changed_is_given_up(desk: tuple[Desk,
     )
 
 
+@pytest.mark.thorough
 def test_a_page_of_a_program_that_was_started_again_says_so(desk: tuple[Desk, Studio]) -> None:
     """Its address has another token; the page ends its attempts to connect."""
     visit, _ = desk

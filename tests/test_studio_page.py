@@ -87,6 +87,7 @@ def test_plates_springs_forces_and_sliders(desk: tuple[Desk, Studio]) -> None:
     assert "forces" not in visit.js("studio.file.document")
 
 
+@pytest.mark.thorough
 def test_errors_are_marked_and_the_last_picture_stays(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.draw("b", (0, 0), (0.5, 0))
@@ -102,6 +103,7 @@ def test_errors_are_marked_and_the_last_picture_stays(desk: tuple[Desk, Studio])
     visit.until("!document.querySelector('.canvas.outdated')", 20)
 
 
+@pytest.mark.thorough
 def test_a_page_shows_changes_of_another(desk: tuple[Desk, Studio], browser: Any) -> None:
     visit, studio = desk
     other = browser.new_page()
@@ -141,6 +143,7 @@ def test_sliders_write_their_values_into_the_text(desk: tuple[Desk, Studio]) -> 
     assert visit.text == text
 
 
+@pytest.mark.thorough
 def test_files_and_examples_are_opened(desk: tuple[Desk, Studio]) -> None:
     visit, studio = desk
     (studio.folder / "beside.toml").write_text(UNTITLED.replace("untitled", "beside"))
@@ -183,6 +186,7 @@ OFFERED = """(() => {
 takes no choice from it."""
 
 
+@pytest.mark.thorough
 def test_completion(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     text = 'format = 1\n[bodies.rod]\ntype = "Bar"\nlength = 0.4\nmass = 1\n'

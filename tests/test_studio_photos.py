@@ -74,6 +74,7 @@ def request(
     return answer[0]["status"], shown, b"".join(part.get("body", b"") for part in answer[1:])
 
 
+@pytest.mark.thorough
 def test_a_photo_survives_another_address(tmp_path: Path) -> None:
     """Two sessions, as of two programs on different ports, with the same drafts."""
     sessions = [Session(None, tmp_path) for _ in range(2)]
@@ -107,6 +108,7 @@ def test_the_distance_is_requested_when_the_second_click_is_released(tmp_path: P
     assert scaled == {"requested": ["pointerup 3,4"], "marks": [[0, 0], [3, 4]]}
 
 
+@pytest.mark.thorough
 def test_the_photo_of_a_new_model_moves_to_its_file(tmp_path: Path) -> None:
     session = Session(None, tmp_path / "state")
     new = session.photo_name

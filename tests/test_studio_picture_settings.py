@@ -69,6 +69,7 @@ def test_parts_and_speed_of_a_mechanism(browser: Any, studio_server: Studio) -> 
         assert shown(desk, "grid") == "true"
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scale", ["0.5", "1 : 1"])
 def test_colours_and_scale_of_a_structure(scale: str, browser: Any, studio_server: Studio) -> None:
     reset(studio_server, path=str(EXAMPLES / "truss.toml"))
@@ -86,6 +87,7 @@ def test_colours_and_scale_of_a_structure(scale: str, browser: Any, studio_serve
         assert value == pytest.approx(1.0 if scale == "1 : 1" else 0.5)
 
 
+@pytest.mark.thorough
 def test_section_of_a_spatial_model(browser: Any, studio_server: Studio) -> None:
     """The plane stays where it is in space, also where the extent of the model changes."""
     reset(studio_server, dimension=3)

@@ -5,11 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import pytest
 from browser import Visit
 from studio_desk import WAIT
 from studio_runs import running_studio
 
 
+@pytest.mark.thorough
 def test_the_page_says_that_the_program_has_ended(browser: Any, tmp_path: Path) -> None:
     page = browser.new_page(viewport={"width": 1280, "height": 800}, reduced_motion="reduce")
     visit = Visit(page)

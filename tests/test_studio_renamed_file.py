@@ -5,11 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import pytest
 from studio_desk import opened, reset
 from studio_runs import Studio
 from test_studio_space import BOXES
 
 
+@pytest.mark.thorough
 def test_a_renamed_file_is_saved_where_one_chooses(
     browser: Any, studio_server: Studio, tmp_path: Path
 ) -> None:

@@ -195,6 +195,7 @@ def test_the_page_loads_nothing_from_elsewhere(studio: Studio) -> None:
     assert b"http:" not in body and b"https:" not in body
 
 
+@pytest.mark.thorough
 def test_changes_survive_the_end_of_the_server(tmp_path: Path) -> None:
     path = tmp_path / "model.toml"
     path.write_text(FOUR_BAR)
@@ -233,6 +234,7 @@ def test_ctrl_c_stops_it(tmp_path: Path) -> None:
         assert studio.process.stdout.read() in QUIET
 
 
+@pytest.mark.thorough
 def test_ctrl_c_ends_an_upload_quietly(tmp_path: Path) -> None:
     with running_studio(tmp_path) as studio:
         upload = http.client.HTTPConnection(studio.host, timeout=20)
@@ -274,6 +276,7 @@ def test_a_live_picture_follows_the_still_one() -> None:
     assert sent == [(False, "picture/4"), (True, "picture/5")]
 
 
+@pytest.mark.thorough
 def test_another_page_is_served_while_a_long_text_changes(
     studio: Studio, monkeypatch: pytest.MonkeyPatch
 ) -> None:

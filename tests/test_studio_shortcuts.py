@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pytest
 from studio_desk import Desk, reset
 from studio_runs import Studio
 from studio_scripts import drawn_by
@@ -30,6 +31,7 @@ def test_all_keys_of_the_documentation_are_listed(tmp_path: Path) -> None:
     assert {key.replace("Shift+", "⇧") for key in tables} <= listed
 
 
+@pytest.mark.thorough
 def test_everything_is_selected_in_structures(desk: tuple[Desk, Studio]) -> None:
     visit, studio = desk
     for kind, z in (("structure", ""), ("spaceStructure", ", 0")):

@@ -189,6 +189,7 @@ def test_the_gizmo_moves_and_rotates_a_body(desk: SpaceDesk) -> None:
     assert desk.js("studio.space.poses.moved.size") == 0
 
 
+@pytest.mark.thorough
 def test_enter_ends_a_drag_whose_button_stays_pressed(desk: SpaceDesk) -> None:
     """The picture does not wait for the release of the button."""
     desk.show(BOXES.replace("0.3, ", "0.35, "))  # a picture without its module
@@ -200,6 +201,7 @@ def test_enter_ends_a_drag_whose_button_stays_pressed(desk: SpaceDesk) -> None:
     assert desk.text == BOXES
 
 
+@pytest.mark.thorough
 def test_the_tree_selects_hides_and_edits(desk: SpaceDesk) -> None:
     desk.show(BOXES)
     desk.page.click("#tab-model")
@@ -226,6 +228,7 @@ ANGLES = """async ([q, sequence]) => {
 }"""
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("sequence", SEQUENCES)
 def test_angles_of_a_rotation(desk: SpaceDesk, sequence: str) -> None:
     """Those of SciPy, for rotations about body axes in any order."""
@@ -288,6 +291,7 @@ ROTATED = """async ([document, after]) => {
 }"""
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("form", FORMS)
 def test_a_rotation_is_written_in_the_form_of_the_file(
     desk: SpaceDesk, form: str, tmp_path: Path
@@ -316,6 +320,7 @@ MOVED = """async ([choice, shift]) => {
 }"""
 
 
+@pytest.mark.thorough
 def test_a_joint_moves_in_both_bodies(desk: SpaceDesk, tmp_path: Path) -> None:
     """The joint of two bodies is elsewhere, and the bodies stay."""
     desk.show(BOXES)

@@ -81,6 +81,7 @@ def drag_the_loop(desk: SpaceDesk) -> None:  # noqa: F811
     desk.until(f"studio.editor.text === {text!r}", 20)
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("desk")
 def test_a_displacement_is_typed_as_one_writes_it(desk: SpaceDesk) -> None:  # noqa: F811
     """A number may begin with its point, have a comma, and be corrected."""
@@ -110,6 +111,7 @@ CORNERS = """async (kind) => {
 """Corners of a handle of the axis z, this axis, and a corner at which it is taken."""
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("angles", [(math.pi, 0.0, 0.0), (0.4, -0.3, 0.2)])
 @pytest.mark.usefixtures("desk")
 def test_a_gizmo_with_the_axes_of_the_body(
@@ -147,6 +149,7 @@ def test_a_gizmo_with_the_axes_of_the_body(
         desk.page.keyboard.press("g")
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("desk")
 def test_what_is_drawn_at_typed_places_is_exact(desk: SpaceDesk) -> None:  # noqa: F811
     """Places at named points and above places have all digits of these, not those of the screen."""
@@ -194,6 +197,7 @@ STRUCK = """(place) => {
 """Body, place and normal at a pixel, while what is before y = 0.02 is hidden."""
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("desk")
 def test_a_body_is_taken_at_its_section(desk: SpaceDesk) -> None:  # noqa: F811
     """Where a section cuts a body, it seems filled: the pointer there is on the body."""
@@ -210,6 +214,7 @@ socket = { at = [-0.1, -0.1, 0.0], axis = [0.0, 0.0, 1.0] }
 """
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("desk")
 def test_a_frame_turns_about_its_own_axis(desk: SpaceDesk) -> None:  # noqa: F811
     """Its direction x is written, which the axis alone leaves open."""
@@ -231,6 +236,7 @@ def test_a_frame_turns_about_its_own_axis(desk: SpaceDesk) -> None:  # noqa: F81
     assert desk.text == BOXES + FRAME
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("desk")
 def test_a_rotation_of_a_joint_about_its_own_axis_is_refused(desk: SpaceDesk) -> None:  # noqa: F811
     """The file has only the direction of the axis, which stays."""

@@ -80,6 +80,7 @@ def test_a_cantilever_with_two_loads_and_a_torque(desk: FrameDesk, tmp_path: Pat
     assert shown == 1  # the moment is in the picture
 
 
+@pytest.mark.thorough
 def test_a_node_is_moved_deleted_and_restored(desk: FrameDesk) -> None:
     before = desk.text
     desk.page.keyboard.press("Escape")

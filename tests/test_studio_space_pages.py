@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from test_studio_space import BOXES, SpaceDesk, desk
 
 __all__ = ["desk"]
@@ -26,6 +27,7 @@ DROP = """(() => {
 """Drop an image on the picture, which the browser would open in its place."""
 
 
+@pytest.mark.thorough
 def test_the_contexts_of_replaced_pictures_are_freed(desk: SpaceDesk) -> None:
     """Each at once: of more than about sixteen, browsers lose the oldest one for a new one."""
     desk.show(BOXES)
@@ -38,6 +40,7 @@ def test_the_contexts_of_replaced_pictures_are_freed(desk: SpaceDesk) -> None:
     assert not desk.js("contexts.at(-1).isContextLost()")
 
 
+@pytest.mark.thorough
 def test_a_spatial_model_refuses_photos_and_says_why(desk: SpaceDesk) -> None:
     desk.show(BOXES)
     photo = desk.page.locator("#actions >> text=Photo…")

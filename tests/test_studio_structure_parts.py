@@ -52,6 +52,7 @@ def test_an_inclined_roller(desk: Desk, tmp_path: Path) -> None:
     assert abs(across) < 1e-5 * math.hypot(*u)  # it rolls
 
 
+@pytest.mark.thorough
 def test_types_and_sections_of_beams(desk: Desk, tmp_path: Path) -> None:
     """Cantilever under a line load: w = q L⁴/(8 E I) + q L²/(2 G A), by Timoshenko; then others."""
     desk.page.locator("#structure-palette [data-tool=beam]").click()
@@ -92,6 +93,7 @@ def test_types_and_sections_of_beams(desk: Desk, tmp_path: Path) -> None:
     assert set(beam) == {"type", "connect", "area", "modulus", "density"}
 
 
+@pytest.mark.thorough
 def test_heat_and_typed_moments(desk: Desk, tmp_path: Path) -> None:
     """A bar between two pins: σ = −E α ΔT. A typed moment keeps its sign."""
     use(desk, "e", [(0, 0.5), (2, 0.5)], "", "Escape", shown=False)
@@ -155,6 +157,7 @@ def test_holes_keep_comments_and_regions_their_type(desk: Desk) -> None:
     assert data(desk)["meshes"]["plate"]["type"] == "Triangle"
 
 
+@pytest.mark.thorough
 def test_a_crosshair_draws_a_structure(desk: Desk) -> None:
     """A bar between two places of the grid, without a mouse."""
     keys = desk.page.keyboard

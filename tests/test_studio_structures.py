@@ -76,6 +76,7 @@ def test_a_cantilever_truss_by_equilibrium(desk: Desk, tmp_path: Path) -> None:
     assert desk.text == NEW
 
 
+@pytest.mark.thorough
 def test_a_cantilever_beam(desk: Desk, tmp_path: Path) -> None:
     """Deflection of the tip P L³/(3 E I), its slope P L²/(2 E I), and the clamping moment P L."""
     use(desk, "e", [(0, 0.5), (2, 0.5)], "", "Escape")
@@ -158,6 +159,7 @@ fy = 0
 """
 
 
+@pytest.mark.thorough
 def test_a_mechanism_shows_what_moves(desk: Desk) -> None:
     """A square without a diagonal sways: its picture names the nodes; a diagonal holds it."""
     start(desk, SQUARE)
@@ -176,6 +178,7 @@ def test_a_mechanism_shows_what_moves(desk: Desk) -> None:
     assert desk.text.startswith(SQUARE[:120])
 
 
+@pytest.mark.thorough
 def test_a_dragged_node_is_live(desk: Desk, tmp_path: Path) -> None:
     """While a node is dragged the page computes; what it shows is what the file then gives."""
     start(desk, SQUARE.replace('"d", "a"]', '"c", "a"]').replace("[1, 0.8]", "[1.0, 0.8]"))
@@ -199,6 +202,7 @@ def test_a_dragged_node_is_live(desk: Desk, tmp_path: Path) -> None:
     assert live == pytest.approx(float(solved(desk.text, tmp_path)["c.ux"]), rel=1e-6)
 
 
+@pytest.mark.thorough
 def test_a_truss_is_improved_and_saved(desk: Desk, page: tuple[Desk, Path]) -> None:
     """One area for all bars, mass least at a deflection: u = u₀ A₀/A, so the area is known."""
     for key, clicks, typed, end in TRUSS:

@@ -48,6 +48,7 @@ motor = { type = "RotationalDriver", connect = ["ground", "crank"], law = "2*pi*
 """
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("kind", SIX_BARS)
 def test_an_inserted_six_bar_moves_as_the_candidate(kind: str, tmp_path: Path) -> None:
     joints, link = SIX_BARS[kind]
@@ -127,6 +128,7 @@ def test_targets_are_dragged(desk: tuple[Desk, Studio]) -> None:
     assert visit.text == text
 
 
+@pytest.mark.thorough
 def test_points_of_a_function_are_dragged(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.show(UNTITLED + FUNCTION)
@@ -150,6 +152,7 @@ def test_points_of_a_function_are_dragged(desk: tuple[Desk, Studio]) -> None:
     assert table["outputs"] == [0.0, pytest.approx(0.8, abs=0.02), 0.25]
 
 
+@pytest.mark.thorough
 def test_six_bars_are_chosen_with_joints_at_the_target(
     desk: tuple[Desk, Studio], tmp_path: Path
 ) -> None:
@@ -173,6 +176,7 @@ def test_six_bars_are_chosen_with_joints_at_the_target(
     assert set(visit.document["synthesis"]) == {"type", "points", "linkage"}
 
 
+@pytest.mark.thorough
 def test_an_emptied_coordinate_of_a_target_is_no_zero(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.show(UNTITLED + PATH)

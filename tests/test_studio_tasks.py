@@ -106,6 +106,7 @@ mass = { measure = "mass" }
 """
 
 
+@pytest.mark.thorough
 def test_tasks_agree_with_closed_forms(tmp_path: Path) -> None:
     """Stress F/A and mass ρ A L of a rod: front, first-order deviation, reliability index.
 
@@ -125,6 +126,7 @@ def test_tasks_agree_with_closed_forms(tmp_path: Path) -> None:
     assert outcomes["reliability"].sentence.startswith("β = 2.5, failure 0.00621;")
 
 
+@pytest.mark.thorough
 def test_an_identified_stiffness_is_that_of_the_data(tmp_path: Path) -> None:
     """x = 0.1 cos(√(k/m) t) with k = 80 N/m and m = 2 kg; the search starts at 60 N/m."""
     times = [0.01 * k for k in range(101)]

@@ -102,6 +102,7 @@ def use(visit: Desk, key: str, clicks: list[tuple[float, float]]) -> str:
     return visit.text
 
 
+@pytest.mark.thorough
 def test_gears_ropes_and_contacts(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     pinned = '{ body = "ground", at = [0.8, 0.2] }'
@@ -150,6 +151,7 @@ SLOTTED = HEADER + (
 """A crank whose end is on a longer lever, as they are drawn."""
 
 
+@pytest.mark.thorough
 def test_a_slot_turns_a_lever(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     """The lever points from its pivot to the end of the crank, which turns once in 2 s."""
     visit, _ = desk
@@ -187,6 +189,7 @@ def test_a_weld_replaces_a_pin(desk: tuple[Desk, Studio]) -> None:
     assert visit.page.inner_text("#summary") == "0 degrees of freedom"
 
 
+@pytest.mark.thorough
 def test_a_cam_is_shaped_where_its_body_is_selected(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.show(GUIDED)
@@ -203,6 +206,7 @@ def test_a_cam_is_shaped_where_its_body_is_selected(desk: tuple[Desk, Studio]) -
     assert points[6] == pytest.approx([-0.8, 0.0])
 
 
+@pytest.mark.thorough
 def test_copies_are_selected_and_have_neat_numbers(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.show(SLOTTED)
@@ -213,6 +217,7 @@ def test_copies_are_selected_and_have_neat_numbers(desk: tuple[Desk, Studio]) ->
     assert list(visit.document["bodies"]) == ["crank", "lever"]
 
 
+@pytest.mark.thorough
 def test_redundant_joints_are_named(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     pins = "".join(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from browser import browser, show  # noqa: F401
 from test_decision_files import ROD, written
 from test_reliable_files import RELIABLE
@@ -37,6 +38,7 @@ def test_a_trajectory_beside_its_beginning(show, tmp_path):  # noqa: F811
     assert page.picture("#scene") != before
 
 
+@pytest.mark.thorough
 def test_a_mechanism_found_and_a_reliable_optimum(show, tmp_path):  # noqa: F811
     text = filled(OWN, angles=ANGLES, outputs=0.1 * ANGLES)
     computed = make_synthesis(load_model_file(written(tmp_path, text)))(progress=False)

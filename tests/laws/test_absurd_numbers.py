@@ -20,6 +20,7 @@ STRIDE = {"analyses": 6, "choices": 10, "tables": 40, "responses": 2, "meshes": 
 """Of the numbers each option takes one in so many; ``pytest -m thorough`` takes all."""
 
 
+@pytest.mark.few(1)
 @pytest.mark.skipif(os.name == "nt", reason="needs a limit of memory")
 @pytest.mark.parametrize(
     ("part", "stride"),

@@ -41,6 +41,7 @@ def rotation_matrix(e: np.ndarray) -> np.ndarray:
     return Rotation.from_quat(np.roll(e, -1)).as_matrix()
 
 
+@pytest.mark.thorough
 def test_stewart_gough_platform_with_forty_assemblies():
     system = da.System("platform")
     inertia = {"mass": 1, "inertia": (1, 1, 1)}

@@ -61,6 +61,7 @@ def at_start(model, formulation, equations=None):
     return tuple(a.full().ravel() for a in function(0.0, x, model.nominal))
 
 
+@pytest.mark.few(16)
 @pytest.mark.parametrize("name", CONSTRAINED)
 def test_penalty_error_falls_with_the_augmented_mass(name):
     """Errors of v̇ and λ have slope −1 in α, and stay below the largest |λ|/α can explain."""

@@ -36,6 +36,7 @@ def methods(motion) -> dict[str, int]:
     return {name: taken.count(name) for name in set(taken)}
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("name", SAMPLE)
 def test_default_runs_keep_ten_times_the_stated_tolerance(name):
     model = model_of(name)

@@ -64,6 +64,7 @@ CHOICES = {
 }
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("choice", CHOICES.values(), ids=CHOICES)
 def test_designs_are_their_single_runs(model, choice):
     batch = da.solve_dynamics(model, parameters={"l1": [*LENGTHS, *BAD]}, **RUN, **choice)
@@ -231,6 +232,7 @@ def test_interruption_keeps_what_is_finished(model):
     assert {s.outcome for s in batch.statuses} == {Outcome.COMPLETED, Outcome.INTERRUPTED}
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("method", "choice"),
     [

@@ -39,6 +39,7 @@ def wound(elements: int) -> da.Model:
     return system.build()
 
 
+@pytest.mark.thorough
 def test_a_belt_follows_the_capstan_equation():
     """``e^(μ φ R/(R + r))``: friction acts at the surface, tension in the middle of the belt."""
     exact = LOAD * math.exp(FRICTION * math.pi * DRUM / (DRUM + HALF))

@@ -85,6 +85,7 @@ def test_forces_on_a_roller_and_between_beams_are_opposite():
         assert moments.sum() == pytest.approx(0.0, abs=1e-10)
 
 
+@pytest.mark.thorough
 def test_energy_and_gradients():
     model = falling().build()
     integrator = da.DormandPrince853(rtol=1e-10, atol=1e-12)

@@ -158,6 +158,7 @@ def tip(elements: int, order: int) -> float:
     return float(da.solve_equilibrium(cantilever(elements, order))["arm.end.y"].values[0])
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("order", "meshes"), [(1, (8, 16)), (2, (4, 8)), (3, (2, 4))])
 def test_deflections_converge_by_twice_the_order(order, meshes):
     exact = tip(8, 4)

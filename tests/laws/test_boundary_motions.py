@@ -72,7 +72,7 @@ def roller_lift(angle: float) -> float:
     return float(center(v)[1])
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize(("lift", "roller"), [(flat_lift, False), (roller_lift, True)])
 def test_an_elliptic_cam_lifts_its_follower(scheme, lift, roller):
@@ -91,6 +91,7 @@ def test_an_elliptic_cam_lifts_its_follower(scheme, lift, roller):
     assert np.abs(above).max() < 2e-4  # O(h²) where the cam is convex
 
 
+@pytest.mark.thorough
 def test_equal_ellipses_about_their_foci_roll_on_each_other():
     """``tan(φ₂/2) = (1 − e)/(1 + e) tan(φ₁/2)`` for axles at a distance 2 a."""
     e, start = math.sqrt(1 - (B / A) ** 2), 0.5
@@ -168,6 +169,7 @@ def geneva() -> list:
     return corners
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("scheme", "step"), list(zip(SCHEMES, [1e-3, 2e-3], strict=True)))
 def test_a_geneva_drive_turns_by_quarters_and_dwells(scheme, step):
     """In a slot, ``tan ψ = r sin θ/(a − r cos θ)``, within the clearance; then it rests."""
@@ -201,6 +203,7 @@ def parallel(x: float, radius: float) -> np.ndarray:
     return np.array([x, x * x]) + radius * np.array([-2 * x, 1]) / math.hypot(2 * x, 1)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_a_disc_slides_in_a_parabolic_bowl(scheme):
     """Beside the motion of a bead on the parallel curve; of first order in the step."""
@@ -251,6 +254,7 @@ def test_a_disc_rests_on_both_sides_of_a_narrow_valley():
     assert forces.forces[order] == pytest.approx(np.array([(across, G), (-across, G)]), rel=1e-6)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", sampled(SCHEMES, 2))
 def test_a_convex_outline_moves_like_a_polygon(scheme):
     corners, motions = [(-0.15, -0.1), (0.2, -0.05), (0.0, 0.2)], []
@@ -268,6 +272,7 @@ def test_a_convex_outline_moves_like_a_polygon(scheme):
     assert np.abs(positions[0] - positions[1]).max() < 1e-9
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", sampled(SCHEMES, 2))
 def test_many_profiles_fall_into_a_drum(scheme):
     """Ellipses, stars and discs in a bore: nothing penetrates."""
@@ -312,6 +317,7 @@ def test_rollers_touch_the_teeth_of_sprockets_as_in_contact():
             assert gaps.distance.min() == pytest.approx(expected, abs=1e-12)
 
 
+@pytest.mark.thorough
 def test_gradients_include_the_form_of_the_curve():
     """Direct and adjoint gradients beside central differences of the run."""
     system = da.System("bowl", gravity=(0, -G))

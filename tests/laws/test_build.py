@@ -40,6 +40,7 @@ def test_guesses_go_along_the_joints(monkeypatch):
     assert len(factored) <= 8  # of speeds, and a step or two of rounding
 
 
+@pytest.mark.thorough
 def test_no_dense_matrix_is_made():
     """A dense matrix of all coordinates alone would take more than everything made at the most."""
     system, _ = chain(BODIES)

@@ -38,6 +38,7 @@ def agree(few, all_, tolerance):
     return np.abs(few - all_).max() <= tolerance * np.abs(all_).max()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", ["adjoint", "direct"])
 def test_few_states_give_the_same_gradient(model, method):
     options = {"step": 1 / 20_000, "outputs": 11}
@@ -49,6 +50,7 @@ def test_few_states_give_the_same_gradient(model, method):
     assert agree(da.sensitivity(few, RESPONSES, method=method).values, expected, 1e-12)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "options",
     [

@@ -145,6 +145,7 @@ CASES = [("jit", name) for name in STRATEGIES] + [
 ]
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("backend", "strategy"), CASES)
 def test_runs_outputs_and_gradients_are_those_of_the_virtual_machine(
     backend, strategy, monkeypatch
@@ -333,6 +334,7 @@ def test_the_second_model_finds_everything_compiled(backend, cache, compilations
     assert len(compilations) > count
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("backend", "damage"),
     [

@@ -44,6 +44,7 @@ def along(name: str, t, y, step, p) -> np.ndarray:
     return residual(name, t, moved(model_of(name), y, step), p)
 
 
+@pytest.mark.few(30)
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("name", CONSTRAINED)
 def test_position_equations_are_the_textbook_ones(name, seed):
@@ -53,6 +54,7 @@ def test_position_equations_are_the_textbook_ones(name, seed):
     np.testing.assert_allclose(phi, residual(name, t, y, p), atol=1e-13)
 
 
+@pytest.mark.few(16)
 @pytest.mark.parametrize("name", CONSTRAINED)
 def test_start_satisfies_the_textbook_equations(name):
     """Assembly closes the twin's equations, in position and speed."""
@@ -61,6 +63,7 @@ def test_start_satisfies_the_textbook_equations(name):
     assert np.abs(rate(lambda s: along(name, s, start.y, s * start.v, p))).max() < 1e-11
 
 
+@pytest.mark.few(40)
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("name", CONSTRAINED)
 def test_velocity_equations(name, seed):
@@ -70,6 +73,7 @@ def test_velocity_equations(name, seed):
     np.testing.assert_allclose(psi, rate(lambda s: along(name, t + s, y, s * v, p)), atol=1e-12)
 
 
+@pytest.mark.few(30)
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("name", CONSTRAINED)
 def test_acceleration_equations(name, seed):
@@ -80,6 +84,7 @@ def test_acceleration_equations(name, seed):
     np.testing.assert_allclose(computed, expected, rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.few(16)
 @pytest.mark.parametrize("name", CONSTRAINED)
 def test_design_derivatives(name):
     """∂Φ/∂p by complex step of the twin."""

@@ -57,6 +57,7 @@ def swinging(law: planar.contact.Hertz | None, speed: float = 1.0) -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_the_estimate_is_that_of_a_toppling_box(scheme: da.AnticipatedImpacts):
     """The error at the end, where it is largest."""
@@ -71,6 +72,7 @@ def test_the_estimate_is_that_of_a_toppling_box(scheme: da.AnticipatedImpacts):
     assert shares[1] < shares[0]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_the_estimate_is_that_of_a_ball_between_walls(scheme: da.AnticipatedImpacts):
     """Each impact is applied up to a step early or late."""
@@ -86,6 +88,7 @@ def test_the_estimate_is_that_of_a_ball_between_walls(scheme: da.AnticipatedImpa
     assert error > 1e-3 and error / 5 < motion.error_estimate.share < 5 * error
 
 
+@pytest.mark.thorough
 def test_force_laws_alone_have_errors_of_second_order():
     """A ball between two compliant walls."""
     model = swinging(planar.contact.Hertz(stiffness=1e4))
@@ -153,6 +156,7 @@ def test_longer_steps_that_fail_give_no_number(monkeypatch: pytest.MonkeyPatch):
     assert estimate.text == "not known, because steps 1.6 times as long fail at t = 1.5 s"
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("scheme", "step"), [(da.AnticipatedImpacts(), 1e-3), (da.MoreauJean(), 1e-3)]
 )

@@ -110,6 +110,7 @@ def test_a_box_turns_over_its_corner_with_second_order(compiled, monkeypatch):
     assert errors[0] > SECOND * errors[1] and errors[1] < 3e-4
 
 
+@pytest.mark.thorough
 def test_balls_that_are_concentric_in_the_middle_of_a_step_collide():
     """The direction there is not defined; the impact has the one at the start."""
     system, kit = da.System("shot"), spatial.contact
@@ -180,6 +181,7 @@ def rolled(time: float) -> np.ndarray:
     return solve_ivp(rates, (0, time), start, rtol=1e-12, atol=1e-14, method="DOP853").y[:3, -1]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("compiled", [True, False])
 def test_a_disc_that_leans_over_rolls_with_second_order(compiled, monkeypatch):
     """Steps in which the gap is concave have directions that are means over their path."""

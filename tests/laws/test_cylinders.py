@@ -105,7 +105,7 @@ def model_of(names: tuple[str, str]) -> da.Model:
     return system.build()
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("first", ["cylinder", "disc"])
 @pytest.mark.parametrize("second", SHAPES)
 def test_distances_are_those_of_a_convex_program(first, second):
@@ -184,7 +184,7 @@ def test_a_disc_slides_flat_on_an_inclined_plane():
     assert motion["d.vx"][-1] == pytest.approx(expected * np.cos(angle), abs=1e-9)
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("on_box", [False, True])
 @pytest.mark.parametrize(("share", "falls"), [(0.9, False), (1.05, True)])
 def test_a_standing_cylinder_topples_at_its_angle(share, falls, on_box):
@@ -274,6 +274,7 @@ def test_a_disc_rolls_steadily_on_its_rim():
     assert np.diff(motion.data["energy"].values).max() < 1e-4
 
 
+@pytest.mark.thorough
 def test_cylinders_among_solids_neither_overlap_nor_gain_energy():
     rng, system = np.random.default_rng(3), da.System("mixture", gravity=(0.0, 0.0, -G))
     shapes = [contact.HalfSpace(system.ground.frame())]

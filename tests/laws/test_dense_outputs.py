@@ -112,6 +112,7 @@ def expected() -> dict[str, tuple]:
     }
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("name", "outputs"), [*((n, None) for n in INTEGRATORS), ("default", 5)])
 def test_extremes_are_those_of_the_motion(name, outputs):
     """Values and derivatives by closed forms, whatever the outputs; all methods agree."""

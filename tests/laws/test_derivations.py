@@ -20,6 +20,7 @@ CASES = sampled(product(CONSTRAINED, ROADS), 5)
 """A sample, as no analysis uses these equations."""
 
 
+@pytest.mark.few(11)
 @pytest.mark.parametrize(("name", "road"), CASES)
 def test_same_equations_as_the_projective_scheme(name, road):
     """``M̂ u̇ + d̂ − f̂``, whatever the accelerations are."""
@@ -32,6 +33,7 @@ def test_same_equations_as_the_projective_scheme(name, road):
     np.testing.assert_allclose(computed, expected, atol=1e-11 * (1 + np.abs(expected).max()))
 
 
+@pytest.mark.few(11)
 @pytest.mark.parametrize(("name", "road"), CASES)
 def test_solved_by_the_constrained_motion(name, road):
     """The accelerations of the saddle system (5.7) satisfy them; no multiplier is left."""

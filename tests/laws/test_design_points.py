@@ -35,6 +35,7 @@ def polar(formula: str) -> tuple[float, float]:
     return nearest, float(np.trapezoid(share * RADII * np.exp(-(RADII**2) / 2), RADII))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("count", "least"), [(30, 7), pytest.param(60, 15, marks=pytest.mark.thorough)]
 )

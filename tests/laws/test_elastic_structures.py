@@ -133,6 +133,7 @@ def as_elements(shape: str, load: float) -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("shape", SHAPES)
 def test_elements_between_bodies_are_those_of_the_structure(shape):
     whole, parts = (da.solve_equilibrium(builder(shape, 40.0)) for builder in (held, as_elements))
@@ -235,6 +236,7 @@ def test_statics_are_those_of_the_structure(shape):
     assert np.abs(expected).max() > 1e-4
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("shape", SHAPES)
 def test_vibrations_are_those_of_the_structure(shape):
     expected = np.sort(da.solve_modes(alone(shape, 0.0).build(), count=3).data["frequency"].values)[

@@ -20,6 +20,7 @@ def balance_error(name: str, step: float, **options) -> float:
     return float(np.abs(motion.data.balance_error).max())
 
 
+@pytest.mark.few(15)
 @pytest.mark.parametrize("name", [*CASES, *SPATIAL_CASES])
 def test_energy_balance_closes_with_the_order(name):
     """Halving the step divides the balance error by 16, down to round-off."""
@@ -27,6 +28,7 @@ def test_energy_balance_closes_with_the_order(name):
     assert fine < max(coarse / 13, 1e-13)
 
 
+@pytest.mark.few(12)
 @pytest.mark.parametrize("name", [n for n, c in CASES.items() if c.conservative and c.scleronomic])
 def test_nothing_is_put_in_where_nothing_drives(name):
     """Springs store, dampers and friction take: the input power is zero in any state."""

@@ -135,6 +135,7 @@ def test_every_kind_of_response(name, terminal):
     check(run(name, terminal), responses(name, terminal))
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize(
     ("integrator", "terminal"), crossed([n for n in INTEGRATORS if n not in SUNDIALS], ENDS)
 )
@@ -155,12 +156,13 @@ CHOICES = {
 }
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize(("choice", "terminal"), crossed(CHOICES, ENDS))
 def test_every_choice(choice, terminal):
     check(run("four-bar", terminal, **CHOICES[choice]), responses("four-bar", terminal))
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("beyond", "integrator"),
     crossed([0.0, 1e-13, -1e-13, 1e-10, -1e-10], ["RK4", "BackwardEuler", "Newmark", "BDF"], 2),

@@ -39,6 +39,7 @@ def motion_sizes(motion: MotionFunctions) -> np.ndarray:
     return np.concatenate([*parts, scales.coordinates[list(s.first_order)]])
 
 
+@pytest.mark.few(16)
 @pytest.mark.parametrize("name", SMOOTH)
 def test_motion_satisfies_the_equations_of_the_model(name):
     """Levels of all constraints and the equations of motion, in the coordinates of the bodies."""

@@ -59,6 +59,7 @@ def agree(result, responses, rtol: float = 1e-6) -> np.ndarray:
 TIP = [da.final("rod.tip.y"), da.integral("rod.tip.deflection.y"), da.final("rod.q1")]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("dimension", "frame"), crossed([2, 3], ["mean", "root"]))
 def test_explicit_steps(dimension, frame):
     place = {"position": None} if frame == "mean" else {}
@@ -115,6 +116,7 @@ def test_the_remainder_falls_with_the_square():
     assert certificate.passed, str(certificate)
 
 
+@pytest.mark.few(1)
 @SPACES
 def test_new_values_are_those_of_another_model(dimension):
     """Shapes that follow span what shapes chosen there span: the motion is the same."""

@@ -58,6 +58,7 @@ def test_generalised_forces_are_the_textbook_wrenches(name):
         )
 
 
+@pytest.mark.few(18)
 @pytest.mark.parametrize("name", CONSERVATIVE)
 def test_conservative_forces_have_a_potential(name):
     """At rest, f = −Aᵀ ∂V/∂y."""
@@ -83,6 +84,7 @@ def test_weight_has_the_potential_of_its_height(name):
     assert taken == pytest.approx(-lift, abs=1e-12)
 
 
+@pytest.mark.few(20)
 @pytest.mark.parametrize("name", CASES)
 def test_friction_and_damping_only_take_energy(name):
     """The dissipated power is never negative."""

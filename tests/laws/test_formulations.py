@@ -28,6 +28,7 @@ def _law(model, formulation):
     return formulation_used.acceleration(e, e.constraint_acceleration).function
 
 
+@pytest.mark.few(27)
 @pytest.mark.parametrize(("name", "formulation"), COMBINED)
 def test_all_formulations_agree(name, formulation):
     """The same v̇ and λ to 1e-9, massless coordinates included."""
@@ -66,6 +67,7 @@ def reactions(model, y, v, a, multiplier) -> tuple[np.ndarray, np.ndarray]:
     return table[:2].T, table[2]
 
 
+@pytest.mark.few(13)
 @pytest.mark.parametrize("name", [n for n in PLANAR if CASES[n].objective])
 def test_forces_do_not_depend_on_the_observer(name):
     """Turned, shifted and in uniform motion: accelerations and reactions turn, no more."""

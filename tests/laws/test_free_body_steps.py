@@ -142,7 +142,7 @@ def both_ways(model: da.Model, monkeypatch, **options):
     return compiled, general
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("scene", [planar_scene, spatial_scene])
 def test_steps_in_machine_code_are_the_general_steps(scene, seed, monkeypatch):
@@ -157,6 +157,7 @@ def test_steps_in_machine_code_are_the_general_steps(scene, seed, monkeypatch):
     assert own.impulse[first] == pytest.approx(other.impulse[second], abs=allowed)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("scene", [planar_hulls, spatial_hulls])
 def test_steps_of_hulls_are_the_general_steps(scene, seed, monkeypatch):

@@ -108,6 +108,7 @@ def by_differences(system, output) -> np.ndarray:
     return matrix[-1] @ motion + inputs[-1]
 
 
+@pytest.mark.few(13)
 @pytest.mark.parametrize("name", [*PLANAR, *SPATIAL])
 def test_response_of_the_nonlinear_equations(name: str) -> None:
     model = model_of(name)
@@ -126,6 +127,7 @@ def test_response_of_the_nonlinear_equations(name: str) -> None:
         np.testing.assert_allclose(values, expected, rtol=0, atol=1e-6 * size)
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("name", [*PLANAR[::5], *SPATIAL[::6]])
 def test_gradients_over_the_registry(name: str) -> None:
     """Direct = adjoint = differences, with every number a parameter."""
@@ -176,6 +178,7 @@ RESPONSES = (
 )
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("response", RESPONSES, ids=lambda r: r.label)
 def test_gradients_at_an_equilibrium_that_moves(response) -> None:
     result = da.frequency_response(driven("free"))
@@ -265,6 +268,7 @@ def test_excitation_is_the_sum_of_inputs() -> None:
     np.testing.assert_allclose(total["turn"].values, expected, rtol=1e-12)
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize("name", MASSIVE)
 def test_structures_by_modes_and_reciprocity(name: str) -> None:
     model = structure_of(name)
@@ -326,6 +330,7 @@ def test_structures_about_a_loaded_state(nonlinear: bool) -> None:
     np.testing.assert_allclose(rows[2], rows[0], rtol=0, atol=1e-5 * size)
 
 
+@pytest.mark.thorough
 def test_random_gradients_by_quadrature() -> None:
     table = {"frequency": [0.3, 1.0, 4.0], "density": [1e-3, 1e-2, 2e-3]}
     analysis = da.RandomResponse(

@@ -79,6 +79,7 @@ def over_triangle(name: str, turn: np.ndarray, triangle: np.ndarray) -> float:
     return float(best.fun - normal @ triangle[0])
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", SHAPES)
 def test_gaps_close_where_bodies_touch(name):
     """Bodies lifted by their clearance and a little more do not touch, a little less they do."""
@@ -109,6 +110,7 @@ def on_bumps(name: str, tilted: bool = False) -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", SHAPES)
 def test_velocities_of_gaps_are_rates_of_distances_and_formulas_are_the_numbers(name):
     model = on_bumps(name, tilted=True)
@@ -159,6 +161,7 @@ ON_SLOPE = {
 """Shape, height of the middle, fraction of the acceleration of a rolling body, orientation."""
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", ON_SLOPE)
 def test_a_slope_of_triangles_is_an_inclined_plane(name):
     """Bodies cross the edges of cells without a jolt."""
@@ -188,6 +191,7 @@ def test_a_slope_of_triangles_is_an_inclined_plane(name):
     )
 
 
+@pytest.mark.thorough
 def test_a_ball_oscillates_in_a_bowl():
     """Without friction, its centre moves on a curve parallel to the parabola ``z = x²/(2 R)``."""
     curvature, radius, foot = 0.5, 0.05, 0.1

@@ -40,7 +40,7 @@ UPPER = {
 """Bodies that touch at the height ``-size``."""
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("lower", LOWER)
 @pytest.mark.parametrize("upper", UPPER)
 def test_body_that_slides(lower, upper):
@@ -96,7 +96,7 @@ SOLIDS = {
 """Solids that touch at the height ``-size``."""
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("lower", ["box", "capsule"])
 @pytest.mark.parametrize("upper", SOLIDS)
 def test_solid_that_slides(lower, upper):

@@ -90,6 +90,7 @@ def test_perfect_data_give_the_true_parameters(crank, tmp_path):
         assert identification.x[name] == pytest.approx(value, abs=1e-9)
 
 
+@pytest.mark.thorough
 def test_intervals_hold_what_they_say(crank):
     """By chance alone 60 repetitions of three parameters leave 95 % by less than 4.1 %, mostly."""
     clean, hits = measured(crank, x="slider.x"), 0

@@ -46,6 +46,7 @@ def reference():
     return da.solve_dynamics(thrown(), 0.7, integrator=da.DormandPrince853(rtol=1e-12))
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("choice", CHOICES)
 def test_every_choice_gives_the_same_impacts(choice):
     motion = da.solve_dynamics(thrown(), 0.7, **CHOICES[choice])
@@ -76,7 +77,7 @@ def test_an_impact_keeps_the_law_and_the_impulses_balance():
         assert abs(impact.tangential[0]) <= 0.1 * impact.normal * (1 + 1e-12)
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("duration", [0.7, 1.0])
 @pytest.mark.parametrize(
     "choice", ["Dormand-Prince", "RK4", "joints", "Radau", "BDF", "descriptor form"]

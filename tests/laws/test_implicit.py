@@ -122,6 +122,7 @@ def test_constraints_hold_where_they_are_asked(method, form, step):
         assert float(data.velocity_violation.max()) < bound
 
 
+@pytest.mark.thorough
 def test_radau_meets_its_tolerance():
     """Errors of positions follow the tolerance over six decades, whatever the form."""
     for form in FORMS:
@@ -279,7 +280,7 @@ ADAPTIVE = [("Radau, adaptive", form) for form in FORMS]
 PROJECTED = [(m, f, True) for m in METHODS for f in FORMS]
 
 
-@pytest.mark.product
+@pytest.mark.few(5)
 @pytest.mark.parametrize(
     ("method", "form", "projected"),
     sampled([*PROJECTED, *((*pair, False) for pair in [*PAIRS, *ADAPTIVE])], 3),

@@ -22,6 +22,7 @@ ADAPTIVE = {
 }
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", ADAPTIVE)
 def test_the_integral_of_a_speed_is_the_change_of_the_angle(name):
     """To the tolerance, and so are its gradients, which are the derivatives of the quadrature."""

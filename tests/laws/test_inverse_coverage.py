@@ -105,6 +105,7 @@ def test_forces(name):
     assert held.mean() > least
 
 
+@pytest.mark.thorough
 def test_forces_of_different_size():
     """1,000 N and 1 N m, each seen by a sensor of its own kind; one is rough, one is smooth."""
     first = 1e3 * np.sin(7 * FINE)

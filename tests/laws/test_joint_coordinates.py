@@ -175,6 +175,7 @@ SEEN += [(name, "relative") for name in TREES if name not in PLANAR]
 """In space there are no absolute angles."""
 
 
+@pytest.mark.few(23)
 @pytest.mark.parametrize(("name", "angles"), SEEN)
 def test_tree_satisfies_its_joints_at_every_level(name, angles):
     """Φ_I(g(q)) = 0, C_I D = 0, C_I γ = ξ_I (4.18)–(4.19) and C_I E = I (7.9)."""
@@ -192,6 +193,7 @@ def test_tree_satisfies_its_joints_at_every_level(name, angles):
     np.testing.assert_allclose(unit, np.eye(len(rows)), atol=1e-13)
 
 
+@pytest.mark.few(15)
 @pytest.mark.parametrize(("name", "angles"), SEEN)
 def test_operators_of_the_tree(name, angles):
     """D = ∂g/∂q by differentiation, DᵀMD, its products and solutions, and q read off the poses."""
@@ -247,6 +249,7 @@ def expected(name: str):
     return accelerations(da.AbsoluteCoordinates().view(model_of(name)))
 
 
+@pytest.mark.few(24)
 @pytest.mark.parametrize(
     ("name", "choice"),
     CHOSEN,
@@ -292,6 +295,7 @@ def test_every_formulation_takes_joint_coordinates(name, formulation):
     assert_same(accelerations(view, chosen), expected)
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_every_integrator_takes_joint_coordinates(integrator):
     """Within the accuracy of the first-order methods at this step."""
@@ -342,6 +346,7 @@ def light_coupler() -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize(("build", "massless"), [(light_rod, 0), (light_coupler, 1)])
 @pytest.mark.parametrize("formulation", [da.RangeSpace(), da.KKT()])
 @pytest.mark.parametrize("choice", VARIANTS, ids=lambda c: f"{c.angles}-{c.reactions}")
@@ -393,6 +398,7 @@ def test_gradients_of_an_open_chain():
     check_gradients(chain(3), 0.3, [da.mean("R0.force_norm"), da.final("bar2.angle")])
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(
     "name", ["translational", "pin in slot", "weld", "rigid link", "point on formula curve"]
 )

@@ -108,7 +108,7 @@ CASES = {
 }
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()], ids=str)
 @pytest.mark.parametrize("name", CASES)
 def test_no_step_gains_energy(name, scheme):

@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from live_modules import Modules, Outcome
+from thorough import collected
 
 import dalembert as da
 from dalembert import planar, spatial, structures
@@ -217,9 +218,12 @@ def _source(response: Any) -> str:
 
 
 @pytest.fixture(scope="module")
-def outcomes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Any, RowTable, Outcome]]:
+def outcomes(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> dict[str, tuple[Any, RowTable, Outcome]]:
     modules, expected = Modules(tmp_path_factory.mktemp("frequency")), {}
-    for name, (build, analysis, values) in CASES.items():
+    for name in collected(request, "name") & CASES.keys():
+        build, analysis, values = CASES[name]
         response = analysis.run(build())
         assert analysis.live_obstacle(response) == ""
         expected[name] = response, add(modules, name, response, design(response, values))
@@ -227,6 +231,7 @@ def outcomes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Any, R
     return {name: (*entry, results[name]) for name, entry in expected.items()}
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", CASES)
 def test_amplitudes_equal_those_of_python(name: str, outcomes: Any) -> None:
     response, table, outcome = outcomes[name]
@@ -242,6 +247,7 @@ def test_amplitudes_equal_those_of_python(name: str, outcomes: Any) -> None:
         np.testing.assert_allclose(values, expected, rtol=0, atol=VALUES * size, err_msg=key)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", CASES)
 def test_peaks_and_gradients_equal_those_of_python(name: str, outcomes: Any) -> None:
     response, _, outcome = outcomes[name]

@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from live_modules import Modules
+from thorough import collected
 
 import dalembert as da
 from dalembert import planar, spatial
@@ -165,10 +166,10 @@ def names_of(motion: da.Motion) -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def outcomes(tmp_path_factory: pytest.TempPathFactory) -> dict:
+def outcomes(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> dict:
     """The motion in Python, gradients of weighted sums of a measure, and the outcome in a page."""
     modules, expected = Modules(tmp_path_factory.mktemp("live")), {}
-    for build, name in CASES:
+    for build, name in collected(request, "build", "name"):
         motion, subject, values = solve(build, name)
         model = motion.model
         assert motion.analysis.live_obstacle(motion) == ""
@@ -184,6 +185,7 @@ def outcomes(tmp_path_factory: pytest.TempPathFactory) -> dict:
     return {key: (other, slope, results[n]) for key, (n, other, slope) in expected.items()}
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(("build", "name"), CASES)
 def test_motion_equals_that_of_python(build, name: str, outcomes) -> None:
     other, slope, outcome = outcomes[build, name]
@@ -197,6 +199,7 @@ def test_motion_equals_that_of_python(build, name: str, outcomes) -> None:
     )
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("build", "name"), CASES)
 def test_status_equals_that_of_python(build, name: str, outcomes) -> None:
     other, _, outcome = outcomes[build, name]
@@ -252,7 +255,7 @@ def test_locked_mechanism_has_the_same_outcome(tmp_path: Path) -> None:
     assert outcome.status["outcome"] == expected.outcome.value == da.Outcome.LOCKED.value
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("build", "equilibrium"),
     [*((build, rest) for build in RESTING for rest in (True, False)), (controlled_arm, True)],

@@ -40,6 +40,7 @@ def still(model: da.Model):
     return da.solve_dynamics(model, 1e-6, step=1e-6)
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", ELEMENTS)
 def test_every_element_looks_like_something(name):
     computed = ELEMENTS[name]
@@ -62,6 +63,7 @@ def test_every_element_looks_like_something(name):
         assert shown or results[0].not_drawn, "it draws nothing and does not say why"
 
 
+@pytest.mark.few(20)
 @pytest.mark.parametrize("name", CASES)
 def test_every_case_can_be_drawn(name):
     motion = still(model_of(name))
@@ -109,6 +111,7 @@ def test_drawings_of_structures_draw_their_primitives():
         assert set(seen) == set(nodes.ravel())
 
 
+@pytest.mark.few(11)
 @pytest.mark.parametrize(("section", "name"), SPATIAL_CASES)
 def test_every_element_of_space_looks_like_something(section, name, tmp_path):
     if name == "Mesh":

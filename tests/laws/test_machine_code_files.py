@@ -21,6 +21,7 @@ class Folder:
         self.files = lambda package: folder
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("find", [find_llvm, find_compiler])
 @pytest.mark.parametrize(
     ("name", "line"),

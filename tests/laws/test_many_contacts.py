@@ -217,6 +217,7 @@ def test_a_pile_of_discs_closes_no_gap_and_gains_no_energy_in_contacts(scheme):
         assert np.diff(motion.data["energy"]).max() <= 1e-10
 
 
+@pytest.mark.thorough
 def test_a_pile_falls_alike_with_and_without_corrections_of_positions():
     """Friction of contacts that lasts slows the fall; corrections lift by 1 % of what is lost."""
     model, heights = pile(8, 8), []
@@ -241,6 +242,7 @@ def test_a_joint_stays_closed_beside_a_pile():
     assert np.abs(motion.data["balance_error"]).max() <= 1e-3 * motion.data["dissipated_energy"][-1]
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("theta", [0.5, 0.8, 1.0])
 def test_energy_dissipated_by_the_scheme_is_accounted(theta):
     """An oscillator: the θ-method takes ``(θ − ½)(Δvᵀ M Δv + Δyᵀ K Δy)`` in each step."""
@@ -260,6 +262,7 @@ def test_energy_dissipated_by_the_scheme_is_accounted(theta):
     assert np.abs(motion.data["balance_error"]).max() <= 1e-9
 
 
+@pytest.mark.thorough
 def test_residuals_above_the_tolerance_are_stated():
     """No sum of rounded numbers attains the tolerance; the run continues and warns."""
     model, solver = pile(3, 3), da.ContactSolver(tolerance=1e-19, max_iterations=3)

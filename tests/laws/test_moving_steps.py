@@ -64,6 +64,7 @@ def whole_runs(model: da.Model, responses, name: str, h: float = 1e-4, **options
     return (8 * near - far) / (12 * h * size)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", RUNS)
 def test_fixed_steps_that_follow_parameters(name):
     """The rerun takes other steps, and the gradient knows."""
@@ -128,6 +129,7 @@ def bouncing_ball() -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     "options",
     [

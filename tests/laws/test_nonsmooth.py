@@ -47,6 +47,7 @@ def test_elastic_ball_keeps_its_energy():
     assert motion.data["penetration"].max() <= 1e-13
 
 
+@pytest.mark.few(2)
 @schemes
 def test_bounces_without_end_end(scheme):
     """Infinitely many impacts in finite time; the ball lies on the floor then."""
@@ -58,6 +59,7 @@ def test_bounces_without_end_end(scheme):
     assert impulses.mean() == pytest.approx(2.0 * G * 4e-3, rel=1e-6)  # the weight
 
 
+@pytest.mark.few(2)
 @schemes
 def test_newtons_cradle_follows_newtons_law_at_once(scheme):
     """All contacts in one: ``(−1/3, 2/3, 2/3)``, not ``(0, 0, 1)`` of impacts one by one."""
@@ -118,6 +120,7 @@ def pendulum_at_a_wall() -> da.System:
     return system
 
 
+@pytest.mark.few(2)
 @schemes
 def test_joints_stay_closed_beside_contacts(scheme):
     """A pendulum that swings against a wall: the pin holds, and the disc does not pass."""

@@ -59,6 +59,7 @@ SCHEMES = {
 schemes = pytest.mark.parametrize("scheme", SCHEMES.values(), ids=SCHEMES)
 
 
+@pytest.mark.few(2)
 @schemes
 def test_bouncing_ball(scheme):
     """The case of Ma et al. (2021): exact derivatives of height and speed after one bounce."""
@@ -193,6 +194,7 @@ def test_discs_before_their_next_impacts():
     confirmed(motion, da.final("disc0.x"), da.final("disc3.angle"), da.final("disc3.vx"))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 def test_pendulum_at_a_wall(scheme):
     """Joints, an impact, and a wall that moves by the clock, against located impacts."""
@@ -227,6 +229,7 @@ def test_impacts_on_one_body_one_after_the_other_in_one_step_are_refused():
         da.sensitivity(motion, da.final("bar.y"))
 
 
+@pytest.mark.thorough
 def test_impacts_on_one_body_in_one_instant_are_one():
     """A bar that falls level moves as one ball does: ``y = e g t* (T − t*) − g (T − t*)²/2``."""
     motion = run(dropped_bar(0.0), 0.3, 2e-4)

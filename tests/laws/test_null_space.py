@@ -30,6 +30,7 @@ def basis_of(name: str, basis: str) -> NullSpaceBasis:
     return definite(da.NullSpace(basis), model).solver(e.inertia, e.jacobian, e.massless).basis
 
 
+@pytest.mark.few(13)
 @pytest.mark.parametrize(("name", "basis"), crossed(RELATED, BASES))
 def test_basis(name, basis):
     """C D = 0, C x₂ = r₂, Cᵀ z = w, and D of full rank."""
@@ -80,6 +81,7 @@ def test_singular_values_of_many_speeds_are_refused():
         da.solve_dynamics(bars(count), 0.1, formulation=da.NullSpace("svd"))
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("basis", BASES)
 def test_runs_agree_with_range_space(basis):
     model = bars(2)

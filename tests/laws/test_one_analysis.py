@@ -133,6 +133,7 @@ OF_ONE_KIND = [
 ]
 
 
+@pytest.mark.few(11)
 @pytest.mark.parametrize(
     ("cls", "option"), OF_ONE_KIND, ids=[f"{c.__name__}.{o.name}" for c, o in OF_ONE_KIND]
 )

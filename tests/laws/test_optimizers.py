@@ -104,6 +104,7 @@ def four_bar() -> da.Model:
     return system.build()
 
 
+@pytest.mark.thorough
 def test_designs_beyond_which_others_fail_are_told():
     """The best crank is as long as can turn: no optimum, and why."""
     best = da.optimize(
@@ -116,6 +117,7 @@ def test_designs_beyond_which_others_fail_are_told():
     assert not best.success and "along it fail" in best.message, best.message
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     "method", ["slsqp", "trust-constr", "ipopt", "mma", "differential-evolution"]
 )

@@ -59,6 +59,7 @@ def test_corners_that_leave_variables_to_other_aims(second, exact):
     np.testing.assert_allclose(front.values[:, 1], exact(front.values[:, 0]), atol=1e-8)
 
 
+@pytest.mark.thorough
 def test_three_aims_within_a_limit():
     """Distances to three corners: best designs lie in their triangle, cut off by a limit."""
     third = da.final("(x - 1)**2 + y**2", name="third")

@@ -38,6 +38,7 @@ def thrown(kind: str, dimension: int) -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", [da.MoreauJean(), da.MoreauJean(projection=False)])
 @pytest.mark.parametrize(
     ("kind", "dimension"), [("ball", 2), ("cube", 2), ("ball", 3), ("cube", 3)]

@@ -36,6 +36,7 @@ def spinning_cube() -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("compiled", [True, False])
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("scene", [spinning_square, spinning_cube])
@@ -74,6 +75,7 @@ def hinged_bar(clearance: float) -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("scene", ["hinged bar", "free square", "free square, general steps"])
 @pytest.mark.parametrize("clearance", [1e-6, 3e-6, 1e-5, 3e-5])

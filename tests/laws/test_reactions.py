@@ -22,6 +22,7 @@ def snapshots(name: str) -> list[Snapshot]:
     return [Snapshot(motion, k, CASES[name]) for k in range(3)]
 
 
+@pytest.mark.few(20)
 @pytest.mark.parametrize("name", CASES)
 def test_reactions_and_loads_balance_every_body(name):
     """Newton–Euler: m r̈ = Σ F + m g, J φ̈ = Σ M + (r_P − r) × F."""
@@ -32,6 +33,7 @@ def test_reactions_and_loads_balance_every_body(name):
         )
 
 
+@pytest.mark.few(10)
 @pytest.mark.parametrize("name", [n for n in CONSTRAINED if CASES[n].scleronomic])
 def test_reactions_of_joints_do_no_work(name):
     """Σ F·v + M ω = 0 over all bodies of a joint."""
@@ -40,6 +42,7 @@ def test_reactions_of_joints_do_no_work(name):
             assert abs(now.power(now.reaction(joint))) < 1e-10
 
 
+@pytest.mark.few(10)
 @pytest.mark.parametrize("name", [n for n in CONSTRAINED if not CASES[n].scleronomic])
 def test_drivers_give_the_power_they_report(name):
     """Σ F·v + M ω is the driver's power, and none of the joint that it drives."""

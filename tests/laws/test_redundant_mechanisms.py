@@ -25,6 +25,7 @@ def violation(m: Mechanism, motion) -> float:
     return max(np.abs(m.constraints(y, t)).max() for t, y in zip(s.t, s.y.T, strict=True))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("coordinates", [da.AbsoluteCoordinates(), da.JointCoordinates()])
 def test_all_equations_hold_though_some_are_solved(coordinates):
     """With other rows as the mechanism moves: those of the start lose their independence."""
@@ -38,6 +39,7 @@ def test_all_equations_hold_though_some_are_solved(coordinates):
     assert changes > 4
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("formulation", [da.Penalty(), da.AugmentedLagrangian()])
 def test_equations_that_the_tree_satisfies_carry_no_weight(formulation):
     """A pin held twice leaves nothing but rounding in joint coordinates, in which α was lost."""

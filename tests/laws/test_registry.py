@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import inspect
 import re
+from pathlib import Path
 
 import casadi as ca
 import pytest
@@ -85,6 +86,7 @@ def test_every_strategy_is_listed(base, table):
     assert _concrete(base) <= {type(strategy) for strategy in table.values()}
 
 
+@pytest.mark.few(24)
 @pytest.mark.parametrize("name", [*CASES, *SPATIAL_CASES])
 def test_every_number_given_is_a_parameter(name):
     """So that gradients tested over the registry reach every quantity of every element."""
@@ -118,3 +120,36 @@ def test_covering_samples_have_every_value():
     assert {cases[k]["row"] for k in some} == set("abcdefg")
     assert {cases[k]["column"] for k in some} == set(range(4))
     assert len(some) <= 9 and some == covering(cases)
+
+
+def test_a_few_cases_depend_on_the_name_and_differ_in_all_parameters():
+    cases = [{"row": row, "column": column} for row in "abcdefg" for column in range(4)]
+    samples = [covering(cases, 3, name) for name in ("energy", "momentum", "reactions")]
+    for some in samples:
+        assert len(some) == 3
+        assert len({cases[k]["row"] for k in some}) == 3
+        assert len({cases[k]["column"] for k in some}) == 3
+    assert len({frozenset(some) for some in samples}) > 1
+    assert covering(cases, 3, "energy") == samples[0]
+
+
+LISTED = {
+    "elements": {*CASES, *SPATIAL_CASES},
+    "formulations": {*FORMULATIONS, *SOFT},
+    "stabilizations": {*STABILIZATIONS},
+    "integrators": {*INTEGRATORS},
+}
+
+
+@pytest.mark.parametrize("table", LISTED)
+def test_the_quick_suite_takes_each_entry_of_the_registry(table, request):
+    """By several laws, of which each takes a few entries."""
+    laws: dict[str, set[str]] = {}
+    items = request.session.items
+    if len({item.path.name for item in items if item.path.parent == Path(__file__).parent}) < 150:
+        pytest.skip("a part of the laws is collected")
+    for item in items:
+        for value in item.callspec.params.values() if hasattr(item, "callspec") else ():
+            if isinstance(value, str) and value in LISTED[table]:
+                laws.setdefault(value, set()).add(item.nodeid.partition("[")[0])
+    assert LISTED[table] - set(laws) == set()

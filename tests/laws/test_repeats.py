@@ -146,6 +146,7 @@ def test_lanes_go_the_same_way():
         np.testing.assert_allclose(computed[lane], expected, rtol=ROUNDING, atol=ROUNDING)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", ["direct", "adjoint"])
 def test_gradients_go_the_same_way(method, monkeypatch):
     monkeypatch.setitem(backends.BACKENDS, "jit", lambda: backends.Compiled(REPEATING))

@@ -64,6 +64,7 @@ def test_sampled_controller_agrees_with_matrix_exponential(name):
     assert np.allclose(values, exact(), rtol=0, atol=1e-10)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("options", [{"step": 0.01}, {}], ids=["fixed", "adaptive"])
 def test_gradients_pass_through_samples(options):
     motion = da.solve_dynamics(lift(), END, **options)
@@ -234,6 +235,7 @@ def test_errors_of_python_controllers():
         da.solve_dynamics(model, 1.0, parameters=batch, controller=lambda t, y: 1.0, **options)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("options", [{"step": 0.01}, {}], ids=["fixed", "adaptive"])
 def test_contact_feels_a_sampled_force(options):
     """A block under dry friction begins to slide at the sample at which the force exceeds it."""

@@ -102,6 +102,7 @@ def plain_swing(name: str) -> da.Motion:
     return swing(Units(), STRATEGIES[name] if name in STRATEGIES else GAINS[name](Units()))
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize(("name", "units"), crossed([*STRATEGIES, *GAINS], OTHERS), ids=str)
 def test_dynamics(name, units):
     motion = swing(units, STRATEGIES[name] if name in STRATEGIES else GAINS[name](units))
@@ -117,6 +118,7 @@ def test_dynamics(name, units):
         same(motion[measure].values / units(unit), plain[measure].values)
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("units", OTHERS, ids=str)
 def test_gradients(units):
     responses = {da.Final("A.force_norm"): "N", da.integral("coupler.vx"): "m"}
@@ -167,6 +169,7 @@ def test_dead_centres(units):
     )
 
 
+@pytest.mark.few(13)
 @pytest.mark.parametrize("number", range(len(CASES)), ids=list(CASES))
 def test_accelerations_and_reactions(number):
     """Of every element, in one of the units."""

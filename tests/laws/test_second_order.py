@@ -89,6 +89,7 @@ REDUCTIONS = [
 ]
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("response", REDUCTIONS, ids=lambda r: r.label)
 def test_reductions(response):
     """Every reduction, on one run with outputs inside steps."""
@@ -129,6 +130,7 @@ def check_implicit(implicit, inputs) -> None:
     np.testing.assert_allclose(computed, expected, atol=1e-8 * (1 + np.abs(computed).max()))
 
 
+@pytest.mark.few(20)
 @pytest.mark.parametrize("name", CASES)
 def test_every_element(name):
     """Second derivatives of accelerations and multipliers."""
@@ -139,6 +141,7 @@ def test_every_element(name):
     check_implicit(accelerations, [np.array([0.1]), x, p])
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", FORMULATIONS)
 def test_formulations(name):
     motion = da.solve_dynamics(
@@ -174,6 +177,7 @@ def swinging_bar() -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(
     "model", [swinging_bar, pytest.param(lambda: four_bar(False), marks=pytest.mark.thorough)]
 )
@@ -225,6 +229,7 @@ def seen(model) -> list[Response]:
 LINEAR = ["truss 3-D", "frame 2-D", "Quadrilateral"]
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize(
     ("name", "nonlinear"), [(n, True) for n in STRUCTURES] + [(n, False) for n in LINEAR]
 )

@@ -23,6 +23,7 @@ CASES = {
 }
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("method", ["subset-simulation", "openturns-subset"])
 @pytest.mark.parametrize("name", ["plane", "circle"])
 def test_probability(name, method):

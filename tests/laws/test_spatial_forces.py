@@ -78,6 +78,7 @@ def test_conservative_forces_have_a_potential(name):
         np.testing.assert_allclose(force, -slope, rtol=1e-12, atol=1e-12)
 
 
+@pytest.mark.few(7)
 @pytest.mark.parametrize("name", SPATIAL_CASES)
 def test_friction_and_damping_only_take_energy(name):
     """The dissipated power is never negative, and nothing is put in where nothing drives."""
@@ -115,6 +116,7 @@ def test_a_bushing_may_turn_round():
         assert float(moment(y, np.zeros(6), [])) == pytest.approx(-3.0 * np.sin(angle), abs=1e-12)
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("name", SPATIAL_CASES)
 def test_the_same_motion_in_joint_coordinates(name):
     model = spatial_model_of(name)

@@ -38,6 +38,7 @@ def jolted(
     return da.solve_nonsmooth(system.build(), BEFORE + 2 * H, step=H, integrator=scheme)
 
 
+@pytest.mark.few(7)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("restitution", sampled([0.0, 0.7], 1))
 @pytest.mark.parametrize("fraction", FRACTIONS)

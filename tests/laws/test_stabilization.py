@@ -53,6 +53,7 @@ def exact():
     )
 
 
+@pytest.mark.few(16)
 @pytest.mark.parametrize("name", CONSTRAINED)
 def test_projection_closes_all_equations_at_every_output(name):
     """|Φ|, |Ψ| ≤ 1e-12 at steps and between them."""

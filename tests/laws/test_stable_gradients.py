@@ -82,6 +82,7 @@ TOLERANCES = {1e-6: 5e-2, 1e-7: 3e-2, 1e-9: 1e-2}
 """Of the run → of the gradient."""
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("name", "each"),
     [(name, 3) for name in CASES]

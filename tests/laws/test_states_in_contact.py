@@ -88,6 +88,7 @@ def test_impacts_change_speeds_and_not_states():
     assert fine < coarse / 2.5 and fine < 2e-3
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("integrator", "counts"), [(da.AnticipatedImpacts(), (1, 2)), (da.MoreauJean(), (1,))]
 )

@@ -80,7 +80,7 @@ def top() -> da.Model:
 MODELS = {"cart-pole": cart_pole, "four-bar": four_bar, "top": top}
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("strategy", STRATEGIES)
 @pytest.mark.parametrize("name", MODELS)
 def test_steps_are_those_of_a_run(name, strategy):

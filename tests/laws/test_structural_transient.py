@@ -89,7 +89,7 @@ def exact(motion, end: float) -> tuple[np.ndarray, np.ndarray]:
     return whole(end, reference.y[:, -1])[:2]
 
 
-@pytest.mark.product
+@pytest.mark.few(3)
 @pytest.mark.parametrize("nonlinear", [False, True])
 @pytest.mark.parametrize("integrator", INTEGRATORS.values(), ids=INTEGRATORS)
 def test_order_two_in_displacements_and_velocities(integrator, nonlinear):
@@ -226,7 +226,7 @@ def model_of(name: str, dimension: int):
 KINDS = [(name, d) for name, cls in ELEMENTS.items() for d in cls.dimensions]
 
 
-@pytest.mark.product
+@pytest.mark.few(6)
 @pytest.mark.parametrize(("name", "dimension", "nonlinear"), crossed(KINDS, [False, True]))
 def test_gradients_of_every_kind_of_element(name, dimension, nonlinear):
     model = model_of(name, dimension)
@@ -277,6 +277,7 @@ def test_rotations_without_mass():
     agree(motion, [da.final("n[4].ux"), da.maximum("n[4].rz"), da.final("n[0].mz")])
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("lumped", [False, True])
 def test_gradients_of_a_body_that_tumbles(lumped):
     """Through the replacement of rotation vectors longer than π, on supports that react."""

@@ -220,6 +220,7 @@ def test_large_displacements_leave_rigid_motions_without_force(name):
         np.testing.assert_allclose(forces, 0.0, atol=1e-12 * max(1.0, stiffest / 10))
 
 
+@pytest.mark.few(7)
 @pytest.mark.parametrize("name", CASES)
 def test_tangents_are_the_slopes_of_forces_wherever_elements_are(name):
     """Of strain by displacements, of inertia by displacements, velocities and accelerations."""
@@ -245,6 +246,7 @@ def test_tangents_are_the_slopes_of_forces_wherever_elements_are(name):
 MATRICES = ["mass", "lumped mass", "tangent", "geometric"]
 
 
+@pytest.mark.few(7)
 @pytest.mark.parametrize("name", CASES)
 def test_masses(name):
     """Both mass matrices: symmetric, positive, the whole mass in every direction."""
@@ -266,6 +268,7 @@ def test_masses(name):
             assert motion @ matrix @ motion == pytest.approx(whole, rel=1e-12)
 
 
+@pytest.mark.few(11)
 @pytest.mark.parametrize(("name", "what"), crossed(CASES | HELD, MATRICES, 2))
 def test_derivatives_of_matrices(name, what):
     """``aᵀ 𝗠 b`` by direct and adjoint products and by differences."""
@@ -337,6 +340,7 @@ def test_equilibrium_and_work(name):
     assert result.status.residual < 1e-12
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize(("name", "nonlinear"), crossed(CASES | HELD, [False, True]))
 def test_direct_adjoint_and_differences_agree(name, nonlinear):
     """Displacements, reactions, all quantities of elements and totals, by every parameter."""

@@ -40,6 +40,7 @@ def tumbling(poisson: bool = False) -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("poisson", "options"),
     [
@@ -140,6 +141,7 @@ def test_steps_of_given_length_are_warned_of_such_a_begin():
     assert any("begins to slide over a surface" in text for text in motion.warnings)
 
 
+@pytest.mark.thorough
 def test_gradients_over_a_stop_are_certified():
     system = da.System("stop", gravity=(0, 0, -G))
     rough = system.parameter("mu", 0.3)

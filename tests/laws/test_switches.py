@@ -103,6 +103,7 @@ def run(name: str, method: str, rtol: float = 1e-10, **options):
     )
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", FORCES)
 def test_motions_over_switches(name):
     for method in INTEGRATORS:
@@ -115,7 +116,7 @@ def test_motions_over_switches(name):
 DIFFERENTIABLE = sorted({*FORCES} - {"power left out"})  # 0·NaN, with or without
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("name", "method"), crossed(DIFFERENTIABLE, INTEGRATORS, 2))
 def test_gradients_over_switches(name, method):
     """Direct and adjoint are one, and the derivative of the motion itself, jumps or none."""

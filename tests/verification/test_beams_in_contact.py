@@ -95,6 +95,7 @@ def rope() -> da.Model:
     return system.build()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("slack", [pytest.param(0.02, marks=pytest.mark.thorough), 0.05])
 def test_a_rope_over_a_drum_hangs_in_equilibrium(slack):
     """``w (h_start − h_end) = F``: the spring force is the weight of the difference in heights."""

@@ -66,6 +66,7 @@ def test_one_freedom_and_one_redundant_equation_are_told(model):
     assert {redundancy.joint, *redundancy.shared_with} == {f"J{k}" for k in range(6)}
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "formulation",
     [da.AugmentedLagrangian(), da.RangeSpace()],

@@ -24,7 +24,7 @@ TOLERANCE = 1e-9
 model = functools.cache(lambda: axle().build())
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("projected", [False, True])
 def test_radau(form, projected):

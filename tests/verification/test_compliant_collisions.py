@@ -61,7 +61,7 @@ def fall(force, end: float, gravity=-10.0, height=1e-3) -> np.ndarray:
     return state
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 @pytest.mark.parametrize("name", LAWS)
 def test_ball_on_a_floor_converges_to_the_exact_motion(name, scheme):
@@ -121,6 +121,7 @@ def test_long_steps_keep_energy_or_warn(step, height):
     assert abs(motion["ball.vy"][-1].item() - 0.5) < 1.5 * bound
 
 
+@pytest.mark.thorough
 def test_cradle_of_compliant_balls():
     """Five balls in a row, whose contacts overlap in time, against the exact solution."""
     count, end, stiffness = 5, 0.012, 1e7
@@ -188,7 +189,7 @@ def _spheres(system):
 SCENES = {"circles": _circles, "rectangle": _rectangle, "capsule": _capsule, "spheres": _spheres}
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("friction", [0.0, 0.1])
 @pytest.mark.parametrize("name", SCENES)
 def test_agreement_with_contact_of_two_shapes(name, friction):
