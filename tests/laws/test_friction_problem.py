@@ -107,3 +107,16 @@ def test_problems_without_solution_are_reported():
 def test_bad_options(options):
     with pytest.raises(UnsupportedError, match=next(iter(options))):
         da.ContactSolver(**options)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+def test_a_problem_without_solution_ends_early(friction):
+    """Two walls that close on a body: ``u₁ + u₂ = −2`` for any impulses."""
+    directions = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, 1.0]])
+    velocity = np.array([[-1.0, 0.3], [-1.0, 0.3]])
+    coefficients = np.full((2, 1), friction)
+    problem = FrictionProblem(directions @ directions.T, velocity, coefficients, (1,))
+    solved = da.ContactSolver().solve(problem)
+    assert not solved.accepted and not solved.converged
+    assert solved.residual > 0.9
+    assert solved.rounds <= 200 < da.ContactSolver().max_iterations

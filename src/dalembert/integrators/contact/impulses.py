@@ -31,12 +31,13 @@ BLOCK_ALTERNATIONS, BLOCK_ITERATIONS, BLOCK_SWEEPS = 6, 30, 60
 the upper limit of these."""
 SWEEP_SHARE = 0.1
 """Tolerance of sweeps relative to that of the problem [-]."""
-PROGRESS, PATIENCE = 0.9, 40
-"""Factor by which the residual of the proximal method has to fall, and the number of iterations
-within which it has to, as long as the residual is above the tolerance but acceptable."""
+PROGRESS, PATIENCE, LONG_PATIENCE = 0.9, 40, 100
+"""Factor by which the residual of the proximal method has to fall, and the numbers of iterations
+within which it has to as long as it is above the tolerance: where it is acceptable, and elsewhere.
+"""
 LARGEST_SHARE = 1e-3
-"""Largest acceptable residual relative to the speeds before the impulses, which may be large
-without any effect where contacts jam [-]."""
+"""Largest residual relative to the speeds before the impulses, which may be large without any effect
+where contacts jam [-]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,11 +73,10 @@ def solved_impulses(
     ----------
     guess : (n, k) initial impulses
     share, acceptable : tolerance, and limit of the residual without progress, relative to the
-        largest speed of a contact [-]; the limit is never above ``LARGEST_SHARE`` of
-        ``problem.scale``
+        largest speed of a contact [-]; neither is above ``LARGEST_SHARE`` of ``problem.scale``
     max_iterations : upper limit of iterations of the proximal method
     """
-    allowed = share * problem.size(guess)
+    allowed = _allowed(problem, guess, share)
     if isinstance(problem.matrix, Delassus):
         if problem.matrix.by_blocks:
             solution = _by_blocks(problem, guess, share, acceptable, max_iterations)
@@ -90,14 +90,19 @@ def solved_impulses(
             return _proximal(problem, guess, share, acceptable, max_iterations)
     impulses = semismooth_newton(problem, guess, NEWTON_SHARE * allowed)
     residual = problem.residual(impulses)
-    allowed = share * problem.size(impulses)
+    allowed = _allowed(problem, impulses, share)
     if residual <= allowed:
         return Impulses(impulses, residual, True)
     impulses = semismooth_newton(problem, sticking_impulses(problem), NEWTON_SHARE * allowed)
     residual = problem.residual(impulses)
-    if residual <= share * problem.size(impulses):
+    if residual <= _allowed(problem, impulses, share):
         return Impulses(impulses, residual, True)
     return _proximal(problem, guess, share, acceptable, max_iterations)
+
+
+def _allowed(problem: FrictionProblem, impulses: np.ndarray, share: float) -> float:
+    """Largest residual with a tolerance relative to the largest speed of a contact [m/s]."""
+    return min(share * problem.size(impulses), LARGEST_SHARE * problem.scale)
 
 
 def _by_blocks(problem: FrictionProblem, impulses: np.ndarray, *limits: float | int) -> Impulses:
@@ -107,10 +112,12 @@ def _by_blocks(problem: FrictionProblem, impulses: np.ndarray, *limits: float | 
     solution = compiled_solution(problem, impulses, share, int(max_iterations))
     if solution is not None:
         impulses, rounds = solution
-        residual, size = problem.residual(impulses), problem.size(impulses)
-        accepted = residual <= min(acceptable * size, LARGEST_SHARE * problem.scale)
-        return Impulses(impulses, residual, residual <= share * size, rounds, accepted)
-    allowed = share * problem.size(impulses)
+        residual = problem.residual(impulses)
+        converged, accepted = (
+            residual <= _allowed(problem, impulses, limit) for limit in (share, acceptable)
+        )
+        return Impulses(impulses, residual, converged, rounds, accepted)
+    allowed = _allowed(problem, impulses, share)
     impulses = semismooth_newton(problem, impulses, NEWTON_SHARE * allowed, BLOCK_ITERATIONS)
     if (residual := problem.residual(impulses)) <= allowed:
         return Impulses(impulses, residual, True)
@@ -145,8 +152,7 @@ def _proximal(
     max_iterations: int,
 ) -> Impulses:
     """Impulses by the proximal point method."""
-    size = problem.size(impulses)
-    allowed, limit = share * size, min(acceptable * size, LARGEST_SHARE * problem.scale)
+    allowed, limit = (_allowed(problem, impulses, part) for part in (share, acceptable))
     weight, residual, rounds, progress = WEIGHT, problem.residual(impulses), 0, 0
     best, least = (impulses, residual), residual
     while best[1] > allowed and rounds < max_iterations and np.isfinite(residual):
@@ -165,7 +171,7 @@ def _proximal(
             best = min(best, (impulses, residual), key=lambda pair: pair[1])
         if best[1] <= PROGRESS * least:
             least, progress = best[1], rounds
-        if best[1] <= limit and rounds - progress >= PATIENCE:
+        if rounds - progress >= (PATIENCE if best[1] <= limit else LONG_PATIENCE):
             break
     return Impulses(*best, bool(best[1] <= allowed), rounds, bool(best[1] <= limit))
 
