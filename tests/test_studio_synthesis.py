@@ -227,3 +227,27 @@ def test_points_with_units_are_drawn_and_dragged(desk: tuple[Desk, Studio]) -> N
     visit.drag((0.5, 0.4), (0.5, 0.5))
     visit.until("document.getElementById('notice').textContent.includes('is the formula')", 10)
     assert visit.text == text.replace("20 cm", "30.0 cm")
+
+
+def test_the_button_that_stops_a_task_stays_while_its_progress_changes(
+    desk: tuple[Desk, Studio],
+) -> None:
+    """A click is lost if the button is replaced between press and release."""
+    visit, _ = desk
+    visit.show(UNTITLED + PATH)
+    visit.page.click("#tab-synthesis")
+    parts = """(fraction) => {
+        const { task } = studio.handlers, card = document.querySelector(".synthesis .task");
+        task({ kind: "task", number: 7, section: "synthesis", digest: "", status: "running",
+            fraction, history: [], text: "", ok: false, page: "", designs: [], cards: [] });
+        const shown = [...document.querySelectorAll(".synthesis .task")];
+        const buttons = shown.flatMap((one) => [...one.querySelectorAll("button")]);
+        const same = buttons[0] === window.button && shown[0] === card;
+        window.button = buttons[0];
+        return [shown.length, buttons.length, shown[0].querySelector("progress").value, same];
+    }"""
+    assert visit.page.evaluate(parts, 0.25) == [1, 1, 0.25, False]
+    assert visit.page.evaluate(parts, 0.5) == [1, 1, 0.5, True]
+    visit.js("studio.handlers.task({ ...studio.insight.synthesis.task, status: 'stopped' })")
+    assert "stopped" in visit.page.inner_text(".synthesis .task")
+    assert visit.page.locator(".synthesis .task button").count() == 0

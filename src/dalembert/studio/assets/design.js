@@ -7,7 +7,7 @@ import { button, el } from "./dom.js";
 import { Measurements } from "./measurements.js";
 import { inWords } from "./responses.js";
 import { rowChange, valueChange } from "./row_changes.js";
-import { taskCard } from "./tasks.js";
+import { showTasks } from "./tasks.js";
 
 /** A task: what its form has. @typedef {{ section: string, title: string, note: string, aims?: boolean, response?: boolean, limits?: boolean, ranges?: boolean, tolerances?: boolean, data?: boolean, fields: import("./analysis.js").Field[] }} Task */
 
@@ -101,7 +101,7 @@ export class DesignSheet {
     const others = running && running !== task ? [running] : [];
     this.refusal.textContent = running ? `${titleOf(running.section)} runs; stop it to start a task.` : "";
     this.begin.disabled = Boolean(running);
-    this.state.replaceChildren(...[task, ...others].flatMap((item) => (item ? [taskCard(item, titleOf(item.section), this.actions.digest(), this.actions)] : [])));
+    showTasks(this.state, [task, ...others].filter((item) => item !== undefined), titleOf, this.actions.digest(), this.actions);
   }
 
   /** Responses of the file: reductions of measures to numbers. */

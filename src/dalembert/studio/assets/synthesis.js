@@ -9,7 +9,7 @@ import { accept } from "./field_values.js";
 import { CHART, chartScale, drawChart } from "./function_chart.js";
 import { SIX_BARS, linkageFields } from "./six_bars.js";
 import { COLUMNS, addedFunctionPoint, movedFunctionPoint, removedRow, synthesisOf, targetOf, typed } from "./target_edits.js";
-import { taskCard } from "./tasks.js";
+import { showTasks } from "./tasks.js";
 
 /** Time of a revolution on a card [ms]. */
 const TURN = 3000;
@@ -136,7 +136,7 @@ export class SynthesisSheet {
 
   renderState() {
     const tasks = [this.task, this.other?.status === "running" ? this.other : null];
-    this.state.replaceChildren(...tasks.flatMap((task) => (task ? [taskCard(task, titleOf(task.section), this.actions.digest(), this.actions)] : [])));
+    showTasks(this.state, tasks.filter((task) => task !== null), titleOf, this.actions.digest(), this.actions);
   }
 
   renderCards() {

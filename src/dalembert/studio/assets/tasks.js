@@ -25,7 +25,7 @@ const STATES = { running: "runs", done: "done", stopped: "stopped", failed: "fai
 
 /** Card of a task: progress while it runs, its result afterwards.
  * @param {TaskMessage} task @param {string} title @param {string} digest of the present text @param {{ stop: () => void, open: (task: TaskMessage) => void }} actions */
-export function taskCard(task, title, digest, { stop, open }) {
+function taskCard(task, title, digest, { stop, open }) {
   const { status, fraction, history, text, page } = task, runs = status === "running";
   const age = digest === task.digest ? "of the present text" : "of a former text";
   return el("div", { class: `task ${status}`, role: "status" },
@@ -34,6 +34,22 @@ export function taskCard(task, title, digest, { stop, open }) {
     history.length > 0 && historyPlot(history),
     text && el("p", { class: "result" }, text),
     el("div", { class: "chips" }, runs && button("Stop", stop, { title: "End the search; its result so far is kept. A second time: end it at once" }), page && button("Show the result", () => open(task), { class: "button primary" })));
+}
+
+/** Show the cards of tasks. The buttons of a running task stay in the page while its progress changes, so that they can be clicked.
+ * @param {HTMLElement} parent @param {TaskMessage[]} tasks @param {(section: string) => string} titleOf @param {string} digest of the present text @param {{ stop: () => void, open: (task: TaskMessage) => void }} actions */
+export function showTasks(parent, tasks, titleOf, digest, actions) {
+  const former = [.../** @type {HTMLCollectionOf<HTMLElement>} */ (parent.children)];
+  const cards = tasks.map((task) => {
+    const card = taskCard(task, titleOf(task.section), digest, actions), buttons = ".chips";
+    card.dataset.task = [task.section, task.number, task.status].join();
+    const shown = task.status === "running" ? former.find((other) => other.dataset.task === card.dataset.task) : undefined, kept = shown?.querySelector(buttons);
+    if (!shown || !kept) return card;
+    for (const part of [...shown.children]) if (part !== kept) part.remove();
+    kept.before(...[...card.children].filter((part) => !part.matches(buttons)));
+    return shown;
+  });
+  if (cards.length !== former.length || cards.some((card, k) => card !== former[k])) parent.replaceChildren(...cards);
 }
 
 /** Result of a task in a frame over the desk. */
