@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import os
-import signal
 import re
+import signal
 import time
 from pathlib import Path
 
