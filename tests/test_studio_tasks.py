@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import signal
 import time
 from pathlib import Path
@@ -46,6 +47,7 @@ def test_a_stopped_task_keeps_its_result_and_a_killed_one_is_reported() -> None:
     tasks.stop()
     wait(state, "stopped")
     assert state.digest == digest(SLOW) and state.outcome.interrupted and state.outcome.cards
+    assert re.search(r"interrupted after \d+ of \d+ starts", state.outcome.sentence)
     killed = tasks.start("synthesis", SLOW, EXAMPLES / "x.toml")
     wait(killed, "progress")
     assert tasks._process is not None
