@@ -9,7 +9,7 @@ from typing import Any
 from dalembert.errors import ModelError
 from dalembert.io.messages import key_path
 from dalembert.studio.array_edits import append_item, remove_item
-from dalembert.studio.contact_edits import remove_group, without_shapes_of
+from dalembert.studio.contact_edits import remove_group, remove_shape, set_list, without_shapes_of
 from dalembert.studio.key_edits import drop_key
 from dalembert.studio.list_edits import append_entry, remove_entry, remove_from_lists
 from dalembert.studio.loose_nodes import loose_nodes
@@ -40,7 +40,9 @@ def apply(text: str, operations: Any) -> str:
         replaces formulas too. ``remove`` and ``rename`` have ``section`` and ``name``; the new
         name is ``to``, and an entry may be ``missing`` if another operation removes it. Nodes of
         a structure that lose their last element are removed with it.
-        ``remove group`` has the ``name`` of collisions and the ``group``.
+        ``remove group`` has the ``name`` of collisions and the ``group``, ``remove shape`` also
+        the ``index`` of the shape. ``set list`` is ``set`` of an array that may be written as
+        tables.
         ``parameter`` has ``name`` and ``value``, ``extract`` has ``keys``, or the character ``at``
         in the text. ``section`` has ``section`` and ``fields``: the new values of its keys, null
         for a removed one. ``append`` has ``section``, a list of tables such as ``supports``, and
@@ -199,11 +201,24 @@ def _remove_group(edits: TextEdits, operation: dict[str, Any], names: dict[str, 
     remove_group(edits, _text(operation, "name"), _text(operation, "group"))
 
 
+def _remove_shape(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    index = operation.get("index")
+    if not isinstance(index, int):
+        raise ModelError("the operation remove shape needs the number of a shape")
+    remove_shape(edits, _text(operation, "name"), _text(operation, "group"), index)
+
+
+def _set_list(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    set_list(edits, tuple(_path(operation)), operation.get("value"))
+
+
 OPERATIONS: dict[str, Callable[[TextEdits, dict[str, Any], dict[str, str]], None]] = {
     "add": _add,
     "set": _set,
     "remove": _remove,
     "remove group": _remove_group,
+    "remove shape": _remove_shape,
+    "set list": _set_list,
     "rename": _rename,
     "parameter": _parameter,
     "extract": _extract,

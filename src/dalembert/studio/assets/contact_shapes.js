@@ -29,7 +29,7 @@ function withShape(document, body, shape) {
   if (!found) return { label, operations: [{ op: "add", section: "forces", base: "collisions", fields: { type: "Collisions", ...LAW, shapes: { [group]: [shape] } } }] };
   const [name, { shapes }] = found;
   /** @type {Operation} */
-  const set = Array.isArray(shapes) ? { op: "set", keys: ["forces", name, "shapes"], value: [...shapes, shape] } : { op: "set", keys: ["forces", name, "shapes", group], value: [...(shapes?.[group] ?? []), shape] };
+  const set = Array.isArray(shapes) ? { op: "set list", keys: ["forces", name, "shapes"], value: [...shapes, shape] } : { op: "set list", keys: ["forces", name, "shapes", group], value: [...(shapes?.[group] ?? []), shape] };
   return { label, operations: [set] };
 }
 

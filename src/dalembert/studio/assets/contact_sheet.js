@@ -30,12 +30,11 @@ export class ContactSheet {
   /** @param {string} name @param {any} entry */
   element(name, entry) {
     const groups = groupsOf(entry), names = Object.keys(groups), pairs = names.flatMap((one, k) => names.slice(k).map((other) => [one, other]));
-    const set = (/** @type {string} */ label, /** @type {string[]} */ keys, /** @type {unknown} */ value) => this.actions.edit(label, [{ op: "set", keys: ["forces", name, ...keys], value }]);
+    const set = (/** @type {string} */ label, /** @type {string[]} */ keys, /** @type {unknown} */ value) => this.actions.edit(label, [{ op: "set", keys: ["forces", name, ...keys], value, written: true }]);
     const keys = Object.entries(COEFFICIENTS).filter(([key]) => key !== "restitution" || !entry.law);
     const all = el("div", { class: "fields" }, keys.map(([key, label]) => numberField({ key, label, empty: "0" }, entry[key], (value) => (value === null ? this.actions.edit(`remove ${key}`, [{ op: "drop", keys: ["forces", name, key] }]) : set(`set ${key}`, [key], value)))), entry.law && el("p", { class: "muted" }, `Normal force: ${entry.law.type ?? entry.law}`));
     const drop = (/** @type {string} */ group, /** @type {number} */ k) => {
-      const rest = groups[group].filter((_, i) => i !== k);
-      if (rest.length) return set("remove shape", group ? ["shapes", group] : ["shapes"], rest);
+      if (groups[group].length > 1) return this.actions.edit("remove shape", [{ op: "remove shape", name, group, index: k }]);
       if (names.length < 2) return this.actions.edit("remove contacts", [{ op: "remove", section: "forces", name }]);
       this.actions.edit("remove group", [{ op: "remove group", name, group }]);
     };
@@ -49,7 +48,7 @@ export class ContactSheet {
     const pairs = /** @type {any[]} */ (entry.pairs ?? []), at = pairs.findIndex((pair) => [...(pair.groups ?? [])].sort().join() === [...groups].sort().join()), pair = pairs[at] ?? {};
     const change = (/** @type {Record<string, unknown>} */ fields) => {
       const next = Object.fromEntries(Object.entries({ groups, ...pair, ...fields }).filter(([, value]) => value !== null)), list = (at < 0 ? [...pairs, next] : pairs.map((old, k) => (k === at ? next : old))).filter((item) => Object.keys(item).length > 1), keys = ["forces", name, "pairs"];
-      this.actions.edit(`set contact ${groups.join("/")}`, [list.length ? { op: "set", keys, value: list } : { op: "drop", keys }]);
+      this.actions.edit(`set contact ${groups.join("/")}`, [list.length ? { op: "set list", keys, value: list } : { op: "drop", keys }]);
     };
     const touch = el("input", { type: "checkbox", name: `touch-${groups.join("-")}`, "aria-label": `${groups.join(" and ")} touch`, onchange: () => change({ touching: touch.checked ? null : false }) });
     touch.checked = pair.touching !== false;

@@ -78,7 +78,7 @@ function copiedShapes(document, names) {
   return Object.entries(document.forces ?? {}).filter(([, { type }]) => type === "Collisions").flatMap(([element, entry]) => {
     const shapes = Object.values(groupsOf(entry)).flat(), keys = ["forces", element, "shapes"];
     const groups = copied.map(([name, copy]) => ({ copy, own: shapes.filter((shape) => references(shape, (other) => other === name).size).map((shape) => renamed(shape, names)) })).filter(({ own }) => own.length);
-    if (Array.isArray(entry.shapes)) return groups.length ? [{ op: "set", keys, value: [...entry.shapes, ...groups.flatMap(({ own }) => own)] }] : [];
+    if (Array.isArray(entry.shapes)) return groups.length ? [{ op: "set list", keys, value: [...entry.shapes, ...groups.flatMap(({ own }) => own)] }] : [];
     return groups.map(({ copy, own }) => ({ op: "set", keys: [...keys, copy], value: own }));
   });
 }
