@@ -8,6 +8,7 @@ import pytest
 from studio_desk import UNTITLED, Desk
 from studio_runs import Studio
 
+from dalembert.errors import ModelError
 from dalembert.studio.drawing_edits import apply
 
 SQUARE = ((0.7, 0.4), (0.9, 0.4), (0.9, 0.6), (0.7, 0.6))
@@ -168,9 +169,13 @@ def test_coefficients_of_contacts_are_numbers_or_formulas_or_removed(
     assert visit.errors_shown() == []
     enter(visit, "friction-ball-other", "")
     assert visit.text == text
+    enter(visit, "friction", "mu")
+    enter(visit, "friction", "0.5")
+    assert visit.document["parameters"] == {"mu": 0.4}
+    assert visit.document["forces"]["touch"]["friction"] == 0.5
     enter(visit, "friction", "")
     assert "friction" not in visit.document["forces"]["touch"]
-    for _ in range(3):
+    for _ in range(5):
         visit.press("Control+z")
     assert visit.text == text
     visit.page.click("#tab-text")
@@ -234,3 +239,50 @@ def test_a_removed_body_takes_its_own_shapes() -> None:
     assert "pairs" not in text
     last = apply(text, [{"op": "remove", "section": "bodies", "name": "two"}])
     assert "Collisions" not in last and "bodies" not in last
+
+
+RUBBER = MODEL.replace("a = [", "# rubber\na = [").replace("radius = 0.1 }", "radius = 0.10 }")
+TABLES = """\
+format = 1
+[bodies]
+one = { type = "Particle", mass = 1 }
+two = { type = "Particle", mass = 1, position = [1, 0] }
+[forces.hits]  # of both
+type = "Collisions"
+[[forces.hits.shapes.a]]
+type = "Circle"
+point = "one"
+radius = 0.10  # m
+[[forces.hits.shapes.b]]
+type = "Circle"
+point = "two"
+radius = 0.10
+[[forces.hits.pairs]]
+groups = ["a", "b"]
+friction = 0.5
+"""
+
+
+@pytest.mark.parametrize("text", [RUBBER, TABLES], ids=["arrays", "tables"])
+def test_changes_of_contacts_keep_the_rest_of_the_text(text: str) -> None:
+    """Comments, order and spelling remain, of shapes and pairs in arrays and in tables."""
+    lost = apply(text, [{"op": "remove group", "name": "hits", "group": "b"}])
+    assert list(tomllib.loads(lost)["forces"]["hits"]["shapes"]) == ["a"]
+    assert "pairs" not in tomllib.loads(lost)["forces"]["hits"]
+    assert set(lost.splitlines()) <= set(text.splitlines())
+    assert "[forces.hits]  # of both" in lost and "radius = 0.10" in lost
+    keys = ["forces", "hits", "pairs"]
+    operation = {"op": "set", "keys": [*keys, 0, "friction"], "value": "0.9", "written": True}
+    changed = tomllib.loads(apply(text, [operation]))["forces"]["hits"]
+    own = tomllib.loads(text)["forces"]["hits"]
+    assert changed == own | {"pairs": [own["pairs"][0] | {"friction": "0.9"}]}
+    kept = apply(text, [{"op": "remove", "section": "bodies", "name": "one"}])
+    assert "[forces.hits]  # of both" in kept and "one" not in kept
+    keys, shape = ["forces", "hits", "shapes", "a"], {"type": "Vertex"}
+    more = apply(text, [{"op": "append_item", "keys": keys, "value": shape}])
+    shapes = [*own["shapes"]["a"], shape]
+    assert tomllib.loads(more)["forces"]["hits"]["shapes"]["a"] == shapes
+    removal = {"op": "remove_item", "keys": [*keys, 1]}
+    assert tomllib.loads(apply(more, [removal])) == tomllib.loads(text)
+    with pytest.raises(ModelError, match="hits"):
+        apply(text, [removal | {"keys": [*keys, 7]}])

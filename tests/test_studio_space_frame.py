@@ -98,3 +98,35 @@ def test_a_node_is_moved_deleted_and_restored(desk: FrameDesk) -> None:
     assert "elements" not in desk.document or not desk.document["elements"]
     desk.press("Control+z")
     assert desk.text == before
+
+
+SOLID = """format = 1
+kind = "structure"
+supports = [{ nodes = "block", where = { x = 0.0 } }]
+tractions = [{ elements = "block", nodes = "block", where = { x = 1.0 }, tz = -1e5 }]
+
+[meshes.block]
+type = "Hexahedron20"
+box = { size = [1.0, 0.1, 0.1], counts = [4, 1, 1] }
+modulus = 210e9
+"""
+
+
+def test_a_solid_without_nodes_is_a_spatial_structure(desk: FrameDesk) -> None:
+    """Beams are drawn beside it; its stresses are those at the centres of its elements."""
+    desk.page.evaluate("text => { studio.editor.show(text); studio.sendText(text); }", SOLID)
+    desk.until("studio.pictures.page.motion.mesh?.faces.length", 60)
+    desk.until("studio.spaceStructure.possible", 20)
+    assert "whose arrows move it" in desk.js("document.getElementById('hint').textContent")
+    legend = "studio.pictures.frame.contentDocument.querySelector('.ramp-box').innerText"
+    assert desk.js(legend).startswith("von mises\nat element centres")
+    frame = desk.page.frame_locator("#canvas iframe:not(.loading)")
+    frame.locator("#field").select_option(label="displacement")
+    assert "centres" not in desk.js(legend)
+    desk.page.locator("#canvas").focus()
+    desk.page.keyboard.press("e")
+    for place in ("0, 0, 0.5", "1, 0, 0.5"):
+        desk.page.keyboard.type(place)
+        desk.page.keyboard.press("Enter")
+    desk.until("Object.keys(studio.file.document?.elements ?? {}).length === 1", 20)
+    assert desk.document["nodes"] == {"n1": [0, 0, 0.5], "n2": [1, 0, 0.5]}

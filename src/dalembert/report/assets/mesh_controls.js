@@ -13,6 +13,9 @@ import { quantity } from "./units.js";
 /** Upper limit of members with values written on them. */
 const FEW_MEMBERS = 60;
 
+/** Fields of continuum elements that vary within an element. */
+const VARYING = /^([es](xx|yy|zz|xy|yz|xz)|von_mises)$/;
+
 /** Choices of the state, of the field and of the diagram. @param {Motion} motion @param {Mesh} mesh */
 export function meshChoosers(motion, mesh) {
   const fields = ["none", ...mesh.fields.map(({ name }) => name.replaceAll("_", " "))], chosen = mesh.field ? mesh.fields.indexOf(mesh.field) + 1 : 0;
@@ -38,8 +41,8 @@ export function meshToggles({ mesh }, scene, show) {
 
 /** Colours of the field and their values. @param {Motion} motion @param {Mesh} mesh */
 export function fieldLegend(motion, mesh) {
-  const bar = el("canvas", { class: "ramp", width: 1, height: 256 }), marks = el("div", { class: "ramp-marks" }), name = el("span", { class: "ramp-name" });
-  const node = el("div", { class: "ramp-box", id: "colours" }, name, el("div", { class: "ramp-row" }, bar, marks));
+  const bar = el("canvas", { class: "ramp", width: 1, height: 256 }), marks = el("div", { class: "ramp-marks" }), name = el("span", { class: "ramp-name" }), where = el("small", {}, "at element centres");
+  const node = el("div", { class: "ramp-box", id: "colours" }, name, where, el("div", { class: "ramp-row" }, bar, marks));
   const refresh = () => {
     const { field } = motion.mesh ?? mesh, ramp = (motion.mesh ?? mesh).ramp();
     node.hidden = !field;
@@ -47,6 +50,7 @@ export function fieldLegend(motion, mesh) {
     const { lo, hi, steps } = ramp, ctx = contextOf(bar);
     steps.forEach((colour, k) => { ctx.fillStyle = colour; ctx.fillRect(0, 255 - k, 1, 1); });
     name.textContent = field.name.replaceAll("_", " ");
+    where.hidden = field.atVertices || !VARYING.test(field.name);
     marks.replaceChildren(...[4, 3, 2, 1, 0].map((k) => lo + (k / 4) * (hi - lo)).map((v) => el("span", {}, quantity(Math.abs(v) < 1e-12 * (hi - lo) ? 0 : v, field.unit, 3))));
   };
   motion.onState.on(refresh);

@@ -36,10 +36,12 @@ export class SpacePlan {
     });
   }
 
-  /** Whether the nodes of a file are spatial: by their coordinates, its gravity or its dimension. @param {Document} document */
+  /** Whether the nodes of a file are spatial: by their coordinates, its dimension, gravity or solid meshes. @param {Document} document */
   static isSpatial(document) {
     const { gravity, dimension } = /** @type {any} */ (document), nodes = Object.values(document.nodes ?? {});
-    return nodes.length ? nodes.every((entry) => Array.isArray(entry) && entry.length === 3) : dimension === 3 || (Array.isArray(gravity) && gravity.length === 3);
+    if (nodes.length) return nodes.every((entry) => Array.isArray(entry) && entry.length === 3);
+    const solid = Object.values(document.meshes ?? {}).some((mesh) => mesh?.box || /^(Hexa|Tetra)hedron/.test(mesh?.type ?? ""));
+    return dimension === 3 || (Array.isArray(gravity) && gravity.length === 3) || solid;
   }
 
   /** The drawing as a page for `space_places.js`: nodes are named points. @param {Page} page @returns {Page} */
