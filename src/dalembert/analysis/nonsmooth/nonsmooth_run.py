@@ -151,7 +151,7 @@ class NonsmoothRun:
                     position = self.corrected(t + h, h, result)
                     if not position.accepted:
                         failure = self.not_corrected(t, h, str(position), position.residual)
-                    elif self.moved_by(result.y, position.x) > self.allowed(log.y, result.y):
+                    elif self.is_far(t + h, log.y, result.y, position.x):
                         far = "the nearest position found is farther than the motion of the step"
                         failure = self.not_corrected(t, h, far, position.residual)
                 if failure is not None:
@@ -185,19 +185,21 @@ class NonsmoothRun:
             return ConsistentSpeeds(result.v), result
         return speeds_after(self.step, t, h, y, result)
 
+    def is_far(self, t: float, start: np.ndarray, end: np.ndarray, corrected: np.ndarray) -> bool:
+        """Whether gaps are opened by more than the motion of a step from ``start`` to ``end``.
+
+        The start is a position with open gaps, and near. A correction is linear in the gaps, and
+        moves bodies without bounds where their directions turn normal to the motion.
+        """
+        limit = max(FARTHEST * self.moved_by(start, end), CORRECTED)
+        if self.moved_by(end, corrected) <= limit:
+            return False
+        return self.step.deepest(self.step.at(t, end)) < -self.step.rounding
+
     def moved_by(self, y: np.ndarray, other: np.ndarray) -> float:
         """The largest displacement between two positions, by the natural ones."""
         displacements = self.model.equations.manifold.lead(y, other)
         return float(np.abs(displacements / self.model.scales.displacements).max(initial=0.0))
-
-    def allowed(self, y: np.ndarray, end: np.ndarray) -> float:
-        """Upper limit of the correction of a position after a step from ``y`` to ``end``, by the
-        natural displacements: the start of the step is a position with open gaps.
-
-        A correction is linear in the gaps, and moves bodies without bounds where their directions
-        turn normal to the motion.
-        """
-        return max(FARTHEST * self.moved_by(y, end), CORRECTED)
 
     def not_corrected(self, t: float, h: float, reason: str, residual: float) -> Status:
         """Status of a run in which the correction of positions failed."""
