@@ -8,6 +8,7 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
+from dalembert.analysis.nonsmooth.missing_impacts import returning_gaps
 from dalembert.analysis.nonsmooth.passages import closing_gaps
 from dalembert.analysis.nonsmooth.paths import bent_gaps, path_means
 from dalembert.analysis.nonsmooth.step_state import LastImpulses, StepResult, StepStart
@@ -55,6 +56,7 @@ def advance(
         last, result = result, _advanced(step, start, contacts, result.last)
         if not result.curved.size:
             result = replace(result, curved=bent, path=last)
+    result = replace(result, returning=returning_gaps(start, near, result, step.rounding))
     if step.scheme.anticipates:
         return result
     return replace(result, closing=closing_gaps(start, contacts, result, step.rounding))

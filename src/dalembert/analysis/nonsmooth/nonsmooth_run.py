@@ -18,6 +18,7 @@ from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import ConsistentSpeeds, correct_position
 from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.missing_impacts import missing_impact_warnings
 from dalembert.analysis.nonsmooth.passages import passage_warnings
 from dalembert.analysis.nonsmooth.run_accuracy import RunAccuracy
 from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
@@ -48,6 +49,10 @@ from dalembert.symbolic.equations.newton import Solution
 DIVISIONS = 6
 """Upper limit of the divisions of a step in halves, where its impulses do not converge or its
 positions cannot be corrected."""
+
+FARTHEST, CORRECTED = 2.0, 0.1
+"""Upper limits of the correction of a position, relative to the motion in the step and to the
+natural displacements; the larger one applies [-]."""
 
 
 class NonsmoothRun:
@@ -104,7 +109,9 @@ class NonsmoothRun:
         check = ContactCheck(self.step, record, self.analysis.balance, log.correction_work)
         status = replace(status, residual=max(status.residual, check.residual))
         trajectory = interpolate(self.model, record, times)
-        warnings = [*passage_warnings(log.passages), *check.warnings]
+        warnings = passage_warnings(log.passages)
+        warnings += missing_impact_warnings(log.missing_impacts, check.energy.moved)
+        warnings += check.warnings
         warnings += elastic_warnings(self.model, trajectory, self.p)
         status = check.verify(status)
         late = (lambda: record.accuracy.warnings) if status.success else None
@@ -143,7 +150,10 @@ class NonsmoothRun:
                 if failure is None:
                     position = self.corrected(t + h, h, result)
                     if not position.accepted:
-                        failure = self.not_corrected(t, h, position)
+                        failure = self.not_corrected(t, h, str(position), position.residual)
+                    elif self.is_far(t + h, log.y, result.y, position.x):
+                        far = "the nearest position found is farther than the motion of the step"
+                        failure = self.not_corrected(t, h, far, position.residual)
                 if failure is not None:
                     if failure.outcome is not Outcome.NOT_CONVERGED or not self.is_divisible(h):
                         return failure
@@ -175,14 +185,29 @@ class NonsmoothRun:
             return ConsistentSpeeds(result.v), result
         return speeds_after(self.step, t, h, y, result)
 
-    def not_corrected(self, t: float, h: float, position: Solution[np.ndarray]) -> Status:
+    def is_far(self, t: float, start: np.ndarray, end: np.ndarray, corrected: np.ndarray) -> bool:
+        """Whether gaps are opened by more than the motion of a step from ``start`` to ``end``.
+
+        The start is a position with open gaps, and near. A correction is linear in the gaps, and
+        moves bodies without bounds where their directions turn normal to the motion.
+        """
+        limit = max(FARTHEST * self.moved_by(start, end), CORRECTED)
+        if self.moved_by(end, corrected) <= limit:
+            return False
+        return self.step.deepest(self.step.at(t, end)) < -self.step.rounding
+
+    def moved_by(self, y: np.ndarray, other: np.ndarray) -> float:
+        """The largest displacement between two positions, by the natural ones."""
+        displacements = self.model.equations.manifold.lead(y, other)
+        return float(np.abs(displacements / self.model.scales.displacements).max(initial=0.0))
+
+    def not_corrected(self, t: float, h: float, reason: str, residual: float) -> Status:
         """Status of a run in which the correction of positions failed."""
         text = "joints could not be closed nor gaps opened"
         if not self.analysis.integrator.projection:
             text = "joints could not be closed"
-        text = f"{text} at t = {t + h:.9g} s ({position}); use a shorter step"
-        residual = position.residual * self.model.scales.length
-        return Status(Outcome.NOT_CONVERGED, text, t, residual)
+        text = f"{text} at t = {t + h:.9g} s ({reason}); use a shorter step"
+        return Status(Outcome.NOT_CONVERGED, text, t, residual * self.model.scales.length)
 
     def is_divisible(self, h: float) -> bool:
         """Whether a step that failed is repeated as two of half the length."""

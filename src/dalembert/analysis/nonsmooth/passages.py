@@ -78,10 +78,10 @@ def find_passage(
             near = step.near(at, travel)
             return float(near.distance[step.pairs(near.key) == pair].min(initial=np.inf))
 
-        lowest = _lowest(gap)
-        depth = -gap(lowest)
+        deepest = lowest(gap)
+        depth = -gap(deepest)
         if depth > step.rounding:
-            entry, leaving = (_crossing(gap, lowest, limit) for limit in (0.0, 1.0))
+            entry, leaving = (crossing(gap, deepest, limit) for limit in (0.0, 1.0))
             names = f"{bodies_of(step.model, gaps, row)} of {step.names[gaps.owner[row]]}"
             return Passage(t, names, depth, h * (leaving - entry))
     return None
@@ -99,7 +99,7 @@ def _normals(step: ContactStep, at: Configuration, keys: np.ndarray) -> np.ndarr
     return normals
 
 
-def _lowest(gap: Callable[[float], float]) -> float:
+def lowest(gap: Callable[[float], float]) -> float:
     """The share of a step at which a gap is smallest."""
     shares = np.linspace(0, 1, SAMPLES + 1)
     k = int(np.argmin([gap(s) for s in shares]))
@@ -110,7 +110,7 @@ def _lowest(gap: Callable[[float], float]) -> float:
     return float(low + high) / 2
 
 
-def _crossing(gap: Callable[[float], float], inside: float, outside: float) -> float:
+def crossing(gap: Callable[[float], float], inside: float, outside: float) -> float:
     """The share at which a gap is zero between one at which it is negative and another one."""
     if gap(outside) < 0:
         return outside

@@ -12,6 +12,11 @@ from dalembert.analysis.model_residuals import ModelResiduals
 from dalembert.analysis.nonsmooth.between_steps import between
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import ConsistentSpeeds
+from dalembert.analysis.nonsmooth.missing_impacts import (
+    MissingImpact,
+    find_missing_impact,
+    largest,
+)
 from dalembert.analysis.nonsmooth.passages import MOST, Passage, find_passage
 from dalembert.analysis.nonsmooth.step_state import StepResult
 from dalembert.model.graph.model import Model
@@ -112,6 +117,7 @@ class StepLog:
     ----------
     t, y, v : the last state
     passages : shapes that moved through each other
+    missing_impacts : impacts that steps missed, by descending energy
     scheme_losses : (K+1,) energy dissipated by the scheme, once recorded [J]
     correction_work : work of the corrections of positions, positive where they lift, once recorded
         [J]
@@ -126,6 +132,7 @@ class StepLog:
         self.speed_losses: list[float] = []
         self.speed_inputs: list[float] = []
         self.passages: list[Passage] = []
+        self.missing_impacts: list[MissingImpact] = []
         self.depths, self.stored = [self._depth(t, y)], [self._stored(t, y)]
         self.scheme_losses, self.correction_work = np.zeros(1), 0.0
 
@@ -158,6 +165,9 @@ class StepLog:
         if result.closing is not None and len(self.passages) < MOST:
             passage = find_passage(self.step, self.t, h, self.y, result)
             self.passages += [] if passage is None else [passage]
+        missing = find_missing_impact(self.step, self.t, h, self.y, self.v, result)
+        if missing is not None:
+            self.missing_impacts = largest([*self.missing_impacts, missing])
         self.times.append(t)
         self.lengths.append(h)
         self.uncorrected.append(result.y)

@@ -46,6 +46,7 @@ class StepResult:
     path : the solution whose displacement is the path of the means
     impact : impacts at the start of the step; their impulses are part of ``impulses``
     closing : gaps that the linear motion closes; None if the scheme keeps all open
+    returning : gaps without impulses that their rate at the start would close
     """
 
     y: np.ndarray
@@ -62,6 +63,7 @@ class StepResult:
     path: StepResult | None = None
     impact: ImpactStage | None = None
     closing: Contacts | None = None
+    returning: Contacts | None = None
 
     @property
     def pressing(self) -> tuple[np.ndarray, np.ndarray]:

@@ -1,0 +1,87 @@
+"""Corners that swing through a surface within a step, between two positions without contact."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar
+
+ARM, DEPTH, INERTIA, STEP, TURN = 0.1, 5e-5, 1e-3, 1e-3, 0.2
+MISSING = "is missing, with"
+
+
+def swinging(depth: float, behind: float) -> tuple[da.Model, float]:
+    """A hand on an axle and a wall across its path, which the third step passes with a share of
+    its turn left; the angle at which they touch."""
+    system, wall = da.System("hand"), TURN * (3 - behind)
+    hand = planar.Body("hand", mass=1.0, inertia=INERTIA, angular_velocity=TURN / STEP)
+    system.add(hand)
+    system.add(planar.Revolute("axle", system.ground.center, hand.center))
+    normal = np.array([math.cos(wall), math.sin(wall)])
+    foot = system.ground.point(*(ARM - depth) * normal)
+    contact = planar.contact
+    shapes = [contact.Vertex(hand.point(ARM, 0)), contact.HalfPlane(foot, tuple(-normal))]
+    system.add(planar.Collisions("hit", shapes))
+    return system.build(), wall - math.acos(min(1 - depth / ARM, 1.0))
+
+
+@pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
+def test_an_impact_between_the_ends_of_a_step_is_warned_about(scheme):
+    """The wall would stop the hand; a step that the warning proposes does so."""
+    model, touch = swinging(DEPTH, 0.2)
+    motion = da.solve_nonsmooth(model, 8 * STEP, step=STEP, integrator=scheme)
+    assert motion["hand.angle"][-1] > touch + 4 * TURN
+    (warning,) = [text for text in motion.warnings if MISSING in text]
+    depth, speed, energy, moved, shorter = (
+        float(re.search(pattern, warning).group(1))
+        for pattern in (
+            r"by (\S+) m for",
+            r"at (\S+) m/s",
+            r"with (\S+) J",
+            r"where (\S+) J",
+            r"step=(\S+)",
+        )
+    )
+    assert depth == pytest.approx(DEPTH, rel=0.01)
+    closing = ARM * TURN / STEP * math.sin(math.acos(1 - DEPTH / ARM))
+    assert speed == pytest.approx(closing, rel=0.01)
+    assert energy == pytest.approx(INERTIA * (TURN / STEP) ** 2 / 2, rel=0.01)
+    assert moved == pytest.approx(energy, rel=0.01)
+    fine = da.solve_nonsmooth(model, 4 * STEP, step=shorter, integrator=scheme)
+    assert fine["hand.angle"][-1] == pytest.approx(touch, abs=shorter * TURN / STEP)
+    assert not [text for text in fine.warnings if MISSING in text]
+
+
+def test_a_correction_of_a_position_is_not_farther_than_the_step():
+    """In the middle of the overlap the gap does not depend on the angle but for rounding."""
+    model, touch = swinging(DEPTH, 0.5)
+    motion = da.solve_nonsmooth(model, 8 * STEP, step=STEP, integrator=da.MoreauJean())
+    assert motion.status.success
+    assert motion["hand.angle"][-1] == pytest.approx(touch, abs=0.2 * TURN)
+
+
+@pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
+def test_a_corner_that_passes_a_wall_is_not_warned_about(scheme):
+    model, _ = swinging(-2e-5, 0.2)
+    motion = da.solve_nonsmooth(model, 8 * STEP, step=STEP, integrator=scheme)
+    assert not motion.record.step.size
+    assert not [text for text in motion.warnings if MISSING in text]
+
+
+@pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
+def test_a_graze_without_much_energy_is_not_warned_about(scheme):
+    """Two discs overlap by 40 µm within a step: the speed along the normal is 2 % of the other."""
+    system, radius = da.System("graze"), 0.1
+    still = system.add(planar.Body("still", mass=1.0, inertia=1.0, position=(0, 0)))
+    start = {"position": (-0.025, 2 * radius - 4e-5), "velocity": (5.0, 0)}
+    disc = system.add(planar.Body("disc", mass=1.0, inertia=1.0, **start))
+    system.add(planar.Revolute("axle", system.ground.center, still.center))
+    shapes = [planar.contact.Circle(body, radius) for body in (still, disc)]
+    system.add(planar.Collisions("hit", shapes))
+    motion = da.solve_nonsmooth(system.build(), 0.03, step=0.01, integrator=scheme)
+    assert not [text for text in motion.warnings if MISSING in text]
