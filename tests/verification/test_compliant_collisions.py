@@ -277,6 +277,7 @@ def test_pile_at_rest_has_its_weight_and_the_depth_of_the_law():
     assert float(motion.data["contact_energy"][-1]) == pytest.approx(energy, rel=1e-4)
 
 
+@pytest.mark.thorough
 def test_rigid_and_compliant_contacts_in_one_model():
     """A ball on a compliant ball on a rigid floor: depth by the law, no gap of the floor."""
     system = da.System("mixed", gravity=(0, -10))
