@@ -232,7 +232,7 @@ def test_interruption_keeps_what_is_finished(model):
     assert {s.outcome for s in batch.statuses} == {Outcome.COMPLETED, Outcome.INTERRUPTED}
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("method", "choice"),
     [

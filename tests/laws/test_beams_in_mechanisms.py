@@ -158,7 +158,7 @@ def tip(elements: int, order: int) -> float:
     return float(da.solve_equilibrium(cantilever(elements, order))["arm.end.y"].values[0])
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("order", "meshes"), [(1, (8, 16)), (2, (4, 8)), (3, (2, 4))])
 def test_deflections_converge_by_twice_the_order(order, meshes):
     exact = tip(8, 4)
@@ -184,6 +184,7 @@ def test_clamped_ends_are_welded_nodes():
     np.testing.assert_allclose(results[0], results[1], atol=1e-9)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("dimension", "integrator"), crossed([2, 3], [da.HHT(), da.RK4()]))
 def test_gradients_are_exact(dimension, integrator):
     """Direct = adjoint = differences, by every number of a free beam with a start and a load."""

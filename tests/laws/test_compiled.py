@@ -453,6 +453,7 @@ def _final_angle(backend: str) -> float:
     return float(run(pendulum(), backend).values("crank.angle")[-1])
 
 
+@pytest.mark.thorough
 def test_processes_that_compile_the_same_at_once_do_no_harm(cache):
     with multiprocessing.get_context("spawn").Pool(2) as pool:
         angles = pool.map(_final_angle, ["jit", "jit"])
@@ -536,6 +537,7 @@ def test_without_llvm_auto_takes_the_compiler(no_llvm):
     assert motion.statistics["backend"] == "C"
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("backend", COMPILED)
 def test_a_cache_that_cannot_be_written_names_the_cure(backend, tmp_path, monkeypatch):
     blocked = tmp_path / "file"

@@ -238,7 +238,7 @@ def bouncing(exponent: float) -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("exponent", "exact"), [(1.0, 1e-6), (1.5, 1e-4), (2.0, 1e-6)])
 def test_gradients_over_touching_and_parting(exponent, exact):
     """Direct is adjoint, and the derivative of the motion itself; the start of δ^1.5 costs."""

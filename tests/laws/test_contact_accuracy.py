@@ -156,7 +156,7 @@ def test_longer_steps_that_fail_give_no_number(monkeypatch: pytest.MonkeyPatch):
     assert estimate.text == "not known, because steps 1.6 times as long fail at t = 1.5 s"
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("scheme", "step"), [(da.AnticipatedImpacts(), 1e-3), (da.MoreauJean(), 1e-3)]
 )

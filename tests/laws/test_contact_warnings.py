@@ -158,6 +158,7 @@ def test_forces_that_alternate_at_rest_are_warned_about():
         assert not any("alternates" in text for text in fine.warnings)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_spins_do_not_turn_impulses(scheme):
     """A ball that slides, and then rolls straight on with 5/7 of its speed, whatever its spin about

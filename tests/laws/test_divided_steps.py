@@ -75,7 +75,7 @@ def test_gradients_of_an_impact_beside_divided_steps(scheme, method, failing):
     assert gradient == pytest.approx(expected, rel=0.03)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("method", ["direct", "adjoint"])
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_gradients_of_lasting_contacts_beside_divided_steps(scheme, method, failing):

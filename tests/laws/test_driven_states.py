@@ -134,6 +134,7 @@ def test_massless_links_and_a_massless_mechanism(massless):
     np.testing.assert_allclose(motion["drive.effort"], effort(t, z), atol=1e-6)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     "options",
     [

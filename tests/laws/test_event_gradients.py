@@ -162,7 +162,7 @@ def test_every_choice(choice, terminal):
     check(run("four-bar", terminal, **CHOICES[choice]), responses("four-bar", terminal))
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("beyond", "integrator"),
     crossed([0.0, 1e-13, -1e-13, 1e-10, -1e-10], ["RK4", "BackwardEuler", "Newmark", "BDF"], 2),

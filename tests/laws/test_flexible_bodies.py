@@ -134,6 +134,7 @@ def test_sags_as_the_full_structure(dimension):
     np.testing.assert_allclose(deflection, expected, rtol=1e-6, atol=1e-12)
 
 
+@pytest.mark.few(1)
 @SPACES
 def test_stiff_body_moves_as_a_rigid_one(dimension):
     stiff = beam(dimension, modulus=2e13)
@@ -168,6 +169,7 @@ def _rigid(flexible, dimension: int):
     return spatial.Body("rod", mass, inertia, points=points, **arguments)
 
 
+@pytest.mark.few(1)
 @SPACES
 def test_frames_give_one_motion(dimension):
     """A frame fixed in an end and mean axes differ by the square of the displacements."""
@@ -211,6 +213,7 @@ def test_free_body_keeps_its_energy(dimension):
     assert np.abs(motion["energy"] - motion["energy"][0]).max() < 1e-6 * float(motion["energy"][0])
 
 
+@pytest.mark.few(1)
 @SPACES
 def test_gradients_pass_through_it(dimension):
     """Direct, adjoint and differences, by what holds it, damps it and moves it."""

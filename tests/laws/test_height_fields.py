@@ -228,6 +228,7 @@ def test_a_ball_oscillates_in_a_bowl():
     assert errors[0] < 0.03 and errors[1] < 0.01
 
 
+@pytest.mark.thorough
 def test_bodies_on_bumps_neither_sink_nor_gain_energy():
     rng, system = np.random.default_rng(3), da.System("bumps", gravity=(0.0, 0.0, -G))
     grid = np.linspace(-0.5, 0.5, 15)

@@ -77,7 +77,7 @@ def test_an_impact_keeps_the_law_and_the_impulses_balance():
         assert abs(impact.tangential[0]) <= 0.1 * impact.normal * (1 + 1e-12)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("duration", [0.7, 1.0])
 @pytest.mark.parametrize(
     "choice", ["Dormand-Prince", "RK4", "joints", "Radau", "BDF", "descriptor form"]

@@ -482,6 +482,7 @@ def test_spanning_trees_of_random_graphs(seed):
         assert set(degree.values()) <= {0, 2}
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("forward", [True, False])
 def test_ball_joints_between_turned_frames(forward):
     """The start is the absolute one, also where the frames of a ball joint are turned."""
@@ -508,6 +509,7 @@ def test_ball_joints_between_turned_frames(forward):
         assert np.allclose(joint[-1], absolute[-1], atol=1e-7)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("closing", ["hinge", "ball"])
 def test_planar_loops_on_a_turntable(closing):
     """A row of C that vanishes at the start, and is redundant everywhere, is left out."""

@@ -205,6 +205,7 @@ def pile(rows: int, columns: int, pendulum: bool = False) -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 def test_a_pile_of_discs_closes_no_gap_and_gains_no_energy_in_contacts(scheme):
     motion = da.solve_nonsmooth(pile(8, 8), 0.15, step=1e-3, integrator=scheme)
@@ -234,6 +235,7 @@ def test_a_pile_falls_alike_with_and_without_corrections_of_positions():
     assert 0 < statistics["energy dissipated by friction of contacts [J]"] < lost
 
 
+@pytest.mark.thorough
 def test_a_joint_stays_closed_beside_a_pile():
     motion = da.solve_nonsmooth(pile(3, 8, pendulum=True), 0.4, step=1e-3)
     assert motion.status.success

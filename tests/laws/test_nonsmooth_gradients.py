@@ -59,7 +59,7 @@ SCHEMES = {
 schemes = pytest.mark.parametrize("scheme", SCHEMES.values(), ids=SCHEMES)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @schemes
 def test_bouncing_ball(scheme):
     """The case of Ma et al. (2021): exact derivatives of height and speed after one bounce."""
@@ -169,6 +169,7 @@ def test_all_parameters_of_anticipated_impacts():
     np.testing.assert_allclose(chosen, differences, atol=1e-6)
 
 
+@pytest.mark.thorough
 def test_discs_before_their_next_impacts():
     """Two layers of discs that slide, roll and press in a short window, against differences."""
     system = da.System("discs", gravity=(0.0, -9.81))

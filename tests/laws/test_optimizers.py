@@ -117,7 +117,7 @@ def test_designs_beyond_which_others_fail_are_told():
     assert not best.success and "along it fail" in best.message, best.message
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "method", ["slsqp", "trust-constr", "ipopt", "mma", "differential-evolution"]
 )

@@ -79,7 +79,7 @@ def test_gradients_of_vibration(name, lumped):
     check_gradients(modes, responses_of(model, "frequency") + more)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("name", "nonlinear"), crossed([n for n in MASSIVE if n in COMPRESSED], [False, True])
 )
@@ -227,6 +227,7 @@ def test_nothing_that_moves_has_mass():
         da.solve_modes(structure.build())
 
 
+@pytest.mark.thorough
 def test_differences_of_the_whole_analysis():
     """The front door repeats it at other values, loads and all."""
     model = model_of("Frame 2-D")

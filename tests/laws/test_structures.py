@@ -340,7 +340,7 @@ def test_equilibrium_and_work(name):
     assert result.status.residual < 1e-12
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(4)
 @pytest.mark.parametrize(("name", "nonlinear"), crossed(CASES | HELD, [False, True]))
 def test_direct_adjoint_and_differences_agree(name, nonlinear):
     """Displacements, reactions, all quantities of elements and totals, by every parameter."""

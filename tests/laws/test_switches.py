@@ -194,6 +194,7 @@ def test_integrals_of_what_is_continuous_over_switches():
         assert abs(both[0] - both[1]) < 1e-6 * abs(both[1]), method
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", ["jump", "instant", "sign of place", "nested", "drag"])
 def test_integrals_of_what_jumps_at_switches(name):
     """The integral of an acceleration is the change of the speed: instants of jumps move."""

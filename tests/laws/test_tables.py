@@ -20,6 +20,7 @@ Y = np.sin(5 * X)
 BETWEEN = np.linspace(X[0], X[-1], 41)
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("ends", [None, "not-a-knot", "clamped", "natural", "periodic"])
 def test_the_spline_is_that_of_scipy_and_the_line_the_straight_one(ends):
     y = Y if ends != "periodic" else np.r_[Y[:-1], Y[0]]

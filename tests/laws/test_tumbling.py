@@ -98,6 +98,7 @@ def test_planar_bodies_tumble(seed, friction, restitution):
     assert np.diff(motion.data["energy"]).max() <= 1e-10 * np.ptp(motion.data["energy"].values)
 
 
+@pytest.mark.thorough
 def test_planar_bodies_tumble_on_a_floor_that_turns():
     check_every_step(da.solve_nonsmooth(planar_scene(5, 0.3, 0.3, True), 0.5, step=2e-3))
 
@@ -115,6 +116,7 @@ def test_spatial_bodies_with_unequal_moments_of_inertia_tumble():
     assert np.diff(motion.data["energy"]).max() <= 1e-10 * np.ptp(motion.data["energy"].values)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("theta", [0.5, 1.0])
 def test_moreau_jean_tumbles_without_refusal(theta):
     """Corrections after impacts lift bodies by a part of the energy, O(h); θ = 1 dissipates."""
@@ -125,7 +127,7 @@ def test_moreau_jean_tumbles_without_refusal(theta):
     assert np.abs(motion.data["balance_error"]).max() <= 2e-3 * np.ptp(motion.data["energy"].values)
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 @pytest.mark.parametrize("restitution", [0.0, 0.5])
 def test_a_box_that_fell_comes_to_rest(scheme, restitution):
@@ -232,6 +234,7 @@ def block(angle: float, spin: float = 0.0) -> da.Model:
     return standing_polygon((box - center).tolist(), tuple(center), INERTIA, spin)
 
 
+@pytest.mark.few(1)
 @schemes
 def test_a_block_rocks_as_housner_says(scheme):
     """Time of the first impact, and the angular velocities before and after it, which the weight

@@ -90,6 +90,7 @@ def test_close_to_a_resonance_the_response_is_exact(kind, method) -> None:
         da.frequency_response(model, [place], **options)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", MODELS)
 def test_mean_squares_are_infinite(kind) -> None:
     model, place = MODELS[kind](), first_resonance(kind)

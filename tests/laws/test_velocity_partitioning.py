@@ -79,6 +79,7 @@ def error(name: str, motion: da.Motion) -> float:
     return float(np.abs(motion.trajectory.y - exact(name)).max())
 
 
+@pytest.mark.few(16)
 @pytest.mark.parametrize("name", CONSTRAINED)
 def test_velocity_constraints_hold_without_correction(name):
     """|Ψ| ≤ 1e-12 at steps and between them, though nothing corrects them."""
@@ -179,6 +180,7 @@ def test_useless_options_are_refused():
         PARTITIONED.solver(e.inertia, e.jacobian, e.massless)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("stabilization", [da.Stabilization(), da.Projection(every=3)])
 def test_gradients_across_switches(stabilization):
     """Direct and adjoint agree to 1e-9, with differences of the same steps to 1e-6."""
