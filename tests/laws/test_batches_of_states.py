@@ -99,7 +99,7 @@ MODELS: dict[str, tuple[Callable[[], da.Model], dict, list[str]]] = {
 }
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", MODELS)
 def test_equilibria_are_solved_together_as_alone(name):
     build, designs, measures = MODELS[name]

@@ -65,6 +65,7 @@ def bent(model: da.Model, size: float = 0.15) -> np.ndarray:
     return e.manifold.go(model.start.y, size * rng.standard_normal(e.speed_count))
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("mesh", MESHES)
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_it_starts_free_of_strain_and_moves_as_one(dimension, mesh):
@@ -205,6 +206,7 @@ def test_gradients_are_exact(dimension, integrator):
     np.testing.assert_allclose(quotients, direct, rtol=1e-5, atol=1e-7 * size)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_free_beams_keep_energy_and_momenta(dimension):
     """Bent, spun and let go: no drift above 1e-8 per second."""

@@ -170,7 +170,7 @@ def test_corners_of_a_mesh_rest_on_a_plane_and_touch_a_ball(tmp_path):
 
 
 # forces --------------------------------------------------------------------------------------
-@pytest.mark.few(6)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("pair", PAIRS)
 def test_rubbing_pairs_keep_their_momentum(pair):
     """What presses and rubs on one body does the opposite on the other: free ones keep both."""

@@ -106,6 +106,7 @@ def test_force_laws_alone_have_errors_of_second_order():
     assert error / 3 < motion.error_estimate.share < 3 * error
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_long_steps_are_warned_about_with_shorter_ones(scheme: da.AnticipatedImpacts):
     model = swinging(None)

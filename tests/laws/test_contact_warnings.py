@@ -38,6 +38,7 @@ def test_a_step_as_long_as_the_fall_is_warned_about(scheme):
     assert not other_warnings(shorter) and shorter["ball.y"][-1].item() > 0.5
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize(
     ("height", "restitution", "law"),

@@ -105,7 +105,7 @@ def model_of(names: tuple[str, str]) -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("first", ["cylinder", "disc"])
 @pytest.mark.parametrize("second", SHAPES)
 def test_distances_are_those_of_a_convex_program(first, second):
@@ -196,6 +196,7 @@ def test_a_standing_cylinder_topples_at_its_angle(share, falls, on_box):
     assert (moved > 0.01) if falls else (moved < 1e-9)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("shift", [0.0, 0.03])
 def test_a_stack_of_cylinders_stands(shift):
     system = da.System("stack", gravity=(0.0, 0.0, -G))

@@ -67,6 +67,7 @@ def test_kinetic_energy_is_that_of_the_finite_elements(dimension):
     assert computed == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.few(1)
 @SPACES
 def test_kinetic_energy_with_stiffening_is_so_to_the_second_order(dimension):
     body = flexible(dimension, stiffening=True)
@@ -118,6 +119,7 @@ def test_clamped_body_vibrates_as_the_full_structure(dimension):
     np.testing.assert_allclose(body.shapes.frequencies[:4], expected, rtol=1e-3)
 
 
+@pytest.mark.few(1)
 @SPACES
 def test_sags_as_the_full_structure(dimension):
     """Equilibrium of a clamped body under gravity, against statics of the finite elements."""
@@ -203,6 +205,7 @@ def _placed(frame: str, dimension: int) -> dict:
     return {"position": at, **turned}
 
 
+@pytest.mark.few(1)
 @SPACES
 def test_free_body_keeps_its_energy(dimension):
     system = da.System("free")

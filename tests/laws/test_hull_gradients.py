@@ -97,7 +97,7 @@ SOLIDS = {
 """Solids that touch at the height ``-size``."""
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("lower", ["box", "capsule"])
 @pytest.mark.parametrize("upper", SOLIDS)
 def test_solid_that_slides(lower, upper):

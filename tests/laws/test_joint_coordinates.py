@@ -260,7 +260,7 @@ def test_accelerations_and_reactions_are_the_absolute_ones(name, choice):
     assert_same(accelerations(choice.view(model_of(name)), da.RangeSpace()), expected(name))
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("choice", VARIANTS, ids=lambda c: f"{c.angles}-{c.reactions}")
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_motion_of_mechanisms_is_the_absolute_one(name, choice):
@@ -295,7 +295,7 @@ def test_every_formulation_takes_joint_coordinates(name, formulation):
     assert_same(accelerations(view, chosen), expected)
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_every_integrator_takes_joint_coordinates(integrator):
     """Within the accuracy of the first-order methods at this step."""
@@ -398,7 +398,7 @@ def test_gradients_of_an_open_chain():
     check_gradients(chain(3), 0.3, [da.mean("R0.force_norm"), da.final("bar2.angle")])
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "name", ["translational", "pin in slot", "weld", "rigid link", "point on formula curve"]
 )

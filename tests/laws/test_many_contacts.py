@@ -244,7 +244,7 @@ def test_a_joint_stays_closed_beside_a_pile():
     assert np.abs(motion.data["balance_error"]).max() <= 1e-3 * motion.data["dissipated_energy"][-1]
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("theta", [0.5, 0.8, 1.0])
 def test_energy_dissipated_by_the_scheme_is_accounted(theta):
     """An oscillator: the θ-method takes ``(θ − ½)(Δvᵀ M Δv + Δyᵀ K Δy)`` in each step."""

@@ -130,7 +130,7 @@ def bouncing_ball() -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "options",
     [

@@ -275,7 +275,7 @@ def test_notes_of_gradients():
     assert "slip" not in text
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("height", [0.1, 0.5])
 @pytest.mark.parametrize("theta", [0.5, 0.8])
 def test_gyroscopic_forces_are_part_of_gradients(height, theta):

@@ -34,6 +34,7 @@ def available(name: str) -> None:
         pytest.skip(f"{EXTRA[name]} is not installed")
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", CONSTRAINED)
 def test_methods_find_the_same(name):
     """Fleury's cantilever: strictly convex in reciprocal variables, so with one optimum."""

@@ -70,6 +70,7 @@ def test_freudenstein():
     assert k3 == pytest.approx((d**2 - c**2 + f**2 + g**2) / (2 * d * f), rel=1e-4)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("count", "best_error"), [(6, 2.52e-6), (10, 6.18e-6)], ids=["six", "ten"])
 def test_a_few_starts_are_enough_for_a_function(count, best_error):
     """A square over 90°; ``known`` is the best of 300 random starts."""

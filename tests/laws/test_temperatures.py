@@ -83,7 +83,7 @@ def test_free_expansion_is_without_stress(name, d, nonlinear):
     assert abs(result.values("strain_energy")[0]) < 1e-3 * 3.0 * growth**2
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("name", "d", "analysis"), crossed(KINDS, ["linear", "nonlinear", "path"]))
 def test_gradients_under_heat(name, d, analysis):
     """By temperature, expansion and all else: direct, adjoint and differences."""

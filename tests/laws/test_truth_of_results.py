@@ -105,6 +105,7 @@ def test_equilibria_are_true(name):
 # a solver that errs ---------------------------------------------------------------------------
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(
     ("part", "message"),
     [(0, "m at t"), (1, "m/s at t"), (2, "m/s² at t"), (3, "equation of motion")],

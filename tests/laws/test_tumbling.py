@@ -88,6 +88,7 @@ def check_every_step(motion: da.Motion) -> None:
     assert motion.statistics["maximum energy gained in contacts [J]"] <= 1e-10 * exchanged
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("seed", "friction", "restitution"),
     [(1, 0.2, 0.6), (2, 0.8, 0.3), (3, 0.5, 0.0), (4, 0.0, 0.9)],
@@ -103,6 +104,7 @@ def test_planar_bodies_tumble_on_a_floor_that_turns():
     check_every_step(da.solve_nonsmooth(planar_scene(5, 0.3, 0.3, True), 0.5, step=2e-3))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("seed", "friction", "restitution"), [(1, 0.2, 0.6), (2, 0.5, 0.3)])
 def test_spatial_bodies_tumble(seed, friction, restitution):
     motion = da.solve_nonsmooth(spatial_scene(seed, friction, restitution), 0.4, step=2e-3)
@@ -180,6 +182,7 @@ def elliptic(t: np.ndarray) -> np.ndarray:
     return np.array([first * cn, second * sn, third * dn])
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 def test_a_free_body_keeps_its_energy_and_follows_the_elliptic_functions(scheme):
     """Kinetic energy within 1e-14 per step; angular velocities of second order in the step."""

@@ -105,7 +105,7 @@ def test_positions_drift_as_the_integrator_makes_them():
     assert math.log2(drift[0] / drift[2]) / 2 > 3.7
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("every", [None, 1, 7])
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_as_accurate_as_all_speeds_through_all_switches(name, every):
