@@ -47,6 +47,7 @@ def test_geneva_drive_indexes_within_its_clearances(pictures: Path) -> None:
     assert printed["maximum penetration [m]"] <= 1e-12
 
 
+@pytest.mark.thorough
 def test_chain_hoist_lifts_with_the_polygon_effect(
     pictures: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -63,6 +63,7 @@ def test_play_in_a_pin_shakes_the_slider(pictures: Path) -> None:
     assert 0.01 < printed["share of time in flight"] < 0.5
 
 
+@pytest.mark.thorough
 def test_geneva_wheel_goes_on_by_quarters(pictures: Path) -> None:
     """By 90° at each turn, off the course of a wheel without play by no more than that allows."""
     printed = numbers("geneva_wheel", pictures)
@@ -86,6 +87,7 @@ def test_belt_on_a_drum_obeys_the_capstan_equation(
     assert printed["tension by friction"] == pytest.approx(1.0, rel=0.01)
 
 
+@pytest.mark.thorough
 def test_chain_drive_keeps_the_ratio_of_its_teeth(pictures: Path) -> None:
     """Mean speeds and torques of rigid links; the polygon's effect but for what vibrates."""
     printed = numbers("chain_drive", pictures)

@@ -306,6 +306,7 @@ def test_estimates_have_sliders(opened: Any, model: da.Model) -> None:
         assert shown == pytest.approx(again.values("motor.effort").max(), rel=1e-7)
 
 
+@pytest.mark.thorough
 def test_candidates_of_one_topology_run_in_the_page(opened: Any) -> None:
     chain = {"frame": "AD", "crank": "AB", "coupler": "BC", "rocker": "CD"}
     joints = {"A": (0, 0), "B": (0, 1), "C": (3, 2.5), "D": (3, 0)}

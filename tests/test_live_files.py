@@ -80,6 +80,7 @@ def test_stored_pages_are_not_live(model):
     assert not is_live(page) and '"reason":' not in page
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     "path", sorted(EXAMPLE.parent.glob("teaching/*.toml")), ids=lambda path: path.stem
 )

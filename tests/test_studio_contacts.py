@@ -25,6 +25,7 @@ def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
     return shared_desk
 
 
+@pytest.mark.thorough
 def test_shapes_are_attached_and_bodies_rest_on_the_floor(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.draw("a", (0.3, 0.5))
@@ -73,7 +74,6 @@ def test_shapes_are_attached_and_bodies_rest_on_the_floor(desk: tuple[Desk, Stud
     assert [pair["groups"] for pair in entry["pairs"]] == [["mass1", "ground"]]
 
 
-@pytest.mark.thorough
 def test_a_floor_is_drawn_before_the_bodies_on_it(desk: tuple[Desk, Studio]) -> None:
     """The picture shows the first shape; the message names what is missing."""
     visit, _ = desk

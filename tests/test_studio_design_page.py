@@ -122,6 +122,7 @@ def test_a_result_belongs_to_a_text_not_to_its_revision(desk: tuple[Desk, Studio
     assert visit.js(AGE) == "of the present text"
 
 
+@pytest.mark.thorough
 def test_sliders_of_a_result_are_written_into_the_text(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.show(

@@ -145,6 +145,7 @@ def test_bodies_are_dragged_and_their_neighbours_follow(
     assert visit.text == text
 
 
+@pytest.mark.thorough
 def test_selection_properties_and_names(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.show(CRANK)

@@ -78,6 +78,7 @@ CASES: dict[str, tuple[str, str, Place, Place, dict[str, object]]] = {
 """Text, selected element, drag, and values of the text afterwards."""
 
 
+@pytest.mark.thorough
 def test_ends_of_a_selected_element_are_dragged(
     shared_desk: tuple[Desk, Studio], tmp_path: Path
 ) -> None:

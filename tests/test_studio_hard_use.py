@@ -95,7 +95,7 @@ POINTS = """(() => {
 })()"""
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("size", [(390, 844), (844, 390)])
 def test_a_phone_shows_the_whole_drawing(
     browser: Any, studio_server: Studio, size: tuple[int, int]

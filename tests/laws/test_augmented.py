@@ -130,6 +130,7 @@ def test_intermediate_states_do_not_lock_redundant_equations(step):
     assert error < 5 * usual
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", REDUNDANT)
 def test_gradients_with_redundant_equations(name):
     """direct = adjoint = Richardson for a position and an acceleration, which are unique."""
@@ -160,6 +161,7 @@ def test_soft_constraints_follow_the_motion(formulation, stabilization):
     assert float(run.data.position_violation.max()) < (1e-12 if projected else soft)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("formulation", [EVERY, da.RangeSpace()])
 def test_massless_coupler(formulation):
     """The limit of small masses: the distance to it falls with the mass."""
@@ -223,6 +225,7 @@ def similar_chain(size):
     return system.build()
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("coordinates", [da.AbsoluteCoordinates(), da.JointCoordinates()], ids=repr)
 @pytest.mark.parametrize("size", [1e-3, 1e2])
 @pytest.mark.parametrize("formulation", [EVERY, da.RangeSpace()], ids=["augmented", "range space"])

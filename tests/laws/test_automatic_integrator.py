@@ -36,7 +36,7 @@ def methods(motion) -> dict[str, int]:
     return {name: taken.count(name) for name in set(taken)}
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", SAMPLE)
 def test_default_runs_keep_ten_times_the_stated_tolerance(name):
     model = model_of(name)
@@ -97,6 +97,7 @@ def buffered(stiffness: float, damping: float, fades: float = 0.0, push: float =
     return system.build()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("backend", ["vm", "jit"])
 def test_stiff_problems_take_implicit_steps(backend):
     model = buffered(1e6, 1e6)

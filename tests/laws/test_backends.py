@@ -36,7 +36,7 @@ def quickly(tmp_path, monkeypatch):
     monkeypatch.setattr(c_compiler, "OPTIMISED", "-O0")
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("backend", "name"), RUNS)
 def test_steps_are_the_same_on_every_backend(backend, name):
     options = {"step": 1e-3, "outputs": 3}

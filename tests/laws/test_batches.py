@@ -232,7 +232,7 @@ def test_interruption_keeps_what_is_finished(model):
     assert {s.outcome for s in batch.statuses} == {Outcome.COMPLETED, Outcome.INTERRUPTED}
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("method", "choice"),
     [
@@ -308,6 +308,7 @@ OTHERS = {
 VALUES = {"a": [0.2, 0.3, 0.9], "k": [20.0, 40.0, 60.0], "area": [1e-4, -1.0, 2e-4]}
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("build", "verb", "options", "measure"), OTHERS.values(), ids=OTHERS)
 def test_other_analyses_take_designs(build, verb, options, measure, tmp_path):
     model = build()

@@ -99,7 +99,7 @@ MODELS: dict[str, tuple[Callable[[], da.Model], dict, list[str]]] = {
 }
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", MODELS)
 def test_equilibria_are_solved_together_as_alone(name):
     build, designs, measures = MODELS[name]
@@ -131,7 +131,7 @@ def test_equilibria_are_solved_together_as_alone(name):
     assert any(stable) and all(stable) == (name == "steady start")
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", ["direct", "adjoint"])
 @pytest.mark.parametrize("name", MODELS)
 def test_gradients_of_equilibria_are_those_of_single_ones(name, method):

@@ -68,7 +68,7 @@ def relative_errors(computed, true) -> np.ndarray:
     )
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("stabilization", [da.Stabilization(), da.Projection()], ids=repr)
 @pytest.mark.parametrize("form", FORMS)
 def test_tolerance_is_met_at_steps_and_between(form, stabilization):
@@ -135,7 +135,7 @@ def van_der_pol(mu: float) -> Problem:
     return Problem(None, lambda: system, None, controlled=2, positions=1)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
 def test_stiff_oscillator_like_another_implementation(tolerance):
     """Van der Pol's equation, μ = 1000: no more steps than SciPy's BDF, no larger error."""
@@ -181,7 +181,7 @@ def test_stiff_bushing_needs_few_steps():
     np.testing.assert_allclose(implicit.trajectory.y, explicit.trajectory.y, atol=1e-3)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("form", FORMS)
 def test_steps_can_be_repeated_and_differentiated(form):
     """Replays are the run itself; direct = adjoint to round-off, both = differences of replays."""

@@ -82,6 +82,7 @@ def beside(dimension: int) -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_gaps_of_beams_are_rates_and_formulas(dimension):
     model = beside(dimension)

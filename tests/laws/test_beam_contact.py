@@ -53,6 +53,7 @@ def on_disc() -> da.System:
 
 
 # gaps ----------------------------------------------------------------------------------------
+@pytest.mark.few(1)
 @pytest.mark.parametrize("stations", [None, 1, 4])
 def test_gaps_of_a_straight_strip_are_distances_of_its_stations(stations):
     system = da.System("gaps")

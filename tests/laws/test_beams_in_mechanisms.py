@@ -65,6 +65,7 @@ def bent(model: da.Model, size: float = 0.15) -> np.ndarray:
     return e.manifold.go(model.start.y, size * rng.standard_normal(e.speed_count))
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("mesh", MESHES)
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_it_starts_free_of_strain_and_moves_as_one(dimension, mesh):
@@ -158,7 +159,7 @@ def tip(elements: int, order: int) -> float:
     return float(da.solve_equilibrium(cantilever(elements, order))["arm.end.y"].values[0])
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("order", "meshes"), [(1, (8, 16)), (2, (4, 8)), (3, (2, 4))])
 def test_deflections_converge_by_twice_the_order(order, meshes):
     exact = tip(8, 4)
@@ -184,6 +185,7 @@ def test_clamped_ends_are_welded_nodes():
     np.testing.assert_allclose(results[0], results[1], atol=1e-9)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("dimension", "integrator"), crossed([2, 3], [da.HHT(), da.RK4()]))
 def test_gradients_are_exact(dimension, integrator):
     """Direct = adjoint = differences, by every number of a free beam with a start and a load."""
@@ -204,6 +206,7 @@ def test_gradients_are_exact(dimension, integrator):
     np.testing.assert_allclose(quotients, direct, rtol=1e-5, atol=1e-7 * size)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_free_beams_keep_energy_and_momenta(dimension):
     """Bent, spun and let go: no drift above 1e-8 per second."""

@@ -214,7 +214,7 @@ def test_compliant_contact_has_the_same_distance(meetings, i, j):
             assert gap == pytest.approx(expected, abs=2e-6)
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pairs
 def test_formulas_are_the_numbers_and_have_their_derivatives(meetings, i, j):
     meeting = meeting_of(meetings, i, j)

@@ -203,7 +203,7 @@ def parallel(x: float, radius: float) -> np.ndarray:
     return np.array([x, x * x]) + radius * np.array([-2 * x, 1]) / math.hypot(2 * x, 1)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_a_disc_slides_in_a_parabolic_bowl(scheme):
     """Beside the motion of a bead on the parallel curve; of first order in the step."""

@@ -140,7 +140,7 @@ def certified(name: str):
     return da.sensitivity(result, RESULTS[name][1], certificate=True)
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", RESULTS)
 def test_right_gradients_pass(name):
     gradient = certified(name)
@@ -162,6 +162,7 @@ def test_every_engine_is_certified():
             assert any(one == model and issubclass(cls, kind) for one, cls in analyses)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("name", "side"),
     crossed(

@@ -57,7 +57,7 @@ def far_from(model: da.Model, point: str) -> tuple[np.ndarray, np.ndarray]:
     return xy[:-1], run.time[:-1]
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", SIX_BARS)
 def test_path_of_a_six_bar_is_found(kind):
     model, point = six_bar(kind)

@@ -98,6 +98,7 @@ def test_events_are_found_among_states_that_were_not_kept(model):
     assert np.array_equal(few.trajectory.y, whole.trajectory.y)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("memory", "each"), [(2.0**27, 1.4), (1e4, 0.5)], ids=["all", "few"])
 def test_memory_of_a_long_run(model, memory, each):
     """States are kept once, and nothing else as large is made of them on the way."""

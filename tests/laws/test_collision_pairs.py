@@ -107,7 +107,7 @@ def meeting_of(meetings: dict, *pair) -> Meeting:
     return meetings[pair]
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pairs
 def test_smallest_gap_is_the_signed_distance(meetings, dimension, i, j):
     """Sharp corners beside sharp corners: a lower bound; overlapping edges: along their normal;
@@ -155,7 +155,7 @@ def test_velocities_of_gaps_are_rates_of_distances(meetings, dimension, i, j):
             assert (ends[0][key] - ends[1][key]) / 2e-6 == pytest.approx(rates[key], abs=1e-6)
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pairs
 def test_derivatives_of_gaps_are_those_of_the_numbers(meetings, dimension, i, j):
     """Distances, velocities and momenta change by the position as the numbers do."""

@@ -145,7 +145,7 @@ CASES = [("jit", name) for name in STRATEGIES] + [
 ]
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("backend", "strategy"), CASES)
 def test_runs_outputs_and_gradients_are_those_of_the_virtual_machine(
     backend, strategy, monkeypatch
@@ -165,6 +165,7 @@ def test_runs_outputs_and_gradients_are_those_of_the_virtual_machine(
         assert_same(new.values, old.values)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("integrator", [da.RK4(), da.DormandPrince()])
 def test_explicit_steps_are_those_of_the_virtual_machine_to_the_last_bit(integrator):
     expected, computed = (run(four_bar(), b, integrator=integrator) for b in ("vm", "jit"))
@@ -322,6 +323,7 @@ def test_threads_may_call_the_same_machine_code():
 
 
 # cache ------------------------------------------------------------------------------
+@pytest.mark.few(1)
 @pytest.mark.parametrize("backend", COMPILED)
 def test_the_second_model_finds_everything_compiled(backend, cache, compilations):
     run(pendulum(), backend)
@@ -334,7 +336,7 @@ def test_the_second_model_finds_everything_compiled(backend, cache, compilations
     assert len(compilations) > count
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("backend", "damage"),
     [
@@ -453,6 +455,7 @@ def _final_angle(backend: str) -> float:
     return float(run(pendulum(), backend).values("crank.angle")[-1])
 
 
+@pytest.mark.thorough
 def test_processes_that_compile_the_same_at_once_do_no_harm(cache):
     with multiprocessing.get_context("spawn").Pool(2) as pool:
         angles = pool.map(_final_angle, ["jit", "jit"])
@@ -536,6 +539,7 @@ def test_without_llvm_auto_takes_the_compiler(no_llvm):
     assert motion.statistics["backend"] == "C"
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("backend", COMPILED)
 def test_a_cache_that_cannot_be_written_names_the_cure(backend, tmp_path, monkeypatch):
     blocked = tmp_path / "file"

@@ -74,6 +74,7 @@ def features(source: HullGaps, configuration: Configuration) -> dict[tuple[int, 
     return {key: gap for key, gap in gaps.items() if gap <= REACH}
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("scene", [planar_scene, spatial_scene])
 def test_features_are_those_of_the_search_in_python(scene, seed, monkeypatch):

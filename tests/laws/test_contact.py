@@ -170,7 +170,7 @@ def test_corners_of_a_mesh_rest_on_a_plane_and_touch_a_ball(tmp_path):
 
 
 # forces --------------------------------------------------------------------------------------
-@pytest.mark.few(6)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("pair", PAIRS)
 def test_rubbing_pairs_keep_their_momentum(pair):
     """What presses and rubs on one body does the opposite on the other: free ones keep both."""
@@ -238,7 +238,7 @@ def bouncing(exponent: float) -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("exponent", "exact"), [(1.0, 1e-6), (1.5, 1e-4), (2.0, 1e-6)])
 def test_gradients_over_touching_and_parting(exponent, exact):
     """Direct is adjoint, and the derivative of the motion itself; the start of δ^1.5 costs."""

@@ -106,6 +106,7 @@ def test_force_laws_alone_have_errors_of_second_order():
     assert error / 3 < motion.error_estimate.share < 3 * error
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_long_steps_are_warned_about_with_shorter_ones(scheme: da.AnticipatedImpacts):
     model = swinging(None)
@@ -156,7 +157,7 @@ def test_longer_steps_that_fail_give_no_number(monkeypatch: pytest.MonkeyPatch):
     assert estimate.text == "not known, because steps 1.6 times as long fail at t = 1.5 s"
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("scheme", "step"), [(da.AnticipatedImpacts(), 1e-3), (da.MoreauJean(), 1e-3)]
 )

@@ -58,7 +58,7 @@ def lean(inertia: float, time: float) -> float:
     return float(course.y[0, -1])
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("compiled", [True, False])
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize(("build", "inertia"), [(rolling_disc, 0.5), (rolling_ball, 0.4)])
@@ -98,6 +98,7 @@ def turned(time: float) -> float:
     return float(solve_ivp(rate, (0, time), [0.0, 0.0], rtol=1e-12, atol=1e-14).y[0, -1])
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("compiled", [True, False])
 def test_a_box_turns_over_its_corner_with_second_order(compiled, monkeypatch):
     if not compiled:

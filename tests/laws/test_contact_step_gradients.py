@@ -99,7 +99,7 @@ def check_steps(name: str, scheme: str, each: int) -> None:
     assert smooth >= 1
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("name", CONTACT_MODELS)
 def test_derivative_of_a_step_is_that_of_its_differences(name, scheme):

@@ -38,6 +38,7 @@ def test_a_step_as_long_as_the_fall_is_warned_about(scheme):
     assert not other_warnings(shorter) and shorter["ball.y"][-1].item() > 0.5
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize(
     ("height", "restitution", "law"),
@@ -158,6 +159,7 @@ def test_forces_that_alternate_at_rest_are_warned_about():
         assert not any("alternates" in text for text in fine.warnings)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_spins_do_not_turn_impulses(scheme):
     """A ball that slides, and then rolls straight on with 5/7 of its speed, whatever its spin about

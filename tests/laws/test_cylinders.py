@@ -105,7 +105,7 @@ def model_of(names: tuple[str, str]) -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("first", ["cylinder", "disc"])
 @pytest.mark.parametrize("second", SHAPES)
 def test_distances_are_those_of_a_convex_program(first, second):
@@ -152,7 +152,7 @@ def alone(angle: float, friction: float, lying: bool, on_box: bool = False, leng
     return system.build()
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("on_box", [False, True])
 @pytest.mark.parametrize("friction", [0.05, 0.5])
 def test_a_cylinder_rolls_down_an_incline(friction, on_box):
@@ -196,6 +196,7 @@ def test_a_standing_cylinder_topples_at_its_angle(share, falls, on_box):
     assert (moved > 0.01) if falls else (moved < 1e-9)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("shift", [0.0, 0.03])
 def test_a_stack_of_cylinders_stands(shift):
     system = da.System("stack", gravity=(0.0, 0.0, -G))
@@ -211,6 +212,7 @@ def test_a_stack_of_cylinders_stands(shift):
     assert motion.impulse("stack").values[-1] == pytest.approx(G * 2e-3 * 6, rel=1e-7)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("friction", [0.2, 0.3])
 def test_a_pyramid_of_cylinders(friction):
     """It stays where ``μ ≥ tan 15°`` (and the lower ones roll apart otherwise)."""
@@ -230,6 +232,7 @@ def test_a_pyramid_of_cylinders(friction):
     assert (fallen < 1e-9) if friction > np.tan(np.pi / 12) else (fallen > 1e-3)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("overhang", "falls"), [(0.19, False), (0.21, True)])
 def test_a_cylinder_beyond_the_edge_of_a_box(overhang, falls):
     """It tips when its middle is beyond the edge."""

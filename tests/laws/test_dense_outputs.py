@@ -66,6 +66,7 @@ def heights(t: np.ndarray) -> np.ndarray:
     return computed
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", INTEGRATORS)
 def test_straight_lines_between_outputs_follow_the_motion(name):
     """Also where few steps lead far; and both sides of a jump are outputs."""
@@ -128,6 +129,7 @@ def test_extremes_are_those_of_the_motion(name, outputs):
         assert direct == pytest.approx(slope, rel=1e-5, abs=1e-6), case
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", ["default", "DormandPrince853", "BDF"])
 def test_smooth_extremes_are_means_over_time(name):
     """``(1/ρ) ln((1/T) ∫ exp(ρ m) dt)``, also where an event ends the run within its only step."""

@@ -43,7 +43,7 @@ def bouncing(fall: float = FALL, restitution: float = RESTITUTION) -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("fall", [0.1, 0.1003, 0.1011, 0.1024, 0.104])
 def test_newtons_law_holds_beside_divided_steps(scheme, fall, failing):
@@ -60,7 +60,7 @@ def test_newtons_law_holds_beside_divided_steps(scheme, fall, failing):
     assert motion.record.penetration.max() < 1e-10
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", ["direct", "adjoint"])
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_gradients_of_an_impact_beside_divided_steps(scheme, method, failing):
@@ -75,7 +75,7 @@ def test_gradients_of_an_impact_beside_divided_steps(scheme, method, failing):
     assert gradient == pytest.approx(expected, rel=0.03)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("method", ["direct", "adjoint"])
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_gradients_of_lasting_contacts_beside_divided_steps(scheme, method, failing):

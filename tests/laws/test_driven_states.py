@@ -60,6 +60,7 @@ def test_compliant_contact_of_a_driven_body():
     np.testing.assert_allclose(motion["z.value"], z, atol=1e-7)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("low", [0.1, 0.3])
 @pytest.mark.parametrize("many", [False, True])
 def test_rigid_contacts_do_not_change_a_driven_motion(many, low):
@@ -134,6 +135,7 @@ def test_massless_links_and_a_massless_mechanism(massless):
     np.testing.assert_allclose(motion["drive.effort"], effort(t, z), atol=1e-6)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "options",
     [
@@ -245,6 +247,7 @@ def test_laws_of_states_that_depend_on_speeds_and_kinematics_of_states_are_refus
     np.testing.assert_allclose(motion["drive.effort"], expected, atol=1e-9)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("part", ["free length", "stiffness", "end"])
 def test_springs_and_dampers_that_states_change(part):
     """Rates of lengths include those of states, and their energy is balanced."""

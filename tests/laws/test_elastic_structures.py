@@ -133,7 +133,7 @@ def as_elements(shape: str, load: float) -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("shape", SHAPES)
 def test_elements_between_bodies_are_those_of_the_structure(shape):
     whole, parts = (da.solve_equilibrium(builder(shape, 40.0)) for builder in (held, as_elements))
@@ -225,6 +225,7 @@ def displacement(motion: da.Motion, structure: structures.Structure, k: int = -1
     return np.array([motion[f"S_D.{a}"].values[k] for a in axes]) - start
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("shape", SHAPES)
 def test_statics_are_those_of_the_structure(shape):
     structure = alone(shape, 40.0)
@@ -236,7 +237,7 @@ def test_statics_are_those_of_the_structure(shape):
     assert np.abs(expected).max() > 1e-4
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("shape", SHAPES)
 def test_vibrations_are_those_of_the_structure(shape):
     expected = np.sort(da.solve_modes(alone(shape, 0.0).build(), count=3).data["frequency"].values)[
@@ -326,6 +327,7 @@ def test_a_pinned_bar_turns_on_stretched_by_its_own_pull():
     np.testing.assert_allclose(motion["b.position"].values, expected, atol=1e-9)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("shape", ["bars", "plate", "solid"])
 def test_gradients_are_exact(shape):
     motion = da.solve_dynamics(held(shape, 40.0), 0.02, step=1e-3, integrator=da.HHT())

@@ -128,14 +128,14 @@ def check(motion, listed, same=1e-9, differences=1e-6, step=DIFFERENCE) -> None:
     assert np.all(np.abs(expected - adjoint) <= differences * size)
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("terminal", [True, False])
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_every_kind_of_response(name, terminal):
     check(run(name, terminal), responses(name, terminal))
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("integrator", "terminal"), crossed([n for n in INTEGRATORS if n not in SUNDIALS], ENDS)
 )
@@ -156,13 +156,13 @@ CHOICES = {
 }
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("choice", "terminal"), crossed(CHOICES, ENDS))
 def test_every_choice(choice, terminal):
     check(run("four-bar", terminal, **CHOICES[choice]), responses("four-bar", terminal))
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("beyond", "integrator"),
     crossed([0.0, 1e-13, -1e-13, 1e-10, -1e-10], ["RK4", "BackwardEuler", "Newmark", "BDF"], 2),
@@ -210,6 +210,7 @@ def test_events_before_the_terminal_one():
 # driven mechanisms -------------------------------------------------------------------------------
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("solve", [da.solve_kinematics, da.solve_inverse_dynamics])
 def test_driven_mechanisms(solve):
     """A crank with a Scotch yoke: ``x = r cos(ω t + ½ a t²)`` passes a place."""

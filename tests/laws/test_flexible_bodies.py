@@ -67,6 +67,7 @@ def test_kinetic_energy_is_that_of_the_finite_elements(dimension):
     assert computed == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.few(1)
 @SPACES
 def test_kinetic_energy_with_stiffening_is_so_to_the_second_order(dimension):
     body = flexible(dimension, stiffening=True)
@@ -118,6 +119,7 @@ def test_clamped_body_vibrates_as_the_full_structure(dimension):
     np.testing.assert_allclose(body.shapes.frequencies[:4], expected, rtol=1e-3)
 
 
+@pytest.mark.few(1)
 @SPACES
 def test_sags_as_the_full_structure(dimension):
     """Equilibrium of a clamped body under gravity, against statics of the finite elements."""
@@ -134,6 +136,7 @@ def test_sags_as_the_full_structure(dimension):
     np.testing.assert_allclose(deflection, expected, rtol=1e-6, atol=1e-12)
 
 
+@pytest.mark.few(1)
 @SPACES
 def test_stiff_body_moves_as_a_rigid_one(dimension):
     stiff = beam(dimension, modulus=2e13)
@@ -168,6 +171,7 @@ def _rigid(flexible, dimension: int):
     return spatial.Body("rod", mass, inertia, points=points, **arguments)
 
 
+@pytest.mark.few(1)
 @SPACES
 def test_frames_give_one_motion(dimension):
     """A frame fixed in an end and mean axes differ by the square of the displacements."""
@@ -201,6 +205,7 @@ def _placed(frame: str, dimension: int) -> dict:
     return {"position": at, **turned}
 
 
+@pytest.mark.few(1)
 @SPACES
 def test_free_body_keeps_its_energy(dimension):
     system = da.System("free")
@@ -211,6 +216,7 @@ def test_free_body_keeps_its_energy(dimension):
     assert np.abs(motion["energy"] - motion["energy"][0]).max() < 1e-6 * float(motion["energy"][0])
 
 
+@pytest.mark.few(1)
 @SPACES
 def test_gradients_pass_through_it(dimension):
     """Direct, adjoint and differences, by what holds it, damps it and moves it."""

@@ -87,6 +87,7 @@ def weld(system, rod):
         system.add(spatial.Weld("clamp", system.ground.frame(), rod.point("root")))
 
 
+@pytest.mark.few(1)
 @SPACES
 def test_equilibrium(dimension):
     agree(da.solve_equilibrium(swing(dimension, weld)), TIP[::2])

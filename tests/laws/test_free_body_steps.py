@@ -157,7 +157,7 @@ def test_steps_in_machine_code_are_the_general_steps(scene, seed, monkeypatch):
     assert own.impulse[first] == pytest.approx(other.impulse[second], abs=allowed)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("scene", [planar_hulls, spatial_hulls])
 def test_steps_of_hulls_are_the_general_steps(scene, seed, monkeypatch):
@@ -194,6 +194,7 @@ def two_boxes(seed: int) -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("seed", "steps"), [(1588, 45), (2421, 45)])
 def test_edges_that_were_closed_before_need_no_general_step(seed, steps, monkeypatch):
     """Edges of boxes that cross within a step may be closed at its start, where faces separate the
@@ -259,6 +260,7 @@ def test_steps_go_on_beyond_the_limits_of_machine_code(limits, monkeypatch):
     assert np.array_equal(limited.record.key, general.record.key)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scene", [planar_scene, spatial_scene])
 def test_interior_points_solve_what_newtons_method_does_not(scene, monkeypatch):
     """One step of Newton's method solves few problems; interior points solve the others."""
@@ -348,6 +350,7 @@ def test_an_interrupted_run_keeps_its_steps():
     assert motion.record.loss.size == motion.record.t.size - 1
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("seed", "number"), [(7, 88), (10, 79), (14, 109), (16, 159), (24, 117)])
 def test_repeated_steps_of_passing_bodies_are_the_general_steps(seed, number):
     """Discs that pass each other in a step that is repeated with means over its path."""

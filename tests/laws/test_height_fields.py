@@ -110,7 +110,7 @@ def on_bumps(name: str, tilted: bool = False) -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", SHAPES)
 def test_velocities_of_gaps_are_rates_of_distances_and_formulas_are_the_numbers(name):
     model = on_bumps(name, tilted=True)
@@ -161,7 +161,7 @@ ON_SLOPE = {
 """Shape, height of the middle, fraction of the acceleration of a rolling body, orientation."""
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", ON_SLOPE)
 def test_a_slope_of_triangles_is_an_inclined_plane(name):
     """Bodies cross the edges of cells without a jolt."""
@@ -228,6 +228,7 @@ def test_a_ball_oscillates_in_a_bowl():
     assert errors[0] < 0.03 and errors[1] < 0.01
 
 
+@pytest.mark.thorough
 def test_bodies_on_bumps_neither_sink_nor_gain_energy():
     rng, system = np.random.default_rng(3), da.System("bumps", gravity=(0.0, 0.0, -G))
     grid = np.linspace(-0.5, 0.5, 15)

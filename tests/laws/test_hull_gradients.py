@@ -40,7 +40,7 @@ UPPER = {
 """Bodies that touch at the height ``-size``."""
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("lower", LOWER)
 @pytest.mark.parametrize("upper", UPPER)
 def test_body_that_slides(lower, upper):
@@ -61,6 +61,7 @@ def test_body_that_slides(lower, upper):
         assert slope[0] == pytest.approx([0.0, -9.81 * 0.005, 0.1, 0.0], abs=2e-4)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("under", ["capsule", "polygon"])
 def test_disc_that_rolls_off_a_corner(under):
     """The normal turns with the disc about a rounded end or a sharp corner."""
@@ -96,7 +97,7 @@ SOLIDS = {
 """Solids that touch at the height ``-size``."""
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("lower", ["box", "capsule"])
 @pytest.mark.parametrize("upper", SOLIDS)
 def test_solid_that_slides(lower, upper):

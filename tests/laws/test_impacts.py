@@ -46,7 +46,7 @@ def reference():
     return da.solve_dynamics(thrown(), 0.7, integrator=da.DormandPrince853(rtol=1e-12))
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("choice", CHOICES)
 def test_every_choice_gives_the_same_impacts(choice):
     motion = da.solve_dynamics(thrown(), 0.7, **CHOICES[choice])
@@ -77,7 +77,7 @@ def test_an_impact_keeps_the_law_and_the_impulses_balance():
         assert abs(impact.tangential[0]) <= 0.1 * impact.normal * (1 + 1e-12)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("duration", [0.7, 1.0])
 @pytest.mark.parametrize(
     "choice", ["Dormand-Prince", "RK4", "joints", "Radau", "BDF", "descriptor form"]
@@ -113,6 +113,7 @@ def test_switches_of_forces_and_contacts_go_together():
     assert certify(motion, [da.final(model[f"b.{s}"]) for s in "xy"], [0, 1, 2]).passed
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("options", [{"step": 0.01}, {"integrator": da.DormandPrince()}])
 def test_integrals_and_their_gradients_go_through_all_bounces(options):
     """Areas of parabolas: ``∫ y dt = 2/3 h t_f + 4/3 h t_f e³/(1 − e³)`` until it rests."""

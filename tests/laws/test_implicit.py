@@ -51,7 +51,7 @@ PAIRS = [(m, f) for m in METHODS for f in FORMS if (m, f) != ("Newmark", "index 
 """Undamped accelerations with constraints of positions only are refused, tested below."""
 
 
-@pytest.mark.product
+@pytest.mark.few(3)
 @pytest.mark.parametrize(("method", "form"), PAIRS)
 def test_measured_order(method, form):
     """Without projection errors fall with the order of theory, within 0.2."""
@@ -69,7 +69,7 @@ def test_measured_order(method, form):
     np.testing.assert_allclose(slopes, order(method, form), atol=0.2)
 
 
-@pytest.mark.product
+@pytest.mark.few(3)
 @pytest.mark.parametrize("stabilization", STABILIZATIONS)
 @pytest.mark.parametrize("method", METHODS)
 def test_order_with_elimination(method, stabilization):
@@ -280,7 +280,7 @@ ADAPTIVE = [("Radau, adaptive", form) for form in FORMS]
 PROJECTED = [(m, f, True) for m in METHODS for f in FORMS]
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("method", "form", "projected"),
     sampled([*PROJECTED, *((*pair, False) for pair in [*PAIRS, *ADAPTIVE])], 3),

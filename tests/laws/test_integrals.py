@@ -45,6 +45,7 @@ def test_the_integral_of_a_speed_is_the_change_of_the_angle(name):
     np.testing.assert_allclose(differences.values[0], adjoint[0], rtol=0, atol=1e-7 * size)
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("kind", [da.integral, da.mean, da.rms])
 @pytest.mark.parametrize("integrator", [da.RK4(), da.DormandPrince(), da.Radau(fixed=True)])
 def test_outputs_do_not_matter(integrator, kind):
@@ -82,6 +83,7 @@ def test_measures_may_vary_faster_than_the_motion():
 ORDERS = {"Euler": 1, "Heun": 2, "RK4": 4, "Trapezoidal": 2, "GeneralizedAlpha": 2, "Radau": 5}
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", ORDERS)
 def test_integrals_of_fixed_steps_converge_with_the_order(name):
     integrator = da.Radau(fixed=True) if name == "Radau" else INTEGRATORS[name]
@@ -116,6 +118,7 @@ def test_totals_add_the_outputs():
 CONTROLLED = [name for name, method in INTEGRATORS.items() if method.controls_error]
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", CONTROLLED)
 def test_defaults_hold_six_digits_of_a_long_swing(name):
     """Ten seconds of a pendulum: what one method holds by default, the others hold too."""

@@ -97,6 +97,7 @@ FORCES = {
 }
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", FORCES)
 def test_forces(name):
     force, order, least = FORCES[name]

@@ -33,7 +33,7 @@ def motor(name: str):
     return system.build(), lambda time: LAWS[name].twin(numbers, time)
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", LAWS)
 def test_effort_of_the_motor(name):
     """M = (m l²/3) φ̈ + m g (l/2) cos φ."""

@@ -260,7 +260,7 @@ def test_accelerations_and_reactions_are_the_absolute_ones(name, choice):
     assert_same(accelerations(choice.view(model_of(name)), da.RangeSpace()), expected(name))
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("choice", VARIANTS, ids=lambda c: f"{c.angles}-{c.reactions}")
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_motion_of_mechanisms_is_the_absolute_one(name, choice):
@@ -295,7 +295,7 @@ def test_every_formulation_takes_joint_coordinates(name, formulation):
     assert_same(accelerations(view, chosen), expected)
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_every_integrator_takes_joint_coordinates(integrator):
     """Within the accuracy of the first-order methods at this step."""
@@ -398,7 +398,7 @@ def test_gradients_of_an_open_chain():
     check_gradients(chain(3), 0.3, [da.mean("R0.force_norm"), da.final("bar2.angle")])
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "name", ["translational", "pin in slot", "weld", "rigid link", "point on formula curve"]
 )
@@ -482,6 +482,7 @@ def test_spanning_trees_of_random_graphs(seed):
         assert set(degree.values()) <= {0, 2}
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("forward", [True, False])
 def test_ball_joints_between_turned_frames(forward):
     """The start is the absolute one, also where the frames of a ball joint are turned."""
@@ -508,6 +509,7 @@ def test_ball_joints_between_turned_frames(forward):
         assert np.allclose(joint[-1], absolute[-1], atol=1e-7)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("closing", ["hinge", "ball"])
 def test_planar_loops_on_a_turntable(closing):
     """A row of C that vanishes at the start, and is redundant everywhere, is left out."""

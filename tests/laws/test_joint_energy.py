@@ -108,7 +108,7 @@ CASES = {
 }
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()], ids=str)
 @pytest.mark.parametrize("name", CASES)
 def test_no_step_gains_energy(name, scheme):
@@ -126,6 +126,7 @@ def test_no_step_gains_energy(name, scheme):
     assert abs(corrections) <= 1e-11 * moved  # positions at the ends of the steps are exact
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("build", [driven_pendulum, lambda: watt_linkage(5.0)])
 def test_work_of_drivers_and_dampers_balances_energy(build):
     model = build()

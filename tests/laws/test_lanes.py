@@ -49,6 +49,7 @@ def check(
             np.testing.assert_allclose(result[s], wanted, rtol=within, atol=within)
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("sets", [1, 2, LANES, 2 * LANES + 1])
 @pytest.mark.parametrize("called", [False, True], ids=["one function", "calls"])
 def test_steps_of_several_designs(sets, called):
@@ -159,6 +160,7 @@ def test_directions_of_a_step(count):
         np.testing.assert_allclose(computed[k].T, changes, rtol=1e-12, atol=1e-14)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", [da.RK4(), da.DormandPrince()], ids=["fixed", "controlled"])
 def test_direct_gradients_side_by_side(method):
     """As by the virtual machine, and as the adjoint."""

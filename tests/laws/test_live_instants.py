@@ -255,7 +255,7 @@ def test_locked_mechanism_has_the_same_outcome(tmp_path: Path) -> None:
     assert outcome.status["outcome"] == expected.outcome.value == da.Outcome.LOCKED.value
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("build", "equilibrium"),
     [*((build, rest) for build in RESTING for rest in (True, False)), (controlled_arm, True)],

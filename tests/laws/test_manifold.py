@@ -78,7 +78,7 @@ INTEGRATORS = {
 }
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("stabilization", [da.Stabilization(), da.Projection()], ids=str)
 @pytest.mark.parametrize("name", INTEGRATORS)
 def test_norms_are_kept(model, name, stabilization):

@@ -205,6 +205,7 @@ def pile(rows: int, columns: int, pendulum: bool = False) -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 def test_a_pile_of_discs_closes_no_gap_and_gains_no_energy_in_contacts(scheme):
     motion = da.solve_nonsmooth(pile(8, 8), 0.15, step=1e-3, integrator=scheme)
@@ -234,6 +235,7 @@ def test_a_pile_falls_alike_with_and_without_corrections_of_positions():
     assert 0 < statistics["energy dissipated by friction of contacts [J]"] < lost
 
 
+@pytest.mark.thorough
 def test_a_joint_stays_closed_beside_a_pile():
     motion = da.solve_nonsmooth(pile(3, 8, pendulum=True), 0.4, step=1e-3)
     assert motion.status.success
@@ -242,7 +244,7 @@ def test_a_joint_stays_closed_beside_a_pile():
     assert np.abs(motion.data["balance_error"]).max() <= 1e-3 * motion.data["dissipated_energy"][-1]
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("theta", [0.5, 0.8, 1.0])
 def test_energy_dissipated_by_the_scheme_is_accounted(theta):
     """An oscillator: the θ-method takes ``(θ − ½)(Δvᵀ M Δv + Δyᵀ K Δy)`` in each step."""

@@ -37,6 +37,7 @@ def falling() -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("integrator", [da.CVODES(), da.IDA()])
 def test_steps_that_cannot_be_repeated_are_an_error_with_their_time(integrator, capfd):
     """With ``c = 100`` the end of a run to 0.6 s lies behind the singularity."""

@@ -97,7 +97,7 @@ def beside_a_body(name: str) -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", DRAWN)
 def test_a_rigid_body_beside_it_changes_nothing(name):
     structure, mechanism = alone(name), beside_a_body(name)
@@ -112,7 +112,7 @@ def test_a_rigid_body_beside_it_changes_nothing(name):
     np.testing.assert_allclose(got, reference, rtol=1e-9, atol=1e-9 * np.abs(reference).max())
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", ["bars", "frame", "space frame", "solid"])
 def test_vibrations_beside_a_rigid_body_are_those_of_the_structure(name):
     def at_rest(system: da.System) -> None:

@@ -156,6 +156,7 @@ def test_splines_are_differentiable_by_their_knots_and_values(rows, ends):
         np.testing.assert_allclose(computed, wanted, atol=1e-8)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("periodic", [False, True])
 def test_large_tables_are_looked_up(periodic):
     """Two hundred thousand rows are one node of the graph, and the same spline, ends included."""

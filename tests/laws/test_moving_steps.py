@@ -64,7 +64,7 @@ def whole_runs(model: da.Model, responses, name: str, h: float = 1e-4, **options
     return (8 * near - far) / (12 * h * size)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", RUNS)
 def test_fixed_steps_that_follow_parameters(name):
     """The rerun takes other steps, and the gradient knows."""
@@ -81,6 +81,7 @@ def test_fixed_steps_that_follow_parameters(name):
     np.testing.assert_allclose(adjoint / size, wanted / size, rtol=0, atol=1e-6)
 
 
+@pytest.mark.thorough
 def test_certificates_run_fixed_steps_anew():
     """A gradient that holds the steps is contradicted; 2.6 % were lacking here."""
     motion = da.solve_dynamics(pendulum(), backend="vm", **RUNS["default steps"])
@@ -129,7 +130,7 @@ def bouncing_ball() -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "options",
     [

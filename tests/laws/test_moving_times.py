@@ -42,7 +42,7 @@ def whole_runs(solve, model, responses, name: str, h: float = 1e-3) -> np.ndarra
     return (8 * near - far) / (12 * h * size)
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("driven", [True, False])
 @pytest.mark.parametrize(
     "times",

@@ -65,7 +65,7 @@ def classical(times: np.ndarray, lean: float, omega: np.ndarray) -> np.ndarray:
     return solve_ivp(rate, (0, times[-1]), start, t_eval=times, rtol=1e-12, atol=1e-13).y
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", CHOICES)
 def test_every_choice_rolls_the_same_way(name):
     model = disc()

@@ -29,7 +29,7 @@ def bouncing_ball(restitution: float, height: float = 1.0) -> da.Model:
     return system.build()
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @schemes
 @pytest.mark.parametrize("step", [1.7e-2, 7e-3, 3.1e-3])
 def test_bouncing_ball_is_of_first_order(scheme, step):
@@ -47,7 +47,7 @@ def test_elastic_ball_keeps_its_energy():
     assert motion.data["penetration"].max() <= 1e-13
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @schemes
 def test_bounces_without_end_end(scheme):
     """Infinitely many impacts in finite time; the ball lies on the floor then."""
@@ -59,7 +59,7 @@ def test_bounces_without_end_end(scheme):
     assert impulses.mean() == pytest.approx(2.0 * G * 4e-3, rel=1e-6)  # the weight
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @schemes
 def test_newtons_cradle_follows_newtons_law_at_once(scheme):
     """All contacts in one: ``(−1/3, 2/3, 2/3)``, not ``(0, 0, 1)`` of impacts one by one."""
@@ -120,7 +120,7 @@ def pendulum_at_a_wall() -> da.System:
     return system
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @schemes
 def test_joints_stay_closed_beside_contacts(scheme):
     """A pendulum that swings against a wall: the pin holds, and the disc does not pass."""
@@ -201,6 +201,7 @@ def test_energy_from_nowhere_is_no_motion():
     assert lax.status.success and "the steps are long" in lax.warnings[0]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("theta", [0.5, 0.75, 1.0])
 def test_a_ball_of_long_steps_is_balanced(theta):
     """What the θ-method loses in the fall, an impact returns: no net energy is gained. The only

@@ -59,7 +59,7 @@ SCHEMES = {
 schemes = pytest.mark.parametrize("scheme", SCHEMES.values(), ids=SCHEMES)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @schemes
 def test_bouncing_ball(scheme):
     """The case of Ma et al. (2021): exact derivatives of height and speed after one bounce."""
@@ -169,6 +169,7 @@ def test_all_parameters_of_anticipated_impacts():
     np.testing.assert_allclose(chosen, differences, atol=1e-6)
 
 
+@pytest.mark.thorough
 def test_discs_before_their_next_impacts():
     """Two layers of discs that slide, roll and press in a short window, against differences."""
     system = da.System("discs", gravity=(0.0, -9.81))
@@ -274,7 +275,7 @@ def test_notes_of_gradients():
     assert "slip" not in text
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("height", [0.1, 0.5])
 @pytest.mark.parametrize("theta", [0.5, 0.8])
 def test_gyroscopic_forces_are_part_of_gradients(height, theta):

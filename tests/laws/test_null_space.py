@@ -81,7 +81,7 @@ def test_singular_values_of_many_speeds_are_refused():
         da.solve_dynamics(bars(count), 0.1, formulation=da.NullSpace("svd"))
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("basis", BASES)
 def test_runs_agree_with_range_space(basis):
     model = bars(2)
@@ -109,6 +109,7 @@ def massless_rod() -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     "formulation", [*map(da.NullSpace, BASES), da.VelocityPartitioning()], ids=str
 )

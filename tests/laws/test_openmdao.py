@@ -80,6 +80,7 @@ CASES = {
 }
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", CASES)
 def test_states_with_their_residuals(name):
     """Partials both ways against differences, totals against our own gradients."""

@@ -34,6 +34,7 @@ def available(name: str) -> None:
         pytest.skip(f"{EXTRA[name]} is not installed")
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", CONSTRAINED)
 def test_methods_find_the_same(name):
     """Fleury's cantilever: strictly convex in reciprocal variables, so with one optimum."""
@@ -117,7 +118,7 @@ def test_designs_beyond_which_others_fail_are_told():
     assert not best.success and "along it fail" in best.message, best.message
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "method", ["slsqp", "trust-constr", "ipopt", "mma", "differential-evolution"]
 )

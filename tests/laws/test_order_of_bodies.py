@@ -14,7 +14,7 @@ FORMS = {
 }
 
 
-@pytest.mark.few(7)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 @pytest.mark.parametrize("law", ["newton", "poisson", "energetic"])
 @pytest.mark.parametrize("names", [("disc", "crate"), ("crate", "disc")])

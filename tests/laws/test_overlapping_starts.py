@@ -41,7 +41,7 @@ def ball(kind: str, inside: float, speed: float = 0.0) -> da.System:
 RIGID = ["planar gap", "spatial gap", "planar rigid", "spatial rigid"]
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("kind", RIGID)
 @pytest.mark.parametrize("speed", [0.0, -1.0, 1.0, -1e-5])
 def test_a_rounded_start_is_the_touching_one(kind: str, speed: float) -> None:
@@ -77,6 +77,7 @@ def test_compliant_contact_presses_by_the_overlap(kind: str) -> None:
     assert motion["floor.force"].values[0] == pytest.approx(1e7 * INSIDE**1.5, rel=1e-6)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", ["planar rigid", "spatial gap", "planar collisions"])
 def test_nonsmooth_contact_takes_a_rounded_start(kind: str) -> None:
     speed = -1.0 if kind.endswith("collisions") else 0.0  # else its weight is all that does work

@@ -24,6 +24,7 @@ def test_designs_that_differ_by_round_off_are_one():
     assert distinct(values[3:]).tolist() == [0]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", ["normal-constraint", "epsilon-constraint"])
 def test_fronts_by_gradients(method):
     """Two paraboloids: ``√f₁ + √f₂ = √2``; with one aim turned round, the same front."""

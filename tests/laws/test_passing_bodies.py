@@ -36,7 +36,7 @@ def spinning_cube() -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("compiled", [True, False])
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("scene", [spinning_square, spinning_cube])
@@ -53,6 +53,7 @@ def test_a_corner_passes_a_wall_without_an_impulse(scene, scheme, compiled, monk
         assert np.linalg.norm(end) == pytest.approx(SPIN, rel=1e-12)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_a_corner_hits_a_wall_that_is_in_its_way(scheme):
     """The same square, nearer by twice the clearance."""
@@ -75,7 +76,7 @@ def hinged_bar(clearance: float) -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("scene", ["hinged bar", "free square", "free square, general steps"])
 @pytest.mark.parametrize("clearance", [1e-6, 3e-6, 1e-5, 3e-5])

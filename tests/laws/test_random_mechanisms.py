@@ -102,6 +102,7 @@ def test_energy_of_a_pinned_tree_is_constant(seed):
     np.testing.assert_allclose(energy, energy[0], atol=1e-8 * (1 + np.abs(energy).max()))
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("seed", TREES)
 def test_momentum_of_a_free_tree_is_constant(seed):
     """Linear momentum and moment of momentum about the origin."""
@@ -118,6 +119,7 @@ def test_momentum_of_a_free_tree_is_constant(seed):
     np.testing.assert_allclose(totals, np.tile(totals[0], (4, 1)), atol=1e-9)
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("pinned", [False, True])
 @pytest.mark.parametrize("seed", TREES)
 def test_reactions_balance_every_bar(seed, pinned):

@@ -124,6 +124,7 @@ def test_steps_of_a_row_of_mechanisms():
     np.testing.assert_array_equal(columns(20, *inputs)[0], expected)
 
 
+@pytest.mark.thorough
 def test_code_does_not_grow_with_the_number_of_equal_mechanisms():
     few, many = (
         translation.distinct_operations(source.c_source(step_of(four_bars(n))[0]), ENTRY, 300)

@@ -11,7 +11,7 @@ from dalembert import planar
 G, PERIOD, BETA = 9.81, 0.04, np.radians(25)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("step", [5e-4, 2.5e-4])
 def test_a_part_on_a_vibrating_trough_does_not_turn(step):
     """The box slides without turning; its angle changes by clearances, which depend on the step."""

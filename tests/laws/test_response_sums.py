@@ -37,6 +37,7 @@ RESULTS = {
 }
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("kind", RESULTS)
 @pytest.mark.parametrize("method", ["direct", "adjoint", "finite-difference"])
 def test_a_sum_has_the_value_and_gradient_of_its_terms(kind: str, method: str) -> None:

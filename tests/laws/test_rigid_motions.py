@@ -196,7 +196,7 @@ def test_a_rigid_motion_has_the_inertia_of_a_rigid_body(name, d, lumped):
     np.testing.assert_allclose(left, 0.0, atol=1e-8 * energy)  # differences in rates_of
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("name", "d"), KINDS)
 def test_free_flight_is_that_of_a_rigid_body(name, d):
     """No support, no load, nothing but what was thrown: place and attitude to order two."""

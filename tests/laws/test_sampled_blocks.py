@@ -56,6 +56,7 @@ def exact(gain: float = 80.0, mass: float = 2.0) -> tuple[float, float, float]:
     return x[0], x[1], x[2]
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", INTEGRATORS)
 def test_sampled_controller_agrees_with_matrix_exponential(name):
     motion = da.solve_dynamics(lift(), END, **INTEGRATORS[name])

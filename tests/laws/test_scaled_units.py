@@ -102,7 +102,7 @@ def plain_swing(name: str) -> da.Motion:
     return swing(Units(), STRATEGIES[name] if name in STRATEGIES else GAINS[name](Units()))
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("name", "units"), crossed([*STRATEGIES, *GAINS], OTHERS), ids=str)
 def test_dynamics(name, units):
     motion = swing(units, STRATEGIES[name] if name in STRATEGIES else GAINS[name](units))
@@ -118,7 +118,7 @@ def test_dynamics(name, units):
         same(motion[measure].values / units(unit), plain[measure].values)
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("units", OTHERS, ids=str)
 def test_gradients(units):
     responses = {da.Final("A.force_norm"): "N", da.integral("coupler.vx"): "m"}
@@ -131,6 +131,7 @@ def test_gradients(units):
             same(one, other)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("units", OTHERS, ids=str)
 def test_equilibrium_and_modes(units):
     rest, plain = da.solve_equilibrium(model(units)), da.solve_equilibrium(model(Units()))
@@ -142,6 +143,7 @@ def test_equilibrium_and_modes(units):
     same(modes.eigenvalues * units.time, linearized.eigenvalues)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("units", OTHERS, ids=str)
 def test_driven_motion(units):
     computed, plain = (
@@ -154,6 +156,7 @@ def test_driven_motion(units):
     same(computed["motor.effort"].values / units("N m"), plain["motor.effort"].values)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("units", OTHERS, ids=str)
 def test_dead_centres(units):
     """A crank too long for whole turns."""

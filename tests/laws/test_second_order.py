@@ -89,7 +89,7 @@ REDUCTIONS = [
 ]
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("response", REDUCTIONS, ids=lambda r: r.label)
 def test_reductions(response):
     """Every reduction, on one run with outputs inside steps."""
@@ -141,7 +141,7 @@ def test_every_element(name):
     check_implicit(accelerations, [np.array([0.1]), x, p])
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", FORMULATIONS)
 def test_formulations(name):
     motion = da.solve_dynamics(
@@ -154,6 +154,7 @@ def test_formulations(name):
     checked(motion, [da.final("b.angle")])
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", STABILIZATIONS)
 def test_stabilizations(name):
     """With corrections after every step and after every third one."""
@@ -177,7 +178,7 @@ def swinging_bar() -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "model", [swinging_bar, pytest.param(lambda: four_bar(False), marks=pytest.mark.thorough)]
 )
@@ -229,7 +230,7 @@ def seen(model) -> list[Response]:
 LINEAR = ["truss 3-D", "frame 2-D", "Quadrilateral"]
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("name", "nonlinear"), [(n, True) for n in STRUCTURES] + [(n, False) for n in LINEAR]
 )

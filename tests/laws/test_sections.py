@@ -22,6 +22,7 @@ SHAPES = {
 }
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", SHAPES)
 def test_area_and_second_moments(name):
     section, inside = SHAPES[name]

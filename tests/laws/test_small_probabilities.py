@@ -23,7 +23,7 @@ CASES = {
 }
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", ["subset-simulation", "openturns-subset"])
 @pytest.mark.parametrize("name", ["plane", "circle"])
 def test_probability(name, method):

@@ -116,7 +116,7 @@ def test_a_bushing_may_turn_round():
         assert float(moment(y, np.zeros(6), [])) == pytest.approx(-3.0 * np.sin(angle), abs=1e-12)
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", SPATIAL_CASES)
 def test_the_same_motion_in_joint_coordinates(name):
     model = spatial_model_of(name)

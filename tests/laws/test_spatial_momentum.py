@@ -80,7 +80,7 @@ def momenta(model: da.Model) -> Expression:
     return Expression(ca.vertcat(linear, angular))
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("mechanism", "seed"),
     sampled([*((chain, k) for k in range(6)), *((loop, k) for k in range(4))], 3),

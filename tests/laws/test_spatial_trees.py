@@ -32,6 +32,7 @@ def assert_absolute(model: da.Model, reactions: str, formulation=None) -> None:
     assert_same(accelerations(view, formulation or da.RangeSpace()), expected)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("seed", "reactions"), SEEDS)
 def test_random_trees(seed, reactions):
     """Fixed and floating, joints from either end, gravity, springs between any two bodies."""
@@ -41,6 +42,7 @@ def test_random_trees(seed, reactions):
     assert_absolute(model, reactions)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("seed", "reactions"), SEEDS)
 def test_random_loops(seed, reactions):
     tree = SpatialTree(seed).grow(4, ["Spherical", "Revolute", *KINDS]).springs()

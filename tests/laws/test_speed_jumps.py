@@ -38,7 +38,7 @@ def jolted(
     return da.solve_nonsmooth(system.build(), BEFORE + 2 * H, step=H, integrator=scheme)
 
 
-@pytest.mark.few(7)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("restitution", sampled([0.0, 0.7], 1))
 @pytest.mark.parametrize("fraction", FRACTIONS)
@@ -53,6 +53,7 @@ def test_a_resting_body_leaves_with_the_driven_one(fraction, restitution, scheme
     assert abs(motion["table.vy"].values[-1] - 1.0) < 1e-12
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("along", [0.2, 0.6])
 @pytest.mark.parametrize("fraction", sampled([0.1, 0.7], 1))

@@ -237,6 +237,7 @@ def test_baumgarte_beyond_its_stability_is_flagged_with_the_number(integrator):
 ADAPTIVE = [name for name, integrator in INTEGRATORS.items() if integrator.adaptive]
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("integrator", ADAPTIVE)
 def test_a_driven_mechanism_limits_the_step_by_its_corrections(integrator):
     """All motion is prescribed, so no error lies along the constraints; kinematics is the truth."""

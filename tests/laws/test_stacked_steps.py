@@ -22,6 +22,7 @@ STACKED = {
 """Models, and durations of their runs [s]."""
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", STACKED)
 def test_steps_together_are_those_one_by_one(name):
     case = CONTACT_MODELS[name]
@@ -50,6 +51,7 @@ def test_steps_together_are_those_one_by_one(name):
     assert stacked > steps.count // 2
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("name", "solved"),
     [

@@ -35,7 +35,7 @@ def test_boxes_stand(count):
     assert carried == pytest.approx(G * 2e-3 * count * (count + 1) / 2, rel=1e-7)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize(("axes", "count", "duration"), [(planar, 3, 0.45), (spatial, 5, 1.3)])
 def test_stacks_stand_with_moreau_jean(axes, count, duration):
     """Impulses within the tolerance gain no energy that would hide a contact from a step, and edges

@@ -68,6 +68,7 @@ def test_integrators_agree(name):
     assert np.allclose(ends(motion), reference(4.0, 2.0), rtol=0, atol=tolerance)
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("size", [1e-12, 1e-6, 1e6])
 @pytest.mark.parametrize("name", ["automatic", "DormandPrince", "BDF"])
 def test_units_of_states_do_not_matter(name, size):
@@ -94,7 +95,7 @@ def arm() -> da.Model:
 ARM = "upper.angle", "lower.angle", "control.integral", "control.filtered"
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("formulation", FORMULATIONS, ids=lambda f: type(f).__name__)
 def test_formulations_agree(formulation):
     model = arm()

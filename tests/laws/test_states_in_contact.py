@@ -73,6 +73,7 @@ def errors(duration: float, steps: tuple[float, ...], reference, **options) -> n
     return np.abs(np.array(ends) - reference).max(axis=1)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("inductance", [0.05, 1e-4])
 def test_steps_without_contact_are_of_second_order(inductance):
     """Also where the time constant of the state is shorter than the step."""

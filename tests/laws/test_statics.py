@@ -111,6 +111,7 @@ def hung(stiffness: float | None) -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("ratio", [1e2, 1e4, 1e6, 1e8, 1e10, 1e11])
 def test_stiff_springs_beside_soft_ones(ratio):
     """The stiff one turns far on the way; in the end it is as good as rigid."""

@@ -38,7 +38,7 @@ def exact() -> float:
     return run(None, da.DormandPrince853(1e-12, 1e-12)).values("arm.angle")[-1]
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", FIXED)
 def test_steps_that_are_too_long_are_told_with_those_that_do(name):
     """The advice is followed until there is none; then the run is right to a few per cent."""

@@ -80,7 +80,7 @@ def top() -> da.Model:
 MODELS = {"cart-pole": cart_pole, "four-bar": four_bar, "top": top}
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("strategy", STRATEGIES)
 @pytest.mark.parametrize("name", MODELS)
 def test_steps_are_those_of_a_run(name, strategy):
@@ -108,7 +108,7 @@ def test_models_of_many_kinds(name):
     assert y[0] == pytest.approx(motion["kinetic_energy"][-1].item(), rel=1e-12)
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("strategy", ["joint coordinates", "absolute", "implicit"])
 @pytest.mark.parametrize("name", MODELS)
 def test_jacobians_against_differences(name, strategy):
@@ -155,6 +155,7 @@ def test_jacobians_against_differences(name, strategy):
     assert np.allclose(input_product, expected, rtol=1e-9, atol=1e-10)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("strategy", STRATEGIES)
 def test_restored_steps_are_identical(strategy):
     stepper = da.Stepper(four_bar(), step=0.01, **STRATEGIES[strategy])

@@ -109,7 +109,7 @@ def closed(plant: da.Stepper, t: float, x: np.ndarray, p: np.ndarray) -> np.ndar
     return x
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("strategy", STRATEGIES)
 @pytest.mark.parametrize("name", MODELS)
 def test_derivatives_by_parameters_are_limits_of_differences(name, strategy):
@@ -146,7 +146,7 @@ def test_derivatives_by_parameters_are_limits_of_differences(name, strategy):
         np.testing.assert_allclose(extrapolated, column, rtol=0, atol=2e-8 * largest)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("strategy", STRATEGIES)
 @pytest.mark.parametrize("name", MODELS)
 def test_steps_accumulate_to_gradients_of_the_run(name, strategy):

@@ -41,6 +41,7 @@ def test_wrong_inputs_are_refused(inputs):
     assert np.array_equal(plant.state, state) and np.array_equal(plant.outputs, y)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("backend", ["jit", "vm"])
 def test_infinite_inputs_are_refused_and_the_last_ones_remain(value, backend):
@@ -182,6 +183,7 @@ def test_steppers_in_threads():
             assert np.array_equal(result, expected)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("make", [cart_pole, four_bar, top])
 def test_lanes_do_not_depend_on_their_number_or_threads(make):
     plant, u = da.Stepper(make(), step=0.01), np.random.default_rng(4).normal(size=(20, 40, 1))

@@ -70,7 +70,7 @@ def test_shapes_are_orthogonal(name, lumped):
     assert (modes.shapes[peaks, np.arange(peaks.size)] > 0).all()
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("name", "lumped"), crossed(MASSIVE, [False, True]))
 def test_gradients_of_vibration(name, lumped):
     model = model_of(name)
@@ -79,7 +79,7 @@ def test_gradients_of_vibration(name, lumped):
     check_gradients(modes, responses_of(model, "frequency") + more)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("name", "nonlinear"), crossed([n for n in MASSIVE if n in COMPRESSED], [False, True])
 )
@@ -90,7 +90,7 @@ def test_gradients_of_vibration_about_a_loaded_state(name, nonlinear):
     check_gradients(modes, responses_of(model, "frequency"))
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", COMPRESSED)
 def test_gradients_of_buckling(name):
     model = model_of(name)
@@ -100,7 +100,7 @@ def test_gradients_of_buckling(name):
     check_gradients(modes, responses if modes.numbers.size > 1 else [responses[0], responses[2]])
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", [n for n in MASSIVE if n in COMPRESSED])
 def test_frequency_vanishes_at_the_load_factor(name):
     """Vibration about ``λ u₀`` stops where the structure buckles."""
@@ -227,6 +227,7 @@ def test_nothing_that_moves_has_mass():
         da.solve_modes(structure.build())
 
 
+@pytest.mark.thorough
 def test_differences_of_the_whole_analysis():
     """The front door repeats it at other values, loads and all."""
     model = model_of("Frame 2-D")

@@ -89,7 +89,7 @@ def exact(motion, end: float) -> tuple[np.ndarray, np.ndarray]:
     return whole(end, reference.y[:, -1])[:2]
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("nonlinear", [False, True])
 @pytest.mark.parametrize("integrator", INTEGRATORS.values(), ids=INTEGRATORS)
 def test_order_two_in_displacements_and_velocities(integrator, nonlinear):
@@ -126,6 +126,7 @@ def test_average_acceleration_conserves_energy():
     np.testing.assert_allclose(total, total[0], rtol=1e-10)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", ["average acceleration", "HHT", "generalised-alpha"])
 def test_no_step_is_too_long(name):
     """Steps of a hundred periods leave oscillations bounded."""
@@ -168,7 +169,7 @@ def agree(motion, responses) -> None:
     assert (np.abs(slope - direct @ way) / np.maximum(np.abs(direct) @ way, 1e-12)).max() < 1e-6
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("nonlinear", [False, True])
 @pytest.mark.parametrize("integrator", INTEGRATORS.values(), ids=INTEGRATORS)
 def test_gradients_of_every_integrator(integrator, nonlinear):
@@ -226,7 +227,7 @@ def model_of(name: str, dimension: int):
 KINDS = [(name, d) for name, cls in ELEMENTS.items() for d in cls.dimensions]
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("name", "dimension", "nonlinear"), crossed(KINDS, [False, True]))
 def test_gradients_of_every_kind_of_element(name, dimension, nonlinear):
     model = model_of(name, dimension)

@@ -86,7 +86,7 @@ def reference() -> dict[str, np.ndarray]:
     return results(1.0, 1.0, 1.0)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("units", UNITS.values(), ids=UNITS)
 def test_units_change_nothing_but_units(units):
     for name, numbers in results(*units).items():

@@ -101,7 +101,7 @@ CASES = [(name, da.Statics()) for name in NAMES]
 CASES += [(name, da.Modal(count=2)) for name in NAMES if name == "portal" or name in MASSIVE]
 
 
-@pytest.mark.few(8)
+@pytest.mark.few(3)
 @pytest.mark.parametrize(("name", "analysis"), CASES)
 def test_pages_state_what_follows_from_parameters(name: str, analysis: Any) -> None:
     start, other = pages(name, analysis)

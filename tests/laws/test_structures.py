@@ -246,7 +246,7 @@ def test_tangents_are_the_slopes_of_forces_wherever_elements_are(name):
 MATRICES = ["mass", "lumped mass", "tangent", "geometric"]
 
 
-@pytest.mark.few(7)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", CASES)
 def test_masses(name):
     """Both mass matrices: symmetric, positive, the whole mass in every direction."""
@@ -340,7 +340,7 @@ def test_equilibrium_and_work(name):
     assert result.status.residual < 1e-12
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("name", "nonlinear"), crossed(CASES | HELD, [False, True]))
 def test_direct_adjoint_and_differences_agree(name, nonlinear):
     """Displacements, reactions, all quantities of elements and totals, by every parameter."""

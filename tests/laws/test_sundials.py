@@ -20,6 +20,7 @@ CASES = {
 STABILIZATIONS = [da.Stabilization(), da.Baumgarte(), da.Projection()]
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("stabilization", STABILIZATIONS, ids=lambda s: type(s).__name__)
 @pytest.mark.parametrize("case", CASES)
 def test_tolerance_is_met_at_steps_and_between(case, stabilization):
@@ -53,6 +54,7 @@ def test_cvodes_needs_accelerations():
         da.solve_dynamics(chain(), 0.1, integrator=da.CVODES(), formulation=da.DAE())
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", [da.CVODES, da.IDA])
 def test_failure_inside_an_interval_is_a_status(method, capfd):
     """``ẍ = −1/x³`` reaches x = 0 at t = 1: what was done before stays, nothing is printed."""
@@ -95,6 +97,7 @@ def pendulum() -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", [da.CVODES, da.IDA])
 def test_gradients_are_right_to_about_the_tolerance(method):
     """Direct and adjoint against the exact gradients of short RK4 steps."""
@@ -108,6 +111,7 @@ def test_gradients_are_right_to_about_the_tolerance(method):
         np.testing.assert_allclose(gradient, true, rtol=0, atol=1e-6 * np.abs(true).max())
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", [da.CVODES, da.IDA])
 def test_outputs_cost_no_accuracy(method):
     """A thousand intervals: starting anew in each made 1e-5 of the run and its gradients."""
@@ -145,6 +149,7 @@ def test_wrong_tolerances_are_refused(method, options):
         method(**options)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("coordinates", [da.AbsoluteCoordinates(), da.JointCoordinates()], ids=repr)
 def test_ida_starts_anew_in_short_intervals(coordinates):
     """Turning four-bar, 160 intervals: right start values are no failure."""

@@ -103,7 +103,7 @@ def run(name: str, method: str, rtol: float = 1e-10, **options):
     )
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", FORCES)
 def test_motions_over_switches(name):
     for method in INTEGRATORS:
@@ -116,7 +116,7 @@ def test_motions_over_switches(name):
 DIFFERENTIABLE = sorted({*FORCES} - {"power left out"})  # 0·NaN, with or without
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("name", "method"), crossed(DIFFERENTIABLE, INTEGRATORS, 2))
 def test_gradients_over_switches(name, method):
     """Direct and adjoint are one, and the derivative of the motion itself, jumps or none."""
@@ -140,6 +140,7 @@ def test_steps_end_at_switches(method):
         assert np.min(np.abs(motion.time - instant)) < 1e-8
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("method", INTEGRATORS)
 def test_repeated_runs_go_over_switches_again(method):
     """Steps repeated with other parameters move with them as their gradients say."""
@@ -194,6 +195,7 @@ def test_integrals_of_what_is_continuous_over_switches():
         assert abs(both[0] - both[1]) < 1e-6 * abs(both[1]), method
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", ["jump", "instant", "sign of place", "nested", "drag"])
 def test_integrals_of_what_jumps_at_switches(name):
     """The integral of an acceleration is the change of the speed: instants of jumps move."""

@@ -19,6 +19,7 @@ TURN = np.linspace(0, 2 * math.pi, 25)[:-1]
 PIECE = np.array([0.2, 0.6, 1.1, 1.7])
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("linkage", [BAR, SLIDER], ids=["four-bar", "slider-crank"])
 def test_path_of_a_linkage_is_found(linkage):
     kind = type(linkage)
@@ -40,6 +41,7 @@ def test_cognates_are_found_too():
         assert any(np.allclose(sizes, other, atol=1e-3) for other in there)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("linkage", [BAR, SLIDER], ids=["four-bar", "slider-crank"])
 def test_poses_and_functions_are_found(linkage):
     kind = type(linkage)
@@ -68,6 +70,7 @@ def test_freudenstein():
     assert k3 == pytest.approx((d**2 - c**2 + f**2 + g**2) / (2 * d * f), rel=1e-4)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("count", "best_error"), [(6, 2.52e-6), (10, 6.18e-6)], ids=["six", "ten"])
 def test_a_few_starts_are_enough_for_a_function(count, best_error):
     """A square over 90°; ``known`` is the best of 300 random starts."""
@@ -86,6 +89,7 @@ def test_a_path_that_is_met_poorly_has_a_best_linkage():
         assert synthesis.best.error < 0.05 and synthesis.best.linkage.crank_turns
 
 
+@pytest.mark.thorough
 def test_linkages_that_differ_by_full_turns_or_names_count_once():
     poses = da.Target.motion(BAR.path(PIECE), BAR.coupler_angle(PIECE))
     synthesis = da.synthesize(poses, starts=8, crank_turns=False)
@@ -95,6 +99,7 @@ def test_linkages_that_differ_by_full_turns_or_names_count_once():
     assert all(np.max(abs(a - b)) > 1e-3 for k, a in enumerate(places) for b in places[:k])
 
 
+@pytest.mark.thorough
 def test_limits_are_kept():
     least = math.radians(40)
     ends = {"x": (2.5, 3.5), "crank": (0.2, 0.5)}

@@ -20,6 +20,7 @@ Y = np.sin(5 * X)
 BETWEEN = np.linspace(X[0], X[-1], 41)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("ends", [None, "not-a-knot", "clamped", "natural", "periodic"])
 def test_the_spline_is_that_of_scipy_and_the_line_the_straight_one(ends):
     y = Y if ends != "periodic" else np.r_[Y[:-1], Y[0]]
@@ -216,6 +217,7 @@ def test_large_tables_have_an_adjoint_too(integrator):
     assert adjoint.values == pytest.approx(direct.values, rel=1e-9, abs=1e-15)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("backend", ["jit", "c"])
 @pytest.mark.parametrize("rows", [8, 60])
 def test_every_backend_runs_the_same(backend, rows):
@@ -236,6 +238,7 @@ def test_a_batch_is_its_runs(rows):
         assert computed == pytest.approx(one.values("bob.angle")[-1], abs=1e-12)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("integrator", [da.RK4(), da.DormandPrince(), da.Radau()])
 def test_a_run_that_leaves_a_table_ends_and_names_it(integrator):
     motion = da.solve_dynamics(pendulum(top=0.6, angle=0.0), 1.0, step=0.01, integrator=integrator)

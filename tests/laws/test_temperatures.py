@@ -62,6 +62,7 @@ def heated(name: str, d: int, held: bool = True, gradients: bool = True):
     return s.build()
 
 
+@pytest.mark.few(10)
 @pytest.mark.parametrize("nonlinear", [False, True])
 @pytest.mark.parametrize(("name", "d"), KINDS)
 def test_free_expansion_is_without_stress(name, d, nonlinear):
@@ -82,6 +83,7 @@ def test_free_expansion_is_without_stress(name, d, nonlinear):
     assert abs(result.values("strain_energy")[0]) < 1e-3 * 3.0 * growth**2
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("name", "d", "analysis"), crossed(KINDS, ["linear", "nonlinear", "path"]))
 def test_gradients_under_heat(name, d, analysis):
     """By temperature, expansion and all else: direct, adjoint and differences."""
@@ -104,6 +106,7 @@ def test_gradients_under_heat(name, d, analysis):
     agree(result, responses)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", ["Truss", "Frame", "SpaceFrame", "Quadrilateral", "Hexahedron"])
 def test_vibration_and_buckling_under_heat(name):
     """Frequencies and load factors follow the stress of hindered expansion."""

@@ -129,6 +129,7 @@ def check(model, angle: float, **choices) -> bool:
     return True
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("each", [3, pytest.param(1, marks=pytest.mark.thorough)])
 def test_every_combination_takes_a_tiny_mechanism(each, models):
     """All combinations, or one in ``each`` with all formulations and integrators."""
@@ -147,7 +148,7 @@ def test_every_combination_takes_a_tiny_mechanism(each, models):
     assert ran > 80 / each
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("make", [clamped, driven, pendulum], ids=lambda make: make.__name__)
 @pytest.mark.parametrize("integrator", INTEGRATORS.values(), ids=INTEGRATORS)
 def test_every_integrator_takes_what_has_no_coordinate_or_no_equation(make, integrator, models):

@@ -91,6 +91,7 @@ def test_cheapest_allocation(crank, worst_case):
         assert np.sum(c / t) == pytest.approx(1e3 * 1e4 * best.fun, rel=1e-5)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("call", "message"),
     [

@@ -86,6 +86,7 @@ def accelerations_of(name: str) -> ca.SX:
     return accelerations(model_of(name).equations)
 
 
+@pytest.mark.few(10)
 @pytest.mark.parametrize(("name", "change"), sampled(CHANGED, 7))
 def test_motion_and_multipliers_stay(name, change):
     """``B v̇' + γ`` is the old acceleration, λ the old multipliers, T the old energy."""
@@ -111,6 +112,7 @@ def test_motion_and_multipliers_stay(name, change):
     np.testing.assert_allclose(kinetic, old_kinetic, rtol=1e-12)
 
 
+@pytest.mark.few(10)
 @pytest.mark.parametrize(("name", "change"), sampled(CHANGED, 7))
 def test_constraints_and_powers_follow(name, change):
     """Ψ, C = C B, ξ and both powers have the values they had before."""
@@ -135,6 +137,7 @@ def test_constraints_and_powers_follow(name, change):
         np.testing.assert_allclose(computed, expected, atol=1e-10 * scale)
 
 
+@pytest.mark.few(7)
 @pytest.mark.parametrize("name", sampled(CASES, 5))
 def test_speeds_without_mass_stay_known(name):
     """The default formulation takes the transformed equations, too."""
@@ -199,6 +202,7 @@ def test_explicit_constraints(name):
         assert np.abs(residual).max(initial=0) < limit
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize("name", sampled(CONSTRAINED, 5))
 def test_projective_scheme(name):
     """(6.9): ``M̂ u̇ = f̂ − d̂`` gives the accelerations of the saddle system."""

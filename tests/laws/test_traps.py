@@ -248,6 +248,7 @@ def crank_of_a_short_rod():
     return system.build()
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     "choice",
     [

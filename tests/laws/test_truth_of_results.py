@@ -81,6 +81,7 @@ def open_by(motion: da.Motion, levels=EVERY, forces: bool = True) -> float:
     return max([*shares, residuals.of_motion.share] if forces else shares)
 
 
+@pytest.mark.few(14)
 @pytest.mark.parametrize("name", PLANAR)
 def test_driven_motions_are_true(name):
     """Kinematics and inverse dynamics, at the outputs and between them."""
@@ -93,6 +94,7 @@ def test_driven_motions_are_true(name):
         assert open_by(motion.at(np.array([0.033, 0.087])), forces=forces) < 1e-9
 
 
+@pytest.mark.few(13)
 @pytest.mark.parametrize("name", CASES)
 def test_equilibria_are_true(name):
     rest = da.solve_equilibrium(tied(name))
@@ -103,6 +105,7 @@ def test_equilibria_are_true(name):
 # a solver that errs ---------------------------------------------------------------------------
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(
     ("part", "message"),
     [(0, "m at t"), (1, "m/s at t"), (2, "m/s² at t"), (3, "equation of motion")],

@@ -88,6 +88,7 @@ def check_every_step(motion: da.Motion) -> None:
     assert motion.statistics["maximum energy gained in contacts [J]"] <= 1e-10 * exchanged
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("seed", "friction", "restitution"),
     [(1, 0.2, 0.6), (2, 0.8, 0.3), (3, 0.5, 0.0), (4, 0.0, 0.9)],
@@ -98,10 +99,12 @@ def test_planar_bodies_tumble(seed, friction, restitution):
     assert np.diff(motion.data["energy"]).max() <= 1e-10 * np.ptp(motion.data["energy"].values)
 
 
+@pytest.mark.thorough
 def test_planar_bodies_tumble_on_a_floor_that_turns():
     check_every_step(da.solve_nonsmooth(planar_scene(5, 0.3, 0.3, True), 0.5, step=2e-3))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("seed", "friction", "restitution"), [(1, 0.2, 0.6), (2, 0.5, 0.3)])
 def test_spatial_bodies_tumble(seed, friction, restitution):
     motion = da.solve_nonsmooth(spatial_scene(seed, friction, restitution), 0.4, step=2e-3)
@@ -115,6 +118,7 @@ def test_spatial_bodies_with_unequal_moments_of_inertia_tumble():
     assert np.diff(motion.data["energy"]).max() <= 1e-10 * np.ptp(motion.data["energy"].values)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("theta", [0.5, 1.0])
 def test_moreau_jean_tumbles_without_refusal(theta):
     """Corrections after impacts lift bodies by a part of the energy, O(h); θ = 1 dissipates."""
@@ -125,7 +129,7 @@ def test_moreau_jean_tumbles_without_refusal(theta):
     assert np.abs(motion.data["balance_error"]).max() <= 2e-3 * np.ptp(motion.data["energy"].values)
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 @pytest.mark.parametrize("restitution", [0.0, 0.5])
 def test_a_box_that_fell_comes_to_rest(scheme, restitution):
@@ -178,6 +182,7 @@ def elliptic(t: np.ndarray) -> np.ndarray:
     return np.array([first * cn, second * sn, third * dn])
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 def test_a_free_body_keeps_its_energy_and_follows_the_elliptic_functions(scheme):
     """Kinetic energy within 1e-14 per step; angular velocities of second order in the step."""
@@ -232,6 +237,7 @@ def block(angle: float, spin: float = 0.0) -> da.Model:
     return standing_polygon((box - center).tolist(), tuple(center), INERTIA, spin)
 
 
+@pytest.mark.few(1)
 @schemes
 def test_a_block_rocks_as_housner_says(scheme):
     """Time of the first impact, and the angular velocities before and after it, which the weight

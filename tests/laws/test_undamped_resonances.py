@@ -51,6 +51,7 @@ def first_resonance(kind: str) -> float:
     return PLACE if kind == "mechanism" else da.solve_modes(beam(), 1).frequencies[0]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", MODELS)
 def test_default_frequencies_leave_them_out_and_warn(kind, tmp_path) -> None:
     response = da.frequency_response(MODELS[kind](), outputs=["place"])
@@ -90,6 +91,7 @@ def test_close_to_a_resonance_the_response_is_exact(kind, method) -> None:
         da.frequency_response(model, [place], **options)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", MODELS)
 def test_mean_squares_are_infinite(kind) -> None:
     model, place = MODELS[kind](), first_resonance(kind)

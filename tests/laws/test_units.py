@@ -54,6 +54,7 @@ def held(model: da.Model) -> list:
     return [recipe.positions.indices, recipe.speeds.indices, recipe.projected]
 
 
+@pytest.mark.few(15)
 @pytest.mark.parametrize(("name", "units"), PAIRS)
 def test_start_and_diagnosis_change_with_the_units_only(name, units):
     one, other = any_model_of(name), converted(name, units)
@@ -69,6 +70,7 @@ def test_start_and_diagnosis_change_with_the_units_only(name, units):
     )
 
 
+@pytest.mark.few(18)
 @pytest.mark.parametrize(("name", "units"), PAIRS)
 def test_forces_change_with_the_units_only(name, units):
     one, other = any_model_of(name), converted(name, units)
@@ -106,6 +108,7 @@ def test_a_possible_triangle_closes_at_any_size(size):
     assert model.diagnosis.degrees_of_freedom == 3 and not model.diagnosis.massless
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("size", LENGTHS)
 def test_an_impossible_triangle_is_refused_at_any_size(size):
     with pytest.raises(da.AssemblyError):

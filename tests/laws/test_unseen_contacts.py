@@ -60,6 +60,7 @@ CASES = [(rest, hung, 0.2, 1.0), (modes, hung, 0.2, 1.0)]
 CASES += [(moved, pressed, 0.05, 1.0), (efforts, pressed, 0.05, 1.0)]
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("kind", SEEING)
 @pytest.mark.parametrize(("analysis", "mechanism", "low", "high"), CASES)
 def test_a_gap_that_is_negative_is_told_and_an_open_one_is_not(

@@ -79,6 +79,7 @@ def error(name: str, motion: da.Motion) -> float:
     return float(np.abs(motion.trajectory.y - exact(name)).max())
 
 
+@pytest.mark.few(16)
 @pytest.mark.parametrize("name", CONSTRAINED)
 def test_velocity_constraints_hold_without_correction(name):
     """|Ψ| ≤ 1e-12 at steps and between them, though nothing corrects them."""
@@ -104,7 +105,7 @@ def test_positions_drift_as_the_integrator_makes_them():
     assert math.log2(drift[0] / drift[2]) / 2 > 3.7
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("every", [None, 1, 7])
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_as_accurate_as_all_speeds_through_all_switches(name, every):
@@ -179,6 +180,7 @@ def test_useless_options_are_refused():
         PARTITIONED.solver(e.inertia, e.jacobian, e.massless)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("stabilization", [da.Stabilization(), da.Projection(every=3)])
 def test_gradients_across_switches(stabilization):
     """Direct and adjoint agree to 1e-9, with differences of the same steps to 1e-6."""

@@ -28,6 +28,7 @@ def shortest(push: float, x: float, y: float) -> float:
     return radius * ((angle + math.pi / 2) % (2 * math.pi)) + math.sqrt(away**2 - radius**2)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", [da.DirectCollocation(30), da.MultipleShooting(20)])
 @pytest.mark.parametrize(("push", "x", "y"), [(10.0, -0.3, 0.2), (5.0, 0.4, -0.3)])
 def test_a_singular_arc_is_not_exploited(push, x, y, method):

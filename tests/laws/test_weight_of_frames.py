@@ -61,7 +61,7 @@ def bending(kind: str, moment) -> float:
     return float(np.ravel(moment)[0] if dimension_of(kind) == 2 else -np.ravel(moment)[1])
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", FRAMES)
 @pytest.mark.parametrize("seed", [0, 1])
 def test_weight_is_the_mass_matrix_times_gravity(kind, seed):
@@ -93,7 +93,7 @@ def test_a_clamped_beam_has_the_reactions_of_the_table(kind):
         assert force == pytest.approx(Q * length / 2, rel=1e-9)
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("elements", [1, 3])
 @pytest.mark.parametrize("kind", FRAMES)
 def test_a_cantilever_has_the_deflection_of_the_table(kind, elements):
@@ -110,6 +110,7 @@ def test_a_cantilever_has_the_deflection_of_the_table(kind, elements):
     assert deflection == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", FRAMES)
 def test_a_swinging_soft_beam_keeps_its_energy(kind):
     """Hinged at one end, with large rotation and bending: the potential is that of the force."""
@@ -126,6 +127,7 @@ def test_a_swinging_soft_beam_keeps_its_energy(kind):
     assert np.ptp(total) < 1e-7 * np.ptp(drop)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", ["Frame", "SpaceFrame"])
 def test_gradients_are_exact(kind):
     """Direct = adjoint = differences, by length, density and stiffness."""

@@ -106,7 +106,7 @@ def test_restitution_of_hunt_and_crossley(restitution):
     assert lost == pytest.approx(0.5 * V0**2 * (1 - restitution**2), abs=1e-4)
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("height", [1e-3, 3.7e-3, 9e-3])
 @pytest.mark.parametrize("step", [1e-3, 5e-3, 0.02])
 def test_long_steps_keep_energy_or_warn(step, height):
@@ -235,6 +235,7 @@ def block(angle: float, friction: float, end=0.25, step=1e-3, **options):
     return da.solve_nonsmooth(system.build(), end, step=step)
 
 
+@pytest.mark.thorough
 def test_block_slides_and_sticks_on_an_incline():
     slides = block(0.4, 0.3)
     assert slides.status.success and not slides.warnings
@@ -247,6 +248,7 @@ def test_block_slides_and_sticks_on_an_incline():
     assert forces == pytest.approx([-20 * np.sin(0.2), 20 * np.cos(0.2)], rel=1e-6)
 
 
+@pytest.mark.thorough
 def test_pile_at_rest_has_its_weight_and_the_depth_of_the_law():
     """Three columns of four balls: each contact carries the balls above it."""
     system, stiffness, radius = da.System("pile", gravity=(0, 0, -10)), 1e6, 0.1
@@ -277,6 +279,7 @@ def test_pile_at_rest_has_its_weight_and_the_depth_of_the_law():
     assert float(motion.data["contact_energy"][-1]) == pytest.approx(energy, rel=1e-4)
 
 
+@pytest.mark.thorough
 def test_rigid_and_compliant_contacts_in_one_model():
     """A ball on a compliant ball on a rigid floor: depth by the law, no gap of the floor."""
     system = da.System("mixed", gravity=(0, -10))

@@ -44,6 +44,7 @@ def both(motion: da.Motion, *responses) -> np.ndarray:
     return direct
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 def test_restitution_of_hunt_and_crossley(scheme):
     """``v⁺ = e v``, ``(1 + e) d = ln (1 + d) − ln (1 − d e)``, ``d = c v``: neither the stiffness
@@ -87,6 +88,7 @@ def two_discs_and_a_floor() -> da.Model:
     return system.build()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("theta", sampled([0.7, 0.5], 2))
 def test_differences_of_the_run_confirm_the_gradient(theta):
     """Means over curved paths, friction, and all parameters; differences converge to it."""

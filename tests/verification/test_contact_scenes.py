@@ -79,7 +79,7 @@ def test_block_on_a_wedge_that_gives_way(scheme):
     np.testing.assert_allclose(gradient(motion, "wedge.vx")[0], [-slope * 0.4], rtol=0.02)
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @SCHEMES
 @LAWS
 def test_ball_that_hits_a_hinged_bar(law, scheme):
@@ -102,7 +102,7 @@ def test_ball_that_hits_a_hinged_bar(law, scheme):
     np.testing.assert_allclose(gradient(motion, "bar.angular_velocity")[0], slopes, rtol=1e-3)
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @SCHEMES
 @LAWS
 def test_three_balls_in_a_row(law, scheme):
@@ -121,6 +121,7 @@ def test_three_balls_in_a_row(law, scheme):
     np.testing.assert_allclose(gradient(motion, *names)[:, 0], np.array([-2, 1, 1]) / 3, atol=1e-6)
 
 
+@pytest.mark.few(1)
 @SCHEMES
 def test_body_that_leaves_a_cylinder(scheme):
     """It slides without friction down to ``cos θ = 2/3``."""
@@ -137,6 +138,7 @@ def test_body_that_leaves_a_cylinder(scheme):
     assert height == pytest.approx(2 / 3 * np.cos(theta), abs=LAST[type(scheme)])
 
 
+@pytest.mark.few(1)
 @SCHEMES
 def test_ladder_that_leaves_its_wall(scheme):
     """At two thirds of its height (Goldstein)."""
@@ -194,7 +196,7 @@ def test_cylinder_in_a_groove(scheme):
     assert forces == pytest.approx([3 * G / (2 * np.sin(alpha))] * 2, rel=1e-3)
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @SCHEMES
 @pytest.mark.parametrize(("tilt", "friction", "tips"), [(0.3, 0.9, False), (0.42, 0.9, True)])
 def test_box_tips_or_stands(scheme, tilt, friction, tips):

@@ -104,6 +104,7 @@ def test_gradients_of_equilibria(name, folder):
         assert errors.max() < 1e-9
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", PLANTS)
 def test_gradients(name, folder):
     """Direct and adjoint gradients of all states, by complex steps of the equations."""

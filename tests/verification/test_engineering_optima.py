@@ -78,6 +78,7 @@ CASES = {
 }
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(("name", "method"), crossed(CASES, ["slsqp", "ipopt"]))
 def test_optimum(name, method):
     variables, objective, limits, least, at = CASES[name]

@@ -118,6 +118,7 @@ def theirs(run: da.Motion, kind: type, step: float) -> np.ndarray:
     return np.array([mbs.GetObjectOutputBody(b, place, [0.0, 0.0, 0.0]) for b in bodies])
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", FREE)
 def test_exudyn_converges_to_the_same_motion(kind):
     motion = loop(kind)

@@ -20,6 +20,7 @@ from dalembert import planar
 INTEGRATORS = [(da.RK4(), 0.01), (da.DormandPrince(), None)]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("integrator", "step"), INTEGRATORS)
 def test_discs(integrator, step):
     system = da.System("discs")
@@ -55,6 +56,7 @@ def complex_step(k):
     return bounced(*values).imag / 1e-30
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("integrator", "step"), INTEGRATORS)
 def test_ball(integrator, step):
     system = da.System("ball")

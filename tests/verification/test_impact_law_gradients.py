@@ -58,7 +58,7 @@ def speeds_after(law: str, values: np.ndarray) -> np.ndarray:
     return np.array([vx + push[1] / mass, vy + push[0] / mass, spin + arm @ push * inverse])
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @LAWS
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("name", CASES)
@@ -120,7 +120,7 @@ def flight(t: float, height: float, e: float) -> np.ndarray:
         start += 2 * speed / g
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @LAWS
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_ball_after_three_bounces(scheme, law):
@@ -181,6 +181,7 @@ def test_slip_that_turns_in_space():
     assert max(errors) < 2e-3 and np.median(errors) < 3e-4
 
 
+@pytest.mark.few(2)
 @LAWS
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_friction_of_an_impact_from_which_a_force_lifts_the_body(scheme, law):

@@ -125,6 +125,7 @@ def impact(
     return motion, MASS * np.array([v[-1] - v[0] for v in jumps])
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("law", ["poisson", "energetic"])
 @pytest.mark.parametrize("e", [0.0, 0.6, 1.0])
@@ -140,6 +141,7 @@ def test_oblique_impact_of_a_rod(name, law, e):
         assert energy[-1] <= energy[0] * (1 + 1e-12)
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("step", [1e-2, 1e-4])
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("law", ["poisson", "energetic"])
@@ -228,6 +230,7 @@ def test_elastic_ball_conserves_its_energy(law):
     assert energy == pytest.approx(energy[0], rel=1e-9)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("law", ["poisson", "energetic"])
 def test_a_ball_on_a_floor_in_space(law, scheme):
@@ -291,6 +294,7 @@ def rods(laws: dict[str, str], together: bool) -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("together", [True, False], ids=["pairs", "elements"])
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_each_pair_or_element_has_its_law(together, scheme):

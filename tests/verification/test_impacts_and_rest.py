@@ -43,6 +43,7 @@ def test_falls_of_two_steps_do_not_depend_on_rounding(compiled, monkeypatch):
             assert risen == rebounds, (k, gravity, step)
 
 
+@pytest.mark.few(2)
 @COMPILED
 @pytest.mark.parametrize("restitution", [0.0, 0.7])
 def test_a_ball_at_rest_carries_its_weight_in_every_step(restitution, compiled, monkeypatch):
@@ -66,6 +67,7 @@ def test_a_box_at_rest_after_tumbling_carries_its_weight_in_every_step():
     np.testing.assert_allclose(forces, G, rtol=1e-6)
 
 
+@pytest.mark.few(2)
 @SCHEMES
 @pytest.mark.parametrize("step", [4e-3, 1e-3])
 def test_a_ball_that_hits_the_floor_obliquely_rolls(scheme, step):
@@ -76,6 +78,7 @@ def test_a_ball_that_hits_the_floor_obliquely_rolls(scheme, step):
     assert motion["ball.angular_velocity"][-1].item() == pytest.approx(-1 / 1.4 / R, rel=1e-8)
 
 
+@pytest.mark.few(1)
 @COMPILED
 def test_discs_that_collide_obliquely_spin_by_friction(compiled, monkeypatch):
     """Slip that lasts: ``P = (1 + e) m v/2`` and ``ω = μ P r/I`` of both."""

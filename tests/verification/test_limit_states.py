@@ -62,6 +62,7 @@ def test_first_order_of_a_flat_quartic():
     assert result.beta == pytest.approx(2.500024, abs=1e-6)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", ["R-S", "RP22", "RP24"])
 def test_sampling(name):
     """Each interval of 95 % holds the exact probability, widened by the digits printed."""

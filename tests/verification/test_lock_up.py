@@ -38,6 +38,7 @@ def test_short_rod_locks():
     assert message.endswith("joints at their limit: A, B, C")  # what the crank turns on is not
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("rod_length", [2.1, 2.2, 2.5, 3.5])
 def test_longer_rods_run_through(rod_length):
     motion = da.solve_kinematics(mechanism(rod_length).build(), 1.0, step=0.005)

@@ -85,7 +85,7 @@ def test_the_limit_of_arches_is_the_published_one():
     assert limit(61) == pytest.approx(0.1075, abs=2e-4)
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("integrator", [da.AnticipatedImpacts(), da.MoreauJean()])
 @pytest.mark.parametrize("count", [7, 12])
 def test_an_arch_stands_above_its_limit_and_falls_below_it(count, integrator):
@@ -99,6 +99,7 @@ def test_an_arch_stands_above_its_limit_and_falls_below_it(count, integrator):
     assert sinking[1][0] - sinking[1][-1] > 5e-3
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("share", "stands"), [(0.999, True), (1.001, False)])
 def test_books_overhang_by_the_harmonic_series(share, stands):
     length, height, count = 0.3, 0.02, 6
@@ -119,6 +120,7 @@ def test_books_overhang_by_the_harmonic_series(share, stands):
     assert stands or (ends - heights).min() < -1e-4
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("integrator", [da.AnticipatedImpacts(), da.MoreauJean()])
 @pytest.mark.parametrize(
     ("floor", "rolls", "stands"), [(1.002, 1.002, True), (0.99, 1.1, False), (1.1, 0.99, False)]

@@ -78,6 +78,7 @@ def whirl(spin: float, stiffness: float, damping: float = 0.0, inertia: float = 
     return np.concatenate([roots, roots.conj()])
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("coordinates", COORDINATES)
 @pytest.mark.parametrize("damping", [0.0, 0.7])
 @pytest.mark.parametrize("spin", [0.0, 50.0, 300.0])

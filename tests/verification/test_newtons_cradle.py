@@ -14,6 +14,7 @@ import dalembert as da
 from dalembert import planar
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("between", "speeds"), [(0.0, (-1 / 3, 2 / 3, 2 / 3)), (1e-3, (0.0, 0.0, 1.0))]
 )
@@ -33,6 +34,7 @@ def test_three_balls(between, speeds):
     assert [impact.name for impact in motion.impacts] == ["c0", "c1"]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "scheme", [da.AnticipatedImpacts(), da.MoreauJean()], ids=lambda s: type(s).__name__
 )

@@ -41,6 +41,7 @@ both = pytest.mark.parametrize("method", [few, shooting])
 """Both ways to make a programme of a motion come to the same."""
 
 
+@pytest.mark.few(1)
 @both
 def test_block_with_least_force(method):
     """``u = 6 − 12 t``, cost 12."""
@@ -58,6 +59,7 @@ def test_block_with_least_force(method):
     assert best.deviation < 1e-9 and best.defect < 1e-9
 
 
+@pytest.mark.few(1)
 @both
 def test_block_in_the_shortest_time(method):
     """Full thrust, then full brake: ``T = 2 √(d/a)``."""
@@ -162,6 +164,7 @@ def kelly_by_radau(intervals: int = 30, degree: int = 4) -> float:
     return float(opti.solve().value(cost))
 
 
+@pytest.mark.few(1)
 @both
 def test_swing_up_of_a_pole_on_a_cart(method):
     best = da.optimize_trajectory(
@@ -206,6 +209,7 @@ def parallelogram() -> da.Model:
 REST = {"crank.angle": 2.0, "crank.angular_velocity": 0.0}
 
 
+@pytest.mark.few(1)
 @both
 def test_a_closed_loop_from_rest_to_rest(method):
     inertia = 0.4**2 * (1.0 / 3 + 1.5 / 3 + 2.0)
@@ -217,6 +221,7 @@ def test_a_closed_loop_from_rest_to_rest(method):
     assert best.deviation < 1e-5 and best.motion.status.success
 
 
+@pytest.mark.few(1)
 @both
 def test_control_and_design_at_once(method):
     """``A l⁴ + c/l`` is least where ``l⁵ = c/4A``."""
@@ -233,6 +238,7 @@ def test_control_and_design_at_once(method):
     assert best.success and best.x["arm"] == pytest.approx((price / 4 / factor) ** 0.2, rel=1e-5)
 
 
+@pytest.mark.few(1)
 @both
 def test_a_satellite_turned_in_space(method):
     """Euler parameters stay of length one: a turn about a principal axis."""

@@ -47,6 +47,7 @@ def test_limit(theta):
     assert limit >= 4 / 3 - 1e-12
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean(projection=False)])
 def test_steps_with_impulses_jam(scheme):
     """An impact without a collision: the tip stops, ``ω = v l/2 sin θ/(l²/3)`` about it."""

@@ -62,6 +62,7 @@ def wang_mason(g: np.ndarray, u: np.ndarray, e: float, mu: float) -> np.ndarray:
     return np.array([normal, along])
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("angle", "speed", "mu"),
     [(1.0, (3.0, -1.0), 0.1), (1.2, (0.3, -1.0), 0.9), (1.3, (1.5, -1.0), 0.3)],
@@ -110,6 +111,7 @@ def pendulum(mu: float, poisson: bool) -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("mu", [0.3, 0.5, 1.0])
 def test_kanes_puzzle(mu):
     """Newton's law creates energy, Poisson's loses some."""

@@ -34,6 +34,7 @@ def model() -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("case", range(7))
 def test_deflections_of_the_tip(model, case):
     equilibrium = da.solve_equilibrium(model, parameters={"angle": np.radians(15.0 * case)})

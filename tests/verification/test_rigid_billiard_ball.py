@@ -41,6 +41,7 @@ def ball(
     return system.build()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("options", "near"), [({"integrator": da.DormandPrince(1e-9, 1e-11)}, 1e-10), ({}, 1e-5)]
 )
@@ -71,6 +72,7 @@ def test_a_bowling_ball_rolls_at_five_sevenths():
         np.testing.assert_allclose(derivative, wanted, rtol=1e-8)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     "scheme", [da.AnticipatedImpacts(), da.MoreauJean()], ids=lambda s: type(s).__name__
 )
@@ -93,6 +95,7 @@ def test_back_spin_in_steps(spin, scheme):
     assert motion.values("ball.angular_velocity")[-1, 1] == pytest.approx(end / RADIUS, abs=1e-7)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("fall", [0.5, 4.0])
 @pytest.mark.parametrize("poisson", [False, True])
 def test_bounces_slide_or_stick(fall, poisson):

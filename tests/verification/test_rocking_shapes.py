@@ -69,6 +69,7 @@ def rates_upright(motion: da.Motion, support: str, alpha: float) -> np.ndarray:
     return -np.sqrt(np.maximum(rate(motion, support) ** 2 + 2 * lifted / inertia, 0.0))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("support", [*SUPPORTS, "half-space"])
 def test_quarter_period_and_rate_after_impact(support):
     """Both to the order of the step."""

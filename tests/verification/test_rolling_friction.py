@@ -67,6 +67,7 @@ def ball(velocity, spin, shape: str = "Sphere") -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_rolling_disc_decelerates(scheme):
     motion = da.solve_nonsmooth(disc(1.0, -1.0 / R), DURATION, step=STEP, integrator=scheme)
@@ -79,6 +80,7 @@ def test_rolling_disc_decelerates(scheme):
     assert motion.data["dissipated_energy"][-1].item() == pytest.approx(energy, rel=1e-8)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_rolling_disc_stops_and_rests(scheme):
     """It stops after ``v (1 + κ) r/(c g)`` and remains."""
@@ -88,7 +90,7 @@ def test_rolling_disc_stops_and_rests(scheme):
     assert motion["disc.x"][-1].item() == pytest.approx(0.02 * stops / 2, abs=0.02 * STEP)
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("share", [0.98, 1.5])
 def test_disc_on_an_incline_rests_below_the_limit(scheme, share):
@@ -99,6 +101,7 @@ def test_disc_on_an_incline_rests_below_the_limit(scheme, share):
     assert motion["disc.vx"][-1].item() == pytest.approx(speed, abs=1e-9)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("shape", ["Sphere", "Capsule"])
 def test_rolling_ball_decelerates(scheme, shape):
@@ -112,6 +115,7 @@ def test_rolling_ball_decelerates(scheme, shape):
     np.testing.assert_allclose(final, speed * direction, atol=1e-6 if shape == "Capsule" else 1e-9)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_spinning_ball_decelerates_and_stops(scheme):
     rate = SPINNING * M * G / (0.4 * M * R**2)

@@ -89,6 +89,7 @@ def hinged(count: int = COUNT) -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("integrator", [da.AnticipatedImpacts(), da.MoreauJean()])
 def test_rough_dominoes(integrator):
     """Both schemes are of first order in the step."""

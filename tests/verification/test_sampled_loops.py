@@ -81,6 +81,7 @@ def two_rates_by_hand():
     return np.append(between(x, time, END, torque), torque)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     "options",
     [
@@ -109,6 +110,7 @@ def test_stepper_of_two_rates():
     assert np.allclose(y, two_rates_by_hand(), rtol=0, atol=1e-9)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     "options",
     [

@@ -50,6 +50,7 @@ def off(play: float) -> float:
 PLAYS = [5e-4, 2e-4, 1e-4]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("play", PLAYS)
 def test_the_slider_keeps_its_path_within_the_play(play):
     computed = motion(play)

@@ -15,6 +15,7 @@ from dalembert import planar
 G, SLOPE = 9.81, np.radians(30)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("friction", [0.0, 0.3, 0.57, 0.58])
 def test_slope(friction):
     system = da.System("slope", gravity=(G * np.sin(SLOPE), -G * np.cos(SLOPE)))

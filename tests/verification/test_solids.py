@@ -76,6 +76,7 @@ def test_integration_points(dimension, count):
 
 
 # patch tests ------------------------------------------------------------------------------
+@pytest.mark.few(4)
 @pytest.mark.parametrize("shape", CLASSES)
 def test_linear_fields_are_exact_on_distorted_meshes(shape):
     points, cells = unit_mesh(shape, 2)
@@ -117,6 +118,7 @@ def test_linear_fields_are_exact_on_distorted_meshes(shape):
     assert result["mass"] == pytest.approx(RHO, rel=1e-12)
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("shape", CLASSES)
 def test_a_spinning_cell_has_the_energy_of_the_body(shape):
     """``ω²/2 ρ ∫ r² dV`` of the unit square or cube about the z axis: 2 ρ/3."""
@@ -157,6 +159,7 @@ def error(shape: str, count: int) -> float:
     return float(np.sqrt(np.mean(np.sum((computed - harmonic(places)) ** 2, axis=1))))
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("shape", CLASSES)
 def test_order_of_convergence(shape):
     """Displacements of linear cells converge with the square, of quadratic ones with the cube."""

@@ -143,7 +143,7 @@ def test_gradients_before_break_away():
     assert slope == pytest.approx(-G * np.cos(angle) * 0.1, rel=1e-7)
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("duration", [0.65, 1.5])
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_gradients_of_the_stick_slip_oscillator(scheme, duration):

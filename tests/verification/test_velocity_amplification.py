@@ -24,6 +24,7 @@ def after(ratio: float) -> tuple[float, float, float]:
     return speed / G + time, 2 * mean - up, 2 * mean - down
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("ratio", [3.0, 50.0])
 @pytest.mark.parametrize(
     "scheme", [da.AnticipatedImpacts(), da.MoreauJean()], ids=lambda s: type(s).__name__

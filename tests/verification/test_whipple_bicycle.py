@@ -137,6 +137,7 @@ def test_eigenvalues(speed):
     )
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("speed", EIGENVALUES)
 def test_eigenvalues_in_joint_coordinates(speed):
     """``linearize`` about the steady run; those of cyclic motions are zero."""

@@ -50,6 +50,7 @@ def whirl(spin: float) -> np.ndarray:
     return np.array([root - half, root + half])
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("damping", [0.0, 0.7])
 @pytest.mark.parametrize("spin", [0.0, 50.0, 300.0])
 def test_frequency_response(spin, damping) -> None:
