@@ -36,7 +36,7 @@ PROGRESS, PATIENCE, LONG_PATIENCE = 0.9, 40, 100
 within which it has to as long as it is above the tolerance: where it is acceptable, and elsewhere.
 """
 LARGEST_SHARE = 1e-3
-"""Largest residual relative to the speeds before the impulses: these may be large without any effect
+"""Largest residual relative to the speeds before the impulses: these may be large without effect
 where contacts jam [-]."""
 
 
