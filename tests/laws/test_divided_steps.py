@@ -20,10 +20,10 @@ def failing(request, monkeypatch):
     """Every third step fails, down to steps of half or of a quarter of the length."""
     original, shortest = NonsmoothRun.failure, STEP / 2**request.param
 
-    def failure(self, t, h, result):
+    def failure(self, t, h, result, log):
         if round(t // STEP) % 3 == 1 and h > 1.5 * shortest:
             return Status(Outcome.NOT_CONVERGED, "for the test", t, 1.0)
-        return original(self, t, h, result)
+        return original(self, t, h, result, log)
 
     monkeypatch.setattr(NonsmoothRun, "failure", failure)
     monkeypatch.setattr(FreeBodyMarch, "of", lambda step: None)
@@ -104,8 +104,8 @@ def test_the_error_estimate_is_that_of_the_times_of_the_run(scheme, failing):
 def test_the_least_step_that_fails_is_named(monkeypatch):
     original = NonsmoothRun.failure
 
-    def failure(self, t, h, result):
-        result = original(self, t, h, result)
+    def failure(self, t, h, result, log):
+        result = original(self, t, h, result, log)
         text = f"none in steps of {h:.3g} s"
         return Status(Outcome.NOT_CONVERGED, text, t, 1.0) if t > 2 * STEP else result
 

@@ -8,6 +8,7 @@ from rigid_contacts import ball, thrown
 
 import dalembert as da
 from dalembert import planar
+from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
 from dalembert.results.status import Outcome
 
 OPTIONS = [
@@ -192,3 +193,26 @@ def test_a_heavy_crate_slides_with_the_light_one_below_it(scheme):
     weight, accuracy = (1 + 1e5) * 9.81, 1e5 * 1e-6 / 2e-3  # residuals of 1e-6 m/s in a step
     force = motion.contact_forces(slid).between("ground", "b0")
     assert force == pytest.approx([-friction * weight, weight], abs=accuracy)
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_a_body_on_others_that_would_fall_with_it_rests_on_them(compiled, monkeypatch):
+    """A plate falls on a column of two discs: forces do not change their relative speeds, and those
+    of rounding are no impacts."""
+    if not compiled:
+        monkeypatch.setattr(FreeBodyMarch, "of", lambda step: None)
+    system, shapes = da.System("column", gravity=(0, -9.81)), planar.contact
+    radius, side = 0.1, 0.2
+    sides = [shapes.HalfPlane(system.ground.center)]
+    for k in range(2):
+        place = {"position": (0, radius * (1 + 2 * k))}
+        disc = system.add(planar.Body(f"disc{k}", mass=1.0, inertia=0.005, **place))
+        sides.append(shapes.Circle(disc, radius))
+    rest = 4 * radius + side / 2
+    place = {"position": (0, rest + 0.05)}
+    plate = system.add(planar.Body("plate", mass=1.0, inertia=0.01, **place))
+    sides.append(shapes.Rectangle(plate, (2 * side, side)))
+    system.add(planar.Collisions("hits", sides, friction=0.3))
+    motion = da.solve_nonsmooth(system.build(), 0.6, step=0.01)
+    assert motion.status.success
+    assert abs(motion["plate.y"][-1] - rest) < 1e-6  # 0.95 mm above it if they were

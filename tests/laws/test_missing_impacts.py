@@ -85,3 +85,36 @@ def test_a_graze_without_much_energy_is_not_warned_about(scheme):
     system.add(planar.Collisions("hit", shapes))
     motion = da.solve_nonsmooth(system.build(), 0.03, step=0.01, integrator=scheme)
     assert not [text for text in motion.warnings if MISSING in text]
+
+
+def test_room_for_an_impact_that_does_not_occur_is_warned_about():
+    """The hand passes the wall by a fifth of a hundredth of a millimetre more than it needs."""
+    model, _ = swinging(-2e-5, 0.5)
+    motion = da.solve_nonsmooth(model, 8 * STEP, step=STEP, integrator=da.AnticipatedImpacts())
+    lost = 1 - (motion.record.ends.v[-1, -1] * STEP / TURN) ** 2
+    assert motion.status.success and lost > 0.1
+    (warning,) = [text for text in motion.warnings if "open again without an impact" in text]
+    stated = float(re.search(r"dissipate (\S+) J", warning).group(1))
+    assert stated == pytest.approx(lost * INERTIA * (TURN / STEP) ** 2 / 2, rel=0.01)
+    shorter = float(re.search(r"use step=(\S+) or shorter", warning).group(1))
+    fine = da.solve_nonsmooth(model, 8 * STEP, step=shorter, integrator=da.AnticipatedImpacts())
+    assert fine["hand.angle"][-1] == pytest.approx(8 * TURN) and not fine.warnings
+
+
+def test_a_rebound_without_restitution_is_warned_about():
+    """A grazing impact for which the step before left no room."""
+    turn, wall = 0.05, 1.2325
+    system = da.System("hand")
+    hand = planar.Body("hand", mass=1.0, inertia=INERTIA, angular_velocity=turn / STEP)
+    system.add(hand)
+    system.add(planar.Revolute("axle", system.ground.center, hand.center))
+    normal = np.array([math.cos(wall), math.sin(wall)])
+    foot, contact = system.ground.point(*(ARM - DEPTH) * normal), planar.contact
+    shapes = [contact.Vertex(hand.point(ARM, 0)), contact.HalfPlane(foot, tuple(-normal))]
+    system.add(planar.Collisions("hit", shapes))
+    motion = da.solve_nonsmooth(system.build(), 31 * STEP, step=STEP)
+    share = (motion.record.ends.v[-1, -1] * STEP / turn) ** 2
+    assert motion.record.ends.v[-1, -1] < 0 and share > 0.1
+    (warning,) = [text for text in motion.warnings if "the energy after an impact" in text]
+    error = float(re.search(r"differs by (\S+) J", warning).group(1))
+    assert error == pytest.approx(share * INERTIA * (turn / STEP) ** 2 / 2, rel=0.05)

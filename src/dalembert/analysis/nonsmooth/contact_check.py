@@ -13,6 +13,7 @@ from dalembert.analysis.model_residuals import Violation
 from dalembert.analysis.nonsmooth.alternating_forces import alternation_warnings
 from dalembert.analysis.nonsmooth.contact_durations import duration_warnings
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.early_impacts import early_impact_warnings
 from dalembert.analysis.nonsmooth.gained_energy import gain_warnings
 from dalembert.analysis.nonsmooth.lifted_bodies import lifting_warnings
 from dalembert.analysis.nonsmooth.missing_rebounds import rebound_warnings
@@ -142,4 +143,5 @@ class ContactCheck(ResidualCheck):
         warnings += rotation_warnings(self.step, record)
         if self.step.scheme.anticipates:
             warnings += alternation_warnings(record)
+            warnings += early_impact_warnings(self.step, record, self.energy.moved)
         return warnings + rebound_warnings(self.step, record, self.energy.moved)

@@ -102,16 +102,15 @@ def _error_text(record: ContactRecord, worst: Rebounds, moved: float) -> str:
 
 
 def _rebounds(step: ContactStep, record: ContactRecord, k: int) -> Rebounds | None:
-    """Rebounds of the contacts that begin to press in step ``k``; None without any."""
+    """Rebounds of the contacts that press in step ``k``, and not before or that close fast; None
+    without any."""
     own, before = (record.key[record.step == number] for number in (k, k - 1))
-    keys = np.sort(own[~np.isin(own, before)])
     t, y, v = float(record.t[k]), record.ends.y[:, k], record.ends.v[:, k]
     h = float(record.t[k + 1]) - t
-    if not keys.size:
-        return None
     start = step.begin(t, h, y, v, k == 0)
-    contacts = step.rigid(step.starting(start, keys))
-    contacts = contacts.some(contacts.laws.restitution > 0)
+    contacts = step.rigid(step.starting(start, np.sort(own)))
+    strikes = start.approach(contacts, step.rounding).impacting
+    contacts = contacts.some(strikes | ~np.isin(contacts.key, before))
     if not contacts.count:
         return None
     closing = -contacts.at_start(v)[:, 0]
@@ -130,6 +129,7 @@ def _rebounds(step: ContactStep, record: ContactRecord, k: int) -> Rebounds | No
     missing = np.where(rebounds, 0.0, masses * rebound**2 / 2)
     end = step.selected(step.at(t + h, record.ends.y[:, k + 1]), contacts.key)
     height = np.maximum(acceleration, 0.0) * np.maximum(end.distance, 0.0)
+    height[contacts.laws.restitution == 0] = 0.0  # dissipated by later impacts
     share = np.divide(after, closing, out=np.zeros_like(after), where=closing > 0)
     newton = contacts.laws.follows(ImpactLaw.NEWTON)
     exact = np.where(newton, rebound, share * speed)

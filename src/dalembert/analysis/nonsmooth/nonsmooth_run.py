@@ -146,7 +146,7 @@ class NonsmoothRun:
                         break
                 t, h = float(grid[k]), float(grid[k + 1] - grid[k])
                 result = advance(self.step, t, h, log.y, log.v, last)
-                failure = self.failure(t, h, result)
+                failure = self.failure(t, h, result, log)
                 if failure is None:
                     position = self.corrected(t + h, h, result)
                     if not position.accepted:
@@ -176,6 +176,15 @@ class NonsmoothRun:
         """Position with joints closed and, if the scheme corrects gaps, gaps open."""
         travel, projection = h * result.v[:, None], self.analysis.integrator.projection
         return correct_position(self.step, t, result.y, projection, travel)
+
+    def free_position(self, t: float, h: float, log: StepLog) -> Solution[np.ndarray] | None:
+        """Position with joints closed after a step without impulses; None without joints."""
+        if not self.step.smooth.has_joints:
+            return None
+        theta, start = self.step.scheme.theta, self.step.begin(t, h, log.y, log.v, False)
+        travel = h * (theta * start.free + (1 - theta) * log.v)
+        y = self.model.equations.manifold.go(log.y, travel)
+        return correct_position(self.step, t + h, y, False, travel[:, None])
 
     def speeds(
         self, t: float, h: float, y: np.ndarray, result: StepResult
@@ -213,13 +222,16 @@ class NonsmoothRun:
         """Whether a step that failed is repeated as two of half the length."""
         return h > 1.5 * self.step.longest / 2**DIVISIONS
 
-    def failure(self, t: float, h: float, result: StepResult) -> Status | None:
+    def failure(self, t: float, h: float, result: StepResult, log: StepLog) -> Status | None:
         """Status of a run whose last step failed; None if it succeeded."""
         impulses = result.impulses
         if not (np.isfinite(result.y).all() and np.isfinite(result.v).all()):
             text = f"no finite state after t = {t:.9g} s; use a shorter step"
             return Status(Outcome.DIVERGED, text, t, np.inf)
         if not impulses.accepted:
+            position = self.free_position(t, h, log)
+            if position is not None and not position.accepted:
+                return self.not_corrected(t, h, str(position), position.residual)
             text = (
                 f"the impulses of {result.contacts.count} contacts at t = {t:.9g} s did not "
                 f"converge (residual {impulses.residual:.3g} m/s after {impulses.rounds} rounds, "

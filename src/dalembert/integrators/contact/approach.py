@@ -17,6 +17,9 @@ Offsets = np.ndarray
 SLOW = 1.9
 """Threshold of the speed of an impact, relative to the change of speed by forces in a step [-]. No
 fall of round length has it: from rest over ``k a h²`` it is ``√(2 k)``, after ``n`` steps ``n``."""
+SLOWEST = 1e-6
+"""Least part of a gap that an impact closes in a step, by its speed at the contact [-]. Bodies that
+fall together have relative speeds by rounding, which forces in the step do not change."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +93,8 @@ class Approach:
         """
         fall, gap = np.maximum(-self._change, 0.0), np.maximum(self.contacts.distance, 0.0)
         squared = self.before[:, 0] ** 2 + 2 * fall * gap / self.h
-        return np.asarray(squared > (SLOW * self.nearby) ** 2)
+        least = np.maximum(SLOW * self.nearby, SLOWEST * gap / self.h)
+        return np.asarray(squared > least**2)
 
     @property
     def impacting(self) -> np.ndarray:

@@ -320,11 +320,12 @@ static casadi_real casadi_contacts(const casadi_real** arg, casadi_real** res, c
 }
 /* whether the speed at the contact, after the fall over the gap, is that of an impact */
 static int casadi_fast(casadi_real gap, casadi_real before, casadi_real free, casadi_real h,
-    casadi_real forced, casadi_real slow) {
-  casadi_real fall = before - free;
+    casadi_real forced, casadi_real slow, casadi_real slowest) {
+  casadi_real fall = before - free, least = slow*forced;
   if (!(fall>0)) fall = 0;
   if (!(gap>0)) gap = 0;
-  return before*before + 2*fall*gap/h>slow*forced*slow*forced;
+  if (slowest*gap/h>least) least = slowest*gap/h;
+  return before*before + 2*fall*gap/h>least*least;
 }
 /* the largest change of a normal speed by forces at the bodies of each contact, by their first
    speeds */
@@ -355,7 +356,8 @@ static int casadi_strikes(const casadi_real** arg, casadi_real** res, const casa
     change = res[47][((const int*) arg[30])[body]];
     if (!(change<=largest)) largest = change;
   }
-  return casadi_fast(res[22][i], res[24][r], res[25][r], arg[36][0], largest, arg[37][19]);
+  return casadi_fast(res[22][i], res[24][r], res[25][r], arg[36][0], largest, arg[37][19],
+    arg[37][22]);
 }
 /* directions of the contacts: those in the middle of the step, means over its path, or, of impacts, those
    at its start; with them the velocities at the end of the step, the clearance of gaps that turn, and

@@ -18,7 +18,7 @@ from dalembert.analysis.nonsmooth.free_bodies.path_contacts import (
 from dalembert.analysis.nonsmooth.free_bodies.step_outcome import NUMBERS, PRESSED, StepOutcome
 from dalembert.analysis.nonsmooth.gaps.hulls.compiled_features import GEOMETRY
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
-from dalembert.integrators.contact.approach import SLOW
+from dalembert.integrators.contact.approach import SLOW, SLOWEST
 from dalembert.integrators.contact.compiled_newton import (
     BLOCK_REGULARIZATION,
     JUMPS,
@@ -103,7 +103,7 @@ class FreeBodySteps(PathContacts):
         self._radii = motion.radii(step.p)
         self._laws = np.ascontiguousarray(coefficients[used].T)
         self._settings = np.array([0.0, BLOCK_REGULARIZATION, OVERSHOOT])
-        shares = [*SOLUTION_SHARES, 2 * AHEAD, CLOSING, SLOW, ROUNDING, JAMMED]
+        shares = [*SOLUTION_SHARES, 2 * AHEAD, CLOSING, SLOW, ROUNDING, JAMMED, SLOWEST]
         self._shares = np.array(shares)
         self._groups = np.cumsum([1, *step.groups]).astype(np.int32)
         self._loop: Loop | None = None
