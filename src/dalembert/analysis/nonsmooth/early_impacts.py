@@ -12,7 +12,7 @@ from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.results.nonsmooth_motion import ContactRecord
 
 SHARE = 0.01
-"""Energy dissipated before them, relative to the energy in the motion, that causes a warning [-]."""
+"""Energy dissipated before them, relative to that in the motion, that causes a warning [-]."""
 MOST = 200
 """Upper limit of the number of steps that are examined, those with the largest losses."""
 AHEAD = 10
