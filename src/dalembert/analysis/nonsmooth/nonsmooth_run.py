@@ -137,6 +137,8 @@ class NonsmoothRun:
     def march(self, grid: np.ndarray, log: StepLog, report) -> Status:
         """Steps until the end, or until one fails that is not divided further."""
         result, last, k = None, None, 0
+        if self.step.smooth.coupling.orderings is not None:
+            self.step.smooth.coupling.orderings.forget()
         balls = FreeBodyMarch.of(self.step)
         try:
             while k < grid.size - 1:

@@ -60,6 +60,10 @@ class BlockOrderings:
         self._last: BlockOrdering | None = None
         self._covered: scipy.sparse.csr_array | None = None
 
+    def forget(self) -> None:
+        """Begin anew, so that results do not depend on earlier runs, by rounding."""
+        self._last = self._covered = None
+
     def repeated(self, count: int) -> BlockOrderings:
         """Orders of the speeds of several steps that follow one another."""
         first, step = np.cumsum(self._sizes) - self._sizes, np.arange(count)[:, None]

@@ -156,6 +156,7 @@ class FreeBodySteps(PathContacts):
         self.counts = np.zeros(LAST, dtype=np.int64)
         self.counts[list(counts)] = list(counts.values())
         self.numbers = np.zeros((CHUNK, NUMBERS))
+        motion.orderings.forget()
         if self.available:
             self._allocate(1, 1, 1)
             self._renew_order()
