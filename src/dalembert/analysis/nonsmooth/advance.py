@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from dalembert.analysis.nonsmooth.checks.missing_impacts import returning_gaps
+from dalembert.analysis.nonsmooth.checks.passages import closing_gaps
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
-from dalembert.analysis.nonsmooth.missing_impacts import returning_gaps
-from dalembert.analysis.nonsmooth.passages import closing_gaps
 from dalembert.analysis.nonsmooth.paths import bent_gaps, path_means
 from dalembert.analysis.nonsmooth.step_state import LastImpulses, StepResult, StepStart
 from dalembert.integrators.contact.contacts import Contacts

@@ -13,14 +13,14 @@ from dalembert.analysis.contact.gap_checks import touching_model
 from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.nonsmooth.advance import advance
 from dalembert.analysis.nonsmooth.between_steps import interpolate
-from dalembert.analysis.nonsmooth.contact_check import ContactCheck
+from dalembert.analysis.nonsmooth.checks.contact_check import ContactCheck
+from dalembert.analysis.nonsmooth.checks.missing_impacts import missing_impact_warnings
+from dalembert.analysis.nonsmooth.checks.passages import passage_warnings
+from dalembert.analysis.nonsmooth.checks.run_accuracy import RunAccuracy
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import ConsistentSpeeds, correct_position
 from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
-from dalembert.analysis.nonsmooth.missing_impacts import missing_impact_warnings
-from dalembert.analysis.nonsmooth.passages import passage_warnings
-from dalembert.analysis.nonsmooth.run_accuracy import RunAccuracy
 from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
 from dalembert.analysis.nonsmooth.speed_jumps import speeds_after
 from dalembert.analysis.nonsmooth.step_log import StepLog

@@ -10,14 +10,14 @@ import numpy as np
 from dalembert.analysis.dynamics.residual_check import energy_errors
 from dalembert.analysis.model_residuals import ModelResiduals
 from dalembert.analysis.nonsmooth.between_steps import between
-from dalembert.analysis.nonsmooth.contact_step import ContactStep
-from dalembert.analysis.nonsmooth.correction import ConsistentSpeeds
-from dalembert.analysis.nonsmooth.missing_impacts import (
+from dalembert.analysis.nonsmooth.checks.missing_impacts import (
     MissingImpact,
     find_missing_impact,
     largest,
 )
-from dalembert.analysis.nonsmooth.passages import MOST, Passage, find_passage
+from dalembert.analysis.nonsmooth.checks.passages import MOST, Passage, find_passage
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.correction import ConsistentSpeeds
 from dalembert.analysis.nonsmooth.step_state import StepResult
 from dalembert.model.graph.model import Model
 from dalembert.results.nonsmooth_motion import ContactRecord

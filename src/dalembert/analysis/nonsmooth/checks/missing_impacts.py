@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from dalembert.analysis.nonsmooth.between_steps import between
+from dalembert.analysis.nonsmooth.checks.passages import crossing, lowest
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.mobility import delassus
-from dalembert.analysis.nonsmooth.passages import crossing, lowest
 from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart
 from dalembert.analysis.nonsmooth.touching_shapes import bodies_of
 from dalembert.integrators.contact.contacts import Contacts

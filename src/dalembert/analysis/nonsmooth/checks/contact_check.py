@@ -10,14 +10,14 @@ import numpy as np
 from dalembert.analysis.contact.gap_checks import ROUNDED
 from dalembert.analysis.dynamics.residual_check import DRIFT, DRIFT_WARNING, EnergyBalance
 from dalembert.analysis.model_residuals import Violation
-from dalembert.analysis.nonsmooth.alternating_forces import alternation_warnings
-from dalembert.analysis.nonsmooth.contact_durations import duration_warnings
+from dalembert.analysis.nonsmooth.checks.alternating_forces import alternation_warnings
+from dalembert.analysis.nonsmooth.checks.contact_durations import duration_warnings
+from dalembert.analysis.nonsmooth.checks.early_impacts import early_impact_warnings
+from dalembert.analysis.nonsmooth.checks.gained_energy import gain_warnings
+from dalembert.analysis.nonsmooth.checks.lifted_bodies import lifting_warnings
+from dalembert.analysis.nonsmooth.checks.missing_rebounds import rebound_warnings
+from dalembert.analysis.nonsmooth.checks.quick_rotations import rotation_warnings
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
-from dalembert.analysis.nonsmooth.early_impacts import early_impact_warnings
-from dalembert.analysis.nonsmooth.gained_energy import gain_warnings
-from dalembert.analysis.nonsmooth.lifted_bodies import lifting_warnings
-from dalembert.analysis.nonsmooth.missing_rebounds import rebound_warnings
-from dalembert.analysis.nonsmooth.quick_rotations import rotation_warnings
 from dalembert.analysis.nonsmooth.touching_shapes import bodies_of
 from dalembert.analysis.residual_check import EXACT, ResidualCheck
 from dalembert.formulations.base import Level

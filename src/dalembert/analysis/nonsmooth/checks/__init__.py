@@ -1,0 +1,1 @@
+"""Checks of runs with contacts, and their warnings."""
