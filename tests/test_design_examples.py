@@ -54,6 +54,7 @@ def test_lightest_trusses_are_as_reliable_as_asked_for(pictures: Path) -> None:
     assert printed["mass"] == pytest.approx(2 * example.DENSITY * area * length, rel=1e-6)
 
 
+@pytest.mark.thorough
 def test_stroke_scatters_as_the_closed_form(pictures: Path) -> None:
     """``S = 2 L r/d``, taken as an integral over 360 intervals."""
     printed, example = numbers("shaper_tolerances", pictures), script("shaper_tolerances")

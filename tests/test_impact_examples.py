@@ -17,6 +17,7 @@ from scipy.optimize import brentq
 import dalembert as da
 
 
+@pytest.mark.thorough
 def test_compass_biped_walks_in_its_gait(pictures: Path) -> None:
     """Gait, multipliers and optimum beside the return map in two angles by SciPy."""
     slope, guess = math.radians(3), (0.27, 1.09, 0.38)
@@ -40,6 +41,7 @@ def test_compass_biped_walks_in_its_gait(pictures: Path) -> None:
     assert strikes == ["right_foot", "left_foot", "right_foot", "left_foot"]
 
 
+@pytest.mark.thorough
 def test_compass_biped_needs_the_minimum_slope_for_its_speed(pictures: Path) -> None:
     """The masses of the legs are as high as they may be, and lower ones need a steeper slope."""
 

@@ -17,6 +17,7 @@ def check(visit: Desk, name: str) -> list[str]:
     return list(visit.page.evaluate(f"() => {CHECKS.partition(chr(10))[2].strip()}.{name}()"))
 
 
+@pytest.mark.thorough
 def test_a_bar_is_drawn_moved_and_removed_by_the_keyboard(desk: Desks) -> None:
     visit, _ = desk
     keys = visit.page.keyboard

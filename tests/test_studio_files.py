@@ -64,6 +64,7 @@ def test_every_format_of_the_library_is_offered() -> None:
     assert {*FORMATS, *MODULES, *BEGINS} <= set(CHOICES)
 
 
+@pytest.mark.thorough
 def test_exports_of_a_text(tmp_path: Path) -> None:
     shares: list[float] = []
     for to, begin in BEGINS.items():

@@ -29,6 +29,7 @@ def hurry(visit: Desk, keys: list[str]) -> None:
     visit.settle()
 
 
+@pytest.mark.thorough
 def test_steps_that_overtake_the_picture_all_count(desk: tuple[Desk, Studio]) -> None:
     """Positions of bodies and places of joints move by the same sum."""
     visit, _ = desk

@@ -192,6 +192,7 @@ def test_typed_places_need_no_pointer(desk: tuple[Desk, Studio]) -> None:
     assert visit.text == UNTITLED
 
 
+@pytest.mark.thorough
 def test_a_braced_rectangle(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     """Two diagonals, one of them redundant: it closes in spite of the rounding of drawn numbers."""
     visit, _ = desk

@@ -56,6 +56,7 @@ def paths(text: str, folder: Path, name: str) -> np.ndarray:
     return np.array([np.asarray(motion[f"{body}.{c}"]) for body in ("block", "ball") for c in "xy"])
 
 
+@pytest.mark.thorough
 def test_all_is_mirrored(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     visit, _ = desk
     visit.show(TEXT)

@@ -118,7 +118,7 @@ def test_spatial_bodies_with_unequal_moments_of_inertia_tumble():
     assert np.diff(motion.data["energy"]).max() <= 1e-10 * np.ptp(motion.data["energy"].values)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("theta", [0.5, 1.0])
 def test_moreau_jean_tumbles_without_refusal(theta):
     """Corrections after impacts lift bodies by a part of the energy, O(h); θ = 1 dissipates."""
