@@ -106,6 +106,7 @@ def test_gaps_of_beams_are_rates_and_formulas(dimension):
     formulas.check_slopes(y, gaps, rng)
 
 
+@pytest.mark.thorough
 def test_the_ends_of_a_ring_touch_each_other():
     """A loaded open ring closes; neighbouring chords and the clamp do not touch."""
     system = da.System("ring")

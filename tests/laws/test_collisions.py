@@ -125,6 +125,7 @@ def box_of_balls() -> da.System:
     return system
 
 
+@pytest.mark.thorough
 def test_balls_in_space():
     motion = da.solve_nonsmooth(box_of_balls().build(), 0.3, step=2e-3)
     assert motion.status.success

@@ -82,7 +82,7 @@ def test_corrections_that_lift_a_body_are_warned_about():
     assert not other_warnings(exact)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 def test_bounces_that_die_out_and_bodies_without_rebound_are_not(scheme, restitution):

@@ -178,7 +178,7 @@ RESPONSES = (
 )
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("response", RESPONSES, ids=lambda r: r.label)
 def test_gradients_at_an_equilibrium_that_moves(response) -> None:
     result = da.frequency_response(driven("free"))
