@@ -76,6 +76,7 @@ def test_tippe_top_turns_over(pictures: Path) -> None:
     assert slow == pytest.approx(lowest, abs=0.1)
 
 
+@pytest.mark.thorough
 def test_tippe_top_beside_equations_of_a_rigid_table() -> None:
     """The difference of the tilts is proportional to the depth of contact."""
     soft, top = motion("tippe_top"), script("tippe_top")
@@ -130,6 +131,7 @@ def lag_of_a_gripped_disc(grip: float) -> float:
     return height - (run.y[0, -1] + sunk)
 
 
+@pytest.mark.thorough
 def test_friction_gripper_lifts_what_its_force_permits(pictures: Path) -> None:
     """The disc lags as a creeping point does, and stays down where ``2 μ N < m g``."""
     printed = numbers("friction_gripper", pictures)
