@@ -133,6 +133,7 @@ def test_the_ends_of_a_ring_touch_each_other():
     assert forces.places.shape[0] > 0
 
 
+@pytest.mark.thorough
 def test_two_cantilevers_press_on_each_other():
     """The upper one carries a load; both deflections by the theory of slender beams."""
     system = da.System("leaves")

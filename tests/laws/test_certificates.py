@@ -140,7 +140,7 @@ def certified(name: str):
     return da.sensitivity(result, RESULTS[name][1], certificate=True)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", RESULTS)
 def test_right_gradients_pass(name):
     gradient = certified(name)

@@ -214,7 +214,7 @@ def stacked(single: bool) -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 def test_contacts_of_several_elements_are_one_problem(scheme):
     motions = [

@@ -247,6 +247,7 @@ def test_a_cylinder_beyond_the_edge_of_a_box(overhang, falls):
     assert (abs(motion["c.z"] - 0.1).max() < 1e-9) is not falls
 
 
+@pytest.mark.thorough
 def test_a_disc_rolls_steadily_on_its_rim():
     """Steady circular rolling of a thin disc: with the tilt θ of its plane from the horizontal,
     the centre at rest, ``Ω² = 4 g/(r sin θ)`` (Moffatt, Nature 404, 2000)."""

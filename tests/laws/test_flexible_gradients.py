@@ -110,6 +110,7 @@ def test_driven():
     agree(motion, [da.final("turn.moment"), da.final("pin.force.y")])
 
 
+@pytest.mark.thorough
 def test_the_remainder_falls_with_the_square():
     motion = da.solve_dynamics(swing(2), 1e-3, step=1e-4, integrator=da.Radau(fixed=True))
     table = da.sensitivity(motion, da.final("rod.tip.y"), ["thick", "E", "len"], certificate=True)

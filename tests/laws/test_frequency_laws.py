@@ -108,7 +108,7 @@ def by_differences(system, output) -> np.ndarray:
     return matrix[-1] @ motion + inputs[-1]
 
 
-@pytest.mark.few(13)
+@pytest.mark.few(7)
 @pytest.mark.parametrize("name", [*PLANAR, *SPATIAL])
 def test_response_of_the_nonlinear_equations(name: str) -> None:
     model = model_of(name)

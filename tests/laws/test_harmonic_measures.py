@@ -88,6 +88,7 @@ def test_formulas_of_densities() -> None:
     assert da.evaluate(vibration, response) == pytest.approx(difference, rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_batches_are_single_responses(tmp_path) -> None:
     values = [0.4, 0.8, 2.0]
     options = {"inputs": ["push0"], "outputs": ["gap"]}

@@ -152,6 +152,7 @@ def test_reactions_are_those_of_a_turning_bar(scheme):
     assert np.abs(motion.data["balance_error"]).max() < 1e-5
 
 
+@pytest.mark.thorough
 def test_a_stack_is_opened_all_at_once():
     """What lifts a disc lifts those above it, in the same Newton step."""
     system = da.System("stack", gravity=(0.0, -G))

@@ -152,6 +152,7 @@ def arm(count: int, full_turns: float = 0.0) -> da.System:
     return system
 
 
+@pytest.mark.thorough
 def test_cost_grows_with_the_number_of_bodies():
     """Operations of one acceleration: linear, and fewer than in absolute coordinates."""
     count = {}

@@ -129,7 +129,7 @@ def test_moreau_jean_tumbles_without_refusal(theta):
     assert np.abs(motion.data["balance_error"]).max() <= 2e-3 * np.ptp(motion.data["energy"].values)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 @pytest.mark.parametrize("restitution", [0.0, 0.5])
 def test_a_box_that_fell_comes_to_rest(scheme, restitution):
