@@ -18,6 +18,7 @@ def test_arm_is_identified(pictures: Path) -> None:
     assert printed["noise"] == pytest.approx(example.NOISE, rel=0.15)
 
 
+@pytest.mark.thorough
 def test_truss_is_as_reliable_as_the_closed_form(pictures: Path) -> None:
     """Sums of normal logarithms: ``u = P L³/(2 E a² h²)`` and ``P L/(2 h) = π² E a⁴/(12 L²)``."""
     printed, example = numbers("reliable_truss", pictures), script("reliable_truss")

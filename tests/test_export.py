@@ -90,6 +90,7 @@ RESPONSES = [
 ]
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     "analysis",
     [

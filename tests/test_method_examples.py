@@ -91,6 +91,7 @@ def test_massless_coupler_is_the_limit_of_light_ones(pictures: Path) -> None:
     assert printed["largest error of the energy [J]"] < 1e-5
 
 
+@pytest.mark.thorough
 def test_comparison_of_formulations(pictures: Path) -> None:
     """Exact formulations make the same error, the penalty method another one."""
     printed = numbers("compare_four_bar", pictures)

@@ -61,6 +61,7 @@ def one_mode_of_a_rod(
     return float(np.abs(reference.y[0]).max())
 
 
+@pytest.mark.thorough
 def test_elastic_rod_bends_as_its_first_mode(pictures: Path) -> None:
     rod = script("elastic_slider_crank")
     mass, rigidity = rod.DENSITY * rod.WIDTH**2, rod.MODULUS * rod.WIDTH**4 / 12

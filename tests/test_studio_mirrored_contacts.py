@@ -80,7 +80,7 @@ def test_all_is_mirrored(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     assert visit.text == TEXT
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("key", ["h", "r"])
 def test_the_floor_stays_where_only_the_body_is_selected(
     desk: tuple[Desk, Studio], key: str
