@@ -184,6 +184,7 @@ def test_a_plate_in_tension(tmp_path: Path) -> None:
     assert most == pytest.approx(3e6, rel=0.05)
 
 
+@pytest.mark.thorough
 def test_a_file_as_python_makes_the_same_mesh(tmp_path: Path) -> None:
     from dalembert.io import load_model_file
     from dalembert.io.exports.export import export

@@ -61,7 +61,7 @@ def fall(force, end: float, gravity=-10.0, height=1e-3) -> np.ndarray:
     return state
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 @pytest.mark.parametrize("name", LAWS)
 def test_ball_on_a_floor_converges_to_the_exact_motion(name, scheme):
@@ -189,7 +189,7 @@ def _spheres(system):
 SCENES = {"circles": _circles, "rectangle": _rectangle, "capsule": _capsule, "spheres": _spheres}
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("friction", [0.0, 0.1])
 @pytest.mark.parametrize("name", SCENES)
 def test_agreement_with_contact_of_two_shapes(name, friction):

@@ -44,7 +44,7 @@ def both(motion: da.Motion, *responses) -> np.ndarray:
     return direct
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 def test_restitution_of_hunt_and_crossley(scheme):
     """``v⁺ = e v``, ``(1 + e) d = ln (1 + d) − ln (1 − d e)``, ``d = c v``: neither the stiffness

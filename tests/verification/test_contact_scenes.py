@@ -43,6 +43,7 @@ def gradient(motion: da.Motion, *names: str) -> np.ndarray:
     return direct
 
 
+@pytest.mark.thorough
 @MOREAU
 def test_box_on_an_accelerating_table(scheme):
     """``v = μ g t`` where the table accelerates by more than ``μ g``."""
@@ -138,7 +139,7 @@ def test_body_that_leaves_a_cylinder(scheme):
     assert height == pytest.approx(2 / 3 * np.cos(theta), abs=LAST[type(scheme)])
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @SCHEMES
 def test_ladder_that_leaves_its_wall(scheme):
     """At two thirds of its height (Goldstein)."""
