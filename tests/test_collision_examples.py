@@ -9,6 +9,7 @@ import pytest
 from example_runs import numbers, script
 
 
+@pytest.mark.thorough
 def test_dominoes_topple_at_the_speed_of_the_theory(
     pictures: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -60,6 +60,7 @@ def test_compass_biped_needs_the_minimum_slope_for_its_speed(pictures: Path) -> 
     assert printed["violation"] < 1e-9
 
 
+@pytest.mark.thorough
 def test_tippe_top_turns_over(pictures: Path) -> None:
     """Final states by Jellett's constant, which the depth of contact, 1/1000 radius, changes."""
     printed = numbers("tippe_top", pictures)
@@ -93,6 +94,7 @@ def test_tippe_top_beside_equations_of_a_rigid_table() -> None:
     assert less < 0.28 * off
 
 
+@pytest.mark.thorough
 def test_vibratory_feeder_transports_at_the_speed_of_its_twin(pictures: Path) -> None:
     """Way and optimum line of vibration beside phases of stick, slip and flight by SciPy."""
     printed, time = numbers("vibratory_feeder", pictures), 0.4
@@ -105,6 +107,7 @@ def test_vibratory_feeder_transports_at_the_speed_of_its_twin(pictures: Path) ->
     assert printed["optimised speed [mm/s]"] == pytest.approx(1e3 * best / time, abs=1e-5)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("degrees", [15, 25, 45, 50])
 def test_gradient_of_the_way_through_stick_slip_and_hops(degrees: float) -> None:
     """Exact beside central differences of the twin; without hops at 15°."""

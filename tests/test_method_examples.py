@@ -14,6 +14,7 @@ from example_runs import numbers
 from one_freedom import FourBar, G, reduced_motion
 
 
+@pytest.mark.thorough
 def test_violation_grows_is_held_is_removed(pictures: Path) -> None:
     printed = numbers("four_bar_violation", pictures)
     assert printed["violation a"] > 30 * printed["violation b"] > 1e3 * printed["violation c"]

@@ -131,6 +131,7 @@ def test_sewing_machine_counts_and_loops(pictures: Path) -> None:
     assert np.abs(run["take_up.eye.y"].values - eye.imag).max() < 1e-14
 
 
+@pytest.mark.thorough
 def test_n_four_bar_follows_its_one_equation(pictures: Path) -> None:
     factor = (1.5 + 2) / (1 + 2) * G
 

@@ -97,6 +97,7 @@ def test_rebound_and_duration_of_an_elastic_impact():
     assert 1 / record.fraction.max() == pytest.approx(200, rel=0.35)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("restitution", sampled([0.6, 0.9, 0.3], 3))
 def test_restitution_of_hunt_and_crossley(restitution):
     law = contact.HuntCrossley(stiffness=K, damping=contact.damping_factor(restitution) / V0)

@@ -62,6 +62,7 @@ def test_restitution_of_hunt_and_crossley(scheme):
     assert errors[-1] < 2e-3 and errors[-1] < errors[0] / 6
 
 
+@pytest.mark.thorough
 def test_duration_of_a_linear_contact():
     """Kelvin and Voigt without damping: half a period, ``y = v (t − t₁ − π √(m/K))``."""
     end = 0.006

@@ -61,6 +61,7 @@ def test_box_on_an_accelerating_table(scheme):
     np.testing.assert_allclose(gradient(motion, "box.vx")[0], [G * 0.5], rtol=0.02)
 
 
+@pytest.mark.thorough
 @ANTICIPATED
 def test_block_on_a_wedge_that_gives_way(scheme):
     """``A = m g sin α cos α/(M + m sin² α)`` without friction."""
@@ -122,7 +123,7 @@ def test_three_balls_in_a_row(law, scheme):
     np.testing.assert_allclose(gradient(motion, *names)[:, 0], np.array([-2, 1, 1]) / 3, atol=1e-6)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @SCHEMES
 def test_body_that_leaves_a_cylinder(scheme):
     """It slides without friction down to ``cos θ = 2/3``."""

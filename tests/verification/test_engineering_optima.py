@@ -90,6 +90,7 @@ def test_optimum(name, method):
         np.testing.assert_allclose(list(best.x.values()), at, rtol=1e-3)
 
 
+@pytest.mark.thorough
 def test_pressure_vessel_of_plates_that_are_sold():
     """Shell and head in sixteenths of an inch."""
     variables = CASES["pressure vessel, continuous"][0]
@@ -163,6 +164,7 @@ def test_a_train_with_too_many_designs_is_not_called_proved():
     assert "not convex" in best.message and "not proved" in best.message
 
 
+@pytest.mark.thorough
 def test_coil_spring_of_wires_that_are_sold():
     """Whole coils, wires of ASTM A228 (Sandgren 1990; Kannan and Kramer 1994; Lampinen 1999)."""
     wires = [0.207, 0.225, 0.244, 0.263, 0.283, 0.307, 0.331, 0.362, 0.394, 0.4375, 0.5]

@@ -83,6 +83,7 @@ def test_a_moment_rolls_it_up():
     assert angle == pytest.approx(2 * math.pi, rel=1e-6)
 
 
+@pytest.mark.thorough
 def test_arc_bent_out_of_its_plane():
     radius, modulus = 100.0, 1e7
     shear = modulus / 2
