@@ -75,7 +75,7 @@ LONG = ("compass_biped", "friction_gripper", "tippe_top")
 """Files whose runs of one gradient or optimum take several seconds."""
 
 
-@pytest.mark.few(7)
+@pytest.mark.few(4)
 @pytest.mark.parametrize(
     ("name", "each"),
     [(name, 5) for name in (*SMOOTH, *STRUCTURES) if name not in LONG]

@@ -90,7 +90,7 @@ RESPONSES = [
 ]
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "analysis",
     [

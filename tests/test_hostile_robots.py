@@ -203,6 +203,7 @@ def test_meshes_outside_are_listed_and_never_opened(tmp_path):
     assert allowed.document["bodies"]["upper"]["geometry"][0]["file"].name == "secret.stl"
 
 
+@pytest.mark.thorough
 def test_many_links_are_refused_quickly(tmp_path):
     links = "".join(f'<link name="l{k}"/>' for k in range(600_000))
     with pytest.raises(da.BudgetError, match="elements"):

@@ -80,7 +80,7 @@ def test_the_guide_leads_through_a_four_bar(desk: Desks, tmp_path: Path) -> None
     assert visit.page.inner_text(".guide").startswith("7 of 9")
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_contrast_and_names(desk: Desks, theme: str) -> None:
     visit, _ = desk

@@ -113,6 +113,7 @@ def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
         yield server
 
 
+@pytest.mark.thorough
 def test_files_are_listed_and_exports_downloaded(studio: Studio) -> None:
     with page(studio) as socket:
         receive(socket, "text")

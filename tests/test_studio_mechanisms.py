@@ -52,6 +52,7 @@ def drawn_slider_crank(visit: Desk) -> None:
     visit.draw("m", (0, 0))
 
 
+@pytest.mark.thorough
 def test_slider_crank(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     visit, _ = desk
     drawn_slider_crank(visit)

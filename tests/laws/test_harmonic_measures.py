@@ -33,7 +33,7 @@ GAP = MODEL.expression("m1.x") - MODEL.expression("m0.x")
 FORMS = {"declared": "gap", "formula": "m1.x - m0.x", "expression": GAP}
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("form", FORMS)
 def test_outputs_of_any_form_have_all_outputs(form, tmp_path) -> None:
     """Names, formulas and expressions in tables, files, pages, pictures and gradients."""

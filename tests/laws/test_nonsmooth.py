@@ -120,7 +120,7 @@ def pendulum_at_a_wall() -> da.System:
     return system
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @schemes
 def test_joints_stay_closed_beside_contacts(scheme):
     """A pendulum that swings against a wall: the pin holds, and the disc does not pass."""
