@@ -138,6 +138,7 @@ def test_speed_reducer():
     assert best.x["x3"] == 17 and best.violation <= 1e-6
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", ["slsqp", "enumeration"])  # branch and bound by default
 def test_gear_train(method):
     """Four numbers of teeth for a ratio of 1/6.931 (Sandgren 1990): all 49⁴ trains compared."""

@@ -61,6 +61,7 @@ def build() -> da.Model:
     return system.build()
 
 
+@pytest.mark.thorough
 def test_straight_line():
     """The crank can turn, the order of the points is kept, and the sum beats the best printed."""
     model, far = build(), math.radians(3)

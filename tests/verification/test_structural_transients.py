@@ -108,6 +108,7 @@ def test_ring_down_of_a_cantilever_is_modal_superposition():
     np.testing.assert_allclose(tip, superposed, atol=2e-3 * tip[0])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("lumped", "share"), [(True, 1.0), (False, 2.0 / 3.0)])
 def test_stiff_bar_swings_as_a_pendulum(lumped, share):
     """Released at 120°: ``T = 4 √(L'/g) K(sin θ₀/2)``.
