@@ -9,6 +9,8 @@ from __future__ import annotations
 import itertools
 import math
 
+import pytest
+
 import dalembert as da
 from dalembert import planar
 
