@@ -26,6 +26,7 @@ FOUR_BAR = (
 """Keys of tools and places: three bars, two pins at the ground and a motor."""
 
 
+@pytest.mark.thorough
 def test_a_four_bar_is_drawn_moved_and_saved(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     visit, _ = desk
     texts = [visit.text]
@@ -237,6 +238,7 @@ DRAG = """async ([from, to]) => {
 """Drag a point in steps and wait for the picture of each: times [ms] and the final position."""
 
 
+@pytest.mark.thorough
 def test_a_dragged_point_is_computed_in_the_page(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     for key, *places in FOUR_BAR:

@@ -50,6 +50,7 @@ def desk(browser: Any, still_server: Studio) -> Any:  # noqa: F811
         yield visit
 
 
+@pytest.mark.thorough
 def test_a_cantilever_with_two_loads_and_a_torque(desk: FrameDesk, tmp_path: Path) -> None:
     """Displacements are F L³/(3 E I) along both axes; the rotation is T L/(G J)."""
     keyboard = desk.page.keyboard
