@@ -200,6 +200,7 @@ def test_all_elements_of_contacts_are_listed(desk: tuple[Desk, Studio]) -> None:
     visit.page.click("#tab-text")
 
 
+@pytest.mark.thorough
 def test_contacts_of_spatial_models_have_coefficients(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.show(

@@ -117,6 +117,7 @@ def test_a_page_shows_changes_of_another(desk: tuple[Desk, Studio], browser: Any
     other.close()
 
 
+@pytest.mark.thorough
 def test_sliders_write_their_values_into_the_text(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.draw("b", (0, 0), (0.5, 0))

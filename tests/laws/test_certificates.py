@@ -255,6 +255,7 @@ def test_beside_a_kink_shorter_steps_tell():
     assert certificate.data["verdict"].item() == "confirmed"
 
 
+@pytest.mark.thorough
 def test_integrals_over_moving_kinks_are_not_contradicted():
     """A tow rope grows taut and slack again; what it hands on is known by the elastic impact."""
     system = da.System("tow")

@@ -232,7 +232,7 @@ def test_a_pyramid_of_cylinders(friction):
     assert (fallen < 1e-9) if friction > np.tan(np.pi / 12) else (fallen > 1e-3)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize(("overhang", "falls"), [(0.19, False), (0.21, True)])
 def test_a_cylinder_beyond_the_edge_of_a_box(overhang, falls):
     """It tips when its middle is beyond the edge."""

@@ -75,6 +75,7 @@ def test_implicit_steps(dimension):
     agree(da.solve_dynamics(model, 1.5e-3, step=5e-4, integrator=IMPLICIT[dimension]), TIP)
 
 
+@pytest.mark.thorough
 def test_displacements_of_second_order():
     model = swing(2, stiffening=True, modes=0)
     agree(da.solve_dynamics(model, 2e-4, step=1e-5, integrator=da.RK4()), TIP)

@@ -48,7 +48,7 @@ def settled():
 SETTLING = {"parameters": {"restitution": 0.2}, "outputs": [0.9, 1.0]}
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize(("formulation", "coordinates"), PARTITIONED, ids=str)
 def test_independent_speeds_follow_the_contacts_that_last(formulation, coordinates, settled):
     """Closed gaps are further constraints: fewer speeds are independent, and others may be."""

@@ -82,6 +82,7 @@ def cantilever(count: int = 10):
     return s, nodes, 1.8751040687119612**2 * np.sqrt(stiffness / (mass * length**4)), stiffness
 
 
+@pytest.mark.thorough
 def test_ring_down_of_a_cantilever_is_modal_superposition():
     """Released from a load at its tip; all modes ring, the first as Euler and Bernoulli say."""
     s, nodes, omega, rigidity = cantilever()
