@@ -102,6 +102,7 @@ def test_the_impact_of_a_corner_dissipates_what_restitution_states(restitution):
     assert record.loss[record.step[0]] == pytest.approx(loss, abs=rounding)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("step", [2e-3, 5e-3])
 def test_a_heavy_ball_stays_on_a_light_box(step):
     """At rest, 500,000 times as heavy: where impulses miss the tolerance, the run ends there."""

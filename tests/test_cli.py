@@ -332,6 +332,7 @@ def test_shells_can_complete(shell, capsys):
     assert all(command in script for command in COMMANDS)
 
 
+@pytest.mark.thorough
 def test_two_runs_are_reported_together_and_filmed(model, tmp_path, capsys, monkeypatch):
     seen: list[str] = []
     monkeypatch.setattr("webbrowser.open", seen.append)

@@ -76,6 +76,7 @@ def test_chosen_responses_and_parameters(model, capsys):
     assert list(output["responses"]["bearing"]["gradient"]) == ["m_rod"]
 
 
+@pytest.mark.thorough
 def test_certificate(model, capsys):
     command = ["sensitivity", str(model), "--certificate", "--response", "bearing"]
     assert main(command) == 0

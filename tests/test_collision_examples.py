@@ -9,6 +9,7 @@ import pytest
 from example_runs import numbers, script
 
 
+@pytest.mark.thorough
 def test_dominoes_topple_at_the_speed_of_the_theory(
     pictures: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -32,6 +33,7 @@ def test_the_theory_of_dominoes_is_the_published_one() -> None:
     assert 2 / (times[-1] - times[-3]) == pytest.approx(86.281, rel=5e-4)
 
 
+@pytest.mark.thorough
 def test_geneva_drive_indexes_within_its_clearances(pictures: Path) -> None:
     """Deviations from the law of the pin in a slot, and of the lock, are those of clearances."""
     printed, drive = numbers("geneva_drive", pictures), script("geneva_drive")
@@ -66,6 +68,7 @@ def test_chain_hoist_lifts_with_the_polygon_effect(
     assert printed["maximum penetration [m]"] <= 1e-12
 
 
+@pytest.mark.thorough
 def test_hopper_empties_faster_through_a_wider_opening(
     pictures: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

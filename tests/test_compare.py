@@ -306,6 +306,7 @@ def test_a_narrow_table_keeps_what_matters():
     assert len(columns) > 10
 
 
+@pytest.mark.thorough
 def test_command_as_json(model, tmp_path, capsys):
     arguments = ["compare", str(model), "--output", str(tmp_path), "--json", "--svg"]
     arguments += ["--integrators", "RK4,Heun", "--steps", "0.01", "--duration", "0.2"]

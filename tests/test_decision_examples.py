@@ -44,6 +44,7 @@ def test_study_against_closed_form(pictures):
     assert printed["error"] < 0.1 and printed["total_d"] > printed["total_c"] > printed["total_f"]
 
 
+@pytest.mark.thorough
 def test_path_is_found(pictures: Path) -> None:
     printed = numbers("path_optimization", pictures)
     assert printed["success"]

@@ -171,29 +171,41 @@ def test_designs_in_space_are_shown_at_once(show):  # noqa: F811
     assert f"{front.design(0)['a']:g}" in page.page.inner_text(".chosen-design")
 
 
-def test_all_other_decisions_draw(show, slider, tmp_path):  # noqa: F811
-    """On paper and on a screen, with every view that they have."""
+def reliability(slider):
     random = {"mass": da.Normal(2.0, 0.2), "r": da.Lognormal(0.1, 0.005)}
-    reliable = da.reliability(slider, da.Limit(FORCE, upper=40.0), random, analysis=ANALYSIS)
+    return da.reliability(slider, da.Limit(FORCE, upper=40.0), random, analysis=ANALYSIS)
+
+
+def tolerance(slider):
     tolerances = {"r": 1e-3, "l": 1e-3}
-    scattered = da.tolerance(slider, FORCE, tolerances, analysis=ANALYSIS, samples=25)
+    return da.tolerance(slider, FORCE, tolerances, analysis=ANALYSIS, samples=25)
+
+
+def identification(slider):
     run = ANALYSIS.run(slider, {"r": 0.12, "mass": 2.3})
     noisy = run.values("motor.effort") + np.random.default_rng(0).normal(0, 0.05, run.time.size)
-    data = {"time": run.time, "torque": noisy}
-    identification = da.identify(
-        slider, data, {"torque": "motor.effort"}, ["r", "mass"], analysis=ANALYSIS
-    )
-    linkages = da.synthesize(da.Target.path([[0, 0], [1, 0.2], [2, 1], [0.2, 1.5]]), starts=3)
-    for decision in (reliable, scattered, identification, linkages):
-        page = show(decision)
-        views = decision.live_page()["views"]
-        kinds = {view["kind"] for view in views}
-        assert len(views) >= len(decision.views())
-        assert page.page.locator("section[id^=view-]").count() == len(views), kinds
-        assert page.js("[...document.querySelectorAll('svg.chart')].every(s => s.children.length)")
-        page.js("window.dispatchEvent(new Event('beforeprint'))")
-        assert page.js("document.documentElement.classList.contains('paper')")
-        page.js("window.dispatchEvent(new Event('afterprint'))")
+    data, names = {"time": run.time, "torque": noisy}, ["r", "mass"]
+    return da.identify(slider, data, {"torque": "motor.effort"}, names, analysis=ANALYSIS)
+
+
+def linkages(slider):
+    return da.synthesize(da.Target.path([[0, 0], [1, 0.2], [2, 1], [0.2, 1.5]]), starts=3)
+
+
+@pytest.mark.few(1)
+@pytest.mark.parametrize("decide", [reliability, tolerance, identification, linkages])
+def test_all_other_decisions_draw(show, slider, decide):  # noqa: F811
+    """On paper and on a screen, with every view that they have."""
+    decision = decide(slider)
+    page = show(decision)
+    views = decision.live_page()["views"]
+    kinds = {view["kind"] for view in views}
+    assert len(views) >= len(decision.views())
+    assert page.page.locator("section[id^=view-]").count() == len(views), kinds
+    assert page.js("[...document.querySelectorAll('svg.chart')].every(s => s.children.length)")
+    page.js("window.dispatchEvent(new Event('beforeprint'))")
+    assert page.js("document.documentElement.classList.contains('paper')")
+    page.js("window.dispatchEvent(new Event('afterprint'))")
 
 
 def test_notebooks_show_the_page(slider, front):

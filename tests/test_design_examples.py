@@ -18,6 +18,7 @@ def test_arm_is_identified(pictures: Path) -> None:
     assert printed["noise"] == pytest.approx(example.NOISE, rel=0.15)
 
 
+@pytest.mark.thorough
 def test_truss_is_as_reliable_as_the_closed_form(pictures: Path) -> None:
     """Sums of normal logarithms: ``u = P L³/(2 E a² h²)`` and ``P L/(2 h) = π² E a⁴/(12 L²)``."""
     printed, example = numbers("reliable_truss", pictures), script("reliable_truss")
@@ -54,6 +55,7 @@ def test_lightest_trusses_are_as_reliable_as_asked_for(pictures: Path) -> None:
     assert printed["mass"] == pytest.approx(2 * example.DENSITY * area * length, rel=1e-6)
 
 
+@pytest.mark.thorough
 def test_stroke_scatters_as_the_closed_form(pictures: Path) -> None:
     """``S = 2 L r/d``, taken as an integral over 360 intervals."""
     printed, example = numbers("shaper_tolerances", pictures), script("shaper_tolerances")

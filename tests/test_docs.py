@@ -78,8 +78,19 @@ def prose(page: Path) -> str:
     return FENCE.sub("", page.read_text(encoding="utf-8"))
 
 
+LONG = {"python": ["extending.md", "nonsmooth.md"], "sh": ["live.md", "pages.md"]}
+"""Pages by the language of blocks that take several seconds."""
+
+
 def having(language: str) -> list:
-    return [pytest.param(p, id=p.name) for p in PAGES if blocks(p, language)]
+    """Pages with blocks of a language; the long ones are thorough."""
+    return [
+        pytest.param(
+            p, id=p.name, marks=[pytest.mark.thorough] * (p.name in LONG.get(language, ()))
+        )
+        for p in PAGES
+        if blocks(p, language)
+    ]
 
 
 @pytest.fixture
@@ -228,6 +239,7 @@ def test_a_page_has_signatures_parameters_and_examples(monkeypatch):
     assert "\n- `AnalysisError`: The run fails at the starting design" in text
 
 
+@pytest.mark.thorough
 def test_embedded_pages_are_live(monkeypatch, tmp_path):
     monkeypatch.syspath_prepend(DOCS)
     importlib.import_module("live_pages").write(tmp_path)

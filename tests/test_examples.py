@@ -71,10 +71,14 @@ def test_file_and_script_are_the_same_structure(name: str) -> None:
     np.testing.assert_allclose(again.displacements, motion(name).displacements, atol=1e-12)
 
 
-@pytest.mark.few(9)
+LONG = ("compass_biped", "friction_gripper", "tippe_top")
+"""Files whose runs of one gradient or optimum take several seconds."""
+
+
+@pytest.mark.few(4)
 @pytest.mark.parametrize(
     ("name", "each"),
-    [(name, 5) for name in (*SMOOTH, *STRUCTURES)]
+    [(name, 5) for name in (*SMOOTH, *STRUCTURES) if name not in LONG]
     + [pytest.param(name, 1, marks=pytest.mark.thorough) for name in (*SMOOTH, *STRUCTURES)],
 )
 def test_gradients_agree(name: str, each: int) -> None:
@@ -121,8 +125,11 @@ def test_file_and_script_are_the_same_mechanism(name: str) -> None:
     np.testing.assert_allclose(again.y, trajectory.y, atol=1e-9 * (1 + np.abs(trajectory.y).max()))
 
 
-@pytest.mark.few(3)
-@pytest.mark.parametrize("name", OPTIMISED)
+@pytest.mark.few(2)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=[pytest.mark.thorough] * (n in LONG)) for n in OPTIMISED],
+)
 def test_files_optimise(name: str) -> None:
     design = make_design(file(name), model(name))
     best = da.optimize(model(name), analysis=make_analysis(file(name), model(name)), **design)

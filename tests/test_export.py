@@ -90,6 +90,7 @@ RESPONSES = [
 ]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "analysis",
     [

@@ -30,7 +30,7 @@ def test_bodies_pins_and_traces_of_a_motion(tmp_path):
     assert len(space.query('LWPOLYLINE[layer=="construction_traces"]')) == 1
 
 
-@pytest.mark.few(25)
+@pytest.mark.few(12)
 @pytest.mark.parametrize("name", CASES)
 def test_every_planar_case_is_drawn_and_spatial_ones_name_a_body(name, tmp_path):
     model = model_of(name)

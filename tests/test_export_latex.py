@@ -44,7 +44,7 @@ def check(model: da.Model, coordinates: str) -> None:
             parser.parse(f"${notation.sum(entry)}$")
 
 
-@pytest.mark.few(20)
+@pytest.mark.few(10)
 @pytest.mark.parametrize("coordinates", CHOICES)
 @pytest.mark.parametrize("name", CASES)
 def test_equations_have_the_values_of_the_model_or_are_too_large(name, coordinates):

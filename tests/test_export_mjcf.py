@@ -172,7 +172,7 @@ def _first_copies(twin: Twin) -> np.ndarray:
     return np.vstack([*rows, np.zeros((others, twin.m.nv))])
 
 
-@pytest.mark.few(25)
+@pytest.mark.few(15)
 @pytest.mark.parametrize("name", CASES)
 def test_every_case_is_loaded_and_has_our_equations_unless_it_names_what_it_lacks(name):
     model = model_of(name)

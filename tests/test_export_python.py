@@ -217,6 +217,7 @@ force = "where(a.vx < 10 mm/s, pid.output*e, min(a.x, 131/350))"
 """
 
 
+@pytest.mark.thorough
 def test_scripts_of_every_registered_element(tmp_path: Path) -> None:
     write_beam(tmp_path, 2)
     (tmp_path / "wedge.obj").write_text(OBJ)

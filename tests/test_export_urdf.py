@@ -125,7 +125,7 @@ def check_tree(model: da.Model) -> None:
         assert np.abs(balance - bias).max(initial=0.0) <= EXACT * scale
 
 
-@pytest.mark.few(25)
+@pytest.mark.few(15)
 @pytest.mark.parametrize("name", CASES)
 def test_every_case_is_loaded_and_trees_have_our_equations(name):
     model = model_of(name)

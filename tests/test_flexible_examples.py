@@ -51,6 +51,7 @@ def test_leaf_spring_is_the_lightest(pictures: Path) -> None:
     assert printed["saved"] == pytest.approx(1 - lightest, abs=1e-3)
 
 
+@pytest.mark.thorough
 def test_robot_arm_rings_at_its_first_frequency(pictures: Path) -> None:
     """That of the arm where it stops, as a bent cantilever of frame elements with the tool."""
     printed = numbers("flexible_robot_arm", pictures)
@@ -74,6 +75,7 @@ def test_robot_arm_rings_at_its_first_frequency(pictures: Path) -> None:
     assert printed["swing"] > 1e-3
 
 
+@pytest.mark.thorough
 def test_tapered_arm_is_that_of_the_load(pictures: Path) -> None:
     """Sag ``∝ Σ ∫ s² ds / h³`` under a load alone; the arm itself, whose
     mass counts as a twentieth of it at the tip, makes up for the rest."""

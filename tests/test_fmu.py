@@ -113,6 +113,7 @@ def stone(name: str = "stone") -> da.Model:
     return system.build()
 
 
+@pytest.mark.thorough
 def test_equal_models_give_equal_files(unit, tmp_path):
     """Also their libraries, without paths of the machine, and with any name of the model."""
     hostile = '*\\\n/ <&>" ?? ü'

@@ -11,6 +11,7 @@ from example_runs import EXAMPLES, numbers, script
 from dalembert.cli.app import main
 
 
+@pytest.mark.thorough
 def test_equal_peaks_and_white_noise(pictures: Path) -> None:
     printed = numbers("den_hartog_absorber", pictures)
     for name in ("height", "frequency", "damping"):

@@ -56,7 +56,7 @@ RESPONSES = {
 }
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", RESPONSES)
 def test_the_page_shows_the_highest_peak(name: str, show: Any) -> None:
     response = RESPONSES[name]()

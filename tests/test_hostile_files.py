@@ -233,6 +233,7 @@ def test_hidden_characters_are_refused_in_python(text):
             make()
 
 
+@pytest.mark.thorough
 @given(text=st.text())
 def test_what_is_visible_can_be_shown(text):
     assert not HIDDEN.search(visible(text))

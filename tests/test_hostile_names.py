@@ -69,7 +69,7 @@ def decision(task: str, folder: Any) -> Any:
     return da.pareto(model, [stress, mass], analysis=make_analysis(file, model), points=3)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", ["planar", "spatial", "structure", "pareto", "synthesize"])
 def test_names_stay_text(kind, show, tmp_path):  # noqa: F811
     results = {"planar": shaft, "spatial": joints, "structure": lambda: solved("plate")}

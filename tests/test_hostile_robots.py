@@ -157,14 +157,21 @@ SDF = {
     "no axis": (four_bar("sdf").replace("<xyz>0 1 0</xyz>", "<xyz>0 0 0</xyz>"), "no direction"),
     "short pose": (four_bar("sdf").replace("0 0 0.5 0 0 0", "0 0 0.5"), "expected 6 numbers"),
 }
+LONG = ("copies of copies",)
 CASES = [
-    *(("urdf", *case) for case in URDF.items()),
-    *(("xml", *case) for case in MJCF.items()),
-    *(("sdf", *case) for case in SDF.items()),
+    pytest.param(
+        suffix,
+        name,
+        case,
+        id=f"{suffix}-{name}",
+        marks=[pytest.mark.thorough] * (name in LONG),
+    )
+    for suffix, cases in (("urdf", URDF), ("xml", MJCF), ("sdf", SDF))
+    for name, case in cases.items()
 ]
 
 
-@pytest.mark.parametrize(("suffix", "name", "case"), CASES, ids=[f"{s}-{n}" for s, n, _ in CASES])
+@pytest.mark.parametrize(("suffix", "name", "case"), CASES)
 def test_one_message_and_nothing_written(suffix, name, case, tmp_path, capsys):
     text, message = case
     folder = tmp_path / "robot"
@@ -196,6 +203,7 @@ def test_meshes_outside_are_listed_and_never_opened(tmp_path):
     assert allowed.document["bodies"]["upper"]["geometry"][0]["file"].name == "secret.stl"
 
 
+@pytest.mark.thorough
 def test_many_links_are_refused_quickly(tmp_path):
     links = "".join(f'<link name="l{k}"/>' for k in range(600_000))
     with pytest.raises(da.BudgetError, match="elements"):

@@ -17,6 +17,7 @@ from scipy.optimize import brentq
 import dalembert as da
 
 
+@pytest.mark.thorough
 def test_compass_biped_walks_in_its_gait(pictures: Path) -> None:
     """Gait, multipliers and optimum beside the return map in two angles by SciPy."""
     slope, guess = math.radians(3), (0.27, 1.09, 0.38)
@@ -40,6 +41,7 @@ def test_compass_biped_walks_in_its_gait(pictures: Path) -> None:
     assert strikes == ["right_foot", "left_foot", "right_foot", "left_foot"]
 
 
+@pytest.mark.thorough
 def test_compass_biped_needs_the_minimum_slope_for_its_speed(pictures: Path) -> None:
     """The masses of the legs are as high as they may be, and lower ones need a steeper slope."""
 
@@ -58,6 +60,7 @@ def test_compass_biped_needs_the_minimum_slope_for_its_speed(pictures: Path) -> 
     assert printed["violation"] < 1e-9
 
 
+@pytest.mark.thorough
 def test_tippe_top_turns_over(pictures: Path) -> None:
     """Final states by Jellett's constant, which the depth of contact, 1/1000 radius, changes."""
     printed = numbers("tippe_top", pictures)
@@ -74,6 +77,7 @@ def test_tippe_top_turns_over(pictures: Path) -> None:
     assert slow == pytest.approx(lowest, abs=0.1)
 
 
+@pytest.mark.thorough
 def test_tippe_top_beside_equations_of_a_rigid_table() -> None:
     """The difference of the tilts is proportional to the depth of contact."""
     soft, top = motion("tippe_top"), script("tippe_top")
@@ -90,6 +94,7 @@ def test_tippe_top_beside_equations_of_a_rigid_table() -> None:
     assert less < 0.28 * off
 
 
+@pytest.mark.thorough
 def test_vibratory_feeder_transports_at_the_speed_of_its_twin(pictures: Path) -> None:
     """Way and optimum line of vibration beside phases of stick, slip and flight by SciPy."""
     printed, time = numbers("vibratory_feeder", pictures), 0.4
@@ -102,6 +107,7 @@ def test_vibratory_feeder_transports_at_the_speed_of_its_twin(pictures: Path) ->
     assert printed["optimised speed [mm/s]"] == pytest.approx(1e3 * best / time, abs=1e-5)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("degrees", [15, 25, 45, 50])
 def test_gradient_of_the_way_through_stick_slip_and_hops(degrees: float) -> None:
     """Exact beside central differences of the twin; without hops at 15°."""
@@ -128,6 +134,7 @@ def lag_of_a_gripped_disc(grip: float) -> float:
     return height - (run.y[0, -1] + sunk)
 
 
+@pytest.mark.thorough
 def test_friction_gripper_lifts_what_its_force_permits(pictures: Path) -> None:
     """The disc lags as a creeping point does, and stays down where ``2 μ N < m g``."""
     printed = numbers("friction_gripper", pictures)

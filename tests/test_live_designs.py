@@ -98,6 +98,7 @@ def sliders(page: Visit) -> dict[str, float]:
     return dict(zip(names, page.js("dalembert.design.values"), strict=True))
 
 
+@pytest.mark.thorough
 def test_points_of_a_front_run_in_the_page(opened: Any, front: da.ParetoResult) -> None:
     with opened(front) as page:
         for k in range(len(front)):
@@ -249,6 +250,7 @@ def test_designs_of_a_study_run_in_the_page(opened: Any, model: da.Model) -> Non
         assert page.page.locator(".live-status.error").count() == 1
 
 
+@pytest.mark.thorough
 def test_samples_of_tolerances_run_in_the_page(opened: Any, model: da.Model) -> None:
     tolerances = {"r": "1 mm", "l": "1 mm"}
     result = da.tolerance(model, FORCE, tolerances, analysis=ANALYSIS, samples=20)

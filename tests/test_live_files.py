@@ -37,6 +37,7 @@ def is_live(page: str) -> bool:
     return '"live":{' in page and '"code":"' in page and 'id="worker"' in page
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(
     ("value", "options", "live"),
     [
@@ -139,6 +140,7 @@ def test_modules_are_compiled_once(model, tmp_path, monkeypatch):
     assert is_live(run(model))
 
 
+@pytest.mark.thorough
 def test_without_a_cache_pages_are_live(model, tmp_path, monkeypatch):
     folder = tmp_path / "cache"
     folder.mkdir(mode=0o700)

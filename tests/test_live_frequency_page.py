@@ -118,6 +118,7 @@ def test_improvement_reaches_the_optimum_of_equal_peaks(page: Visit) -> None:
     assert len(page.js("dalembert.table.values")) == 2
 
 
+@pytest.mark.thorough
 def test_undamped_resonances_are_infinite(page: Visit) -> None:
     change(page, {1: 0.0})
     assert "No damping acts on the resonance" in page.page.inner_text(".live-status.warning")
@@ -126,6 +127,7 @@ def test_undamped_resonances_are_infinite(page: Visit) -> None:
     assert page.page.locator(".live-status.warning").count() == 0
 
 
+@pytest.mark.thorough
 def test_peaks_are_added(page: Visit) -> None:
     page.page.click("#add-response")
     page.page.select_option(".add-response select >> nth=0", label="peak 2")

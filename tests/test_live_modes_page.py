@@ -37,7 +37,7 @@ def compare(page: Visit, modes: Any) -> None:
         assert states[number - 1] == (free if modes.frequencies[number - 1] == 0 else expected_name)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("build", "values"),
     [

@@ -14,6 +14,7 @@ from example_runs import numbers
 from one_freedom import FourBar, G, reduced_motion
 
 
+@pytest.mark.thorough
 def test_violation_grows_is_held_is_removed(pictures: Path) -> None:
     printed = numbers("four_bar_violation", pictures)
     assert printed["violation a"] > 30 * printed["violation b"] > 1e3 * printed["violation c"]
@@ -91,6 +92,7 @@ def test_massless_coupler_is_the_limit_of_light_ones(pictures: Path) -> None:
     assert printed["largest error of the energy [J]"] < 1e-5
 
 
+@pytest.mark.thorough
 def test_comparison_of_formulations(pictures: Path) -> None:
     """Exact formulations make the same error, the penalty method another one."""
     printed = numbers("compare_four_bar", pictures)

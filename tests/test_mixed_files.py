@@ -131,6 +131,7 @@ def test_files_mirror_python(tmp_path, schema):
     assert runs[0]["b.vx"].values[0] == pytest.approx(0.01)
 
 
+@pytest.mark.thorough
 def test_commands_run_it(tmp_path, capsys):
     path = written(tmp_path)
     for command in (["check"], ["run", "--output", str(tmp_path)], ["sensitivity"]):

@@ -227,6 +227,7 @@ def test_every_contact_can_be_written(shape, law, friction, tmp_path, schema):
 NAMED = [(key, name) for key, registry in STRATEGIES.items() for name in registry]
 
 
+@pytest.mark.product
 @pytest.mark.parametrize(("key", "name"), NAMED)
 @pytest.mark.parametrize("form", ["{!r}", "{{ type = {!r} }}"])
 def test_every_strategy_can_be_named(key, name, form, tmp_path, schema):

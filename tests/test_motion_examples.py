@@ -61,6 +61,7 @@ def one_mode_of_a_rod(
     return float(np.abs(reference.y[0]).max())
 
 
+@pytest.mark.thorough
 def test_elastic_rod_bends_as_its_first_mode(pictures: Path) -> None:
     rod = script("elastic_slider_crank")
     mass, rigidity = rod.DENSITY * rod.WIDTH**2, rod.MODULUS * rod.WIDTH**4 / 12
@@ -130,6 +131,7 @@ def test_sewing_machine_counts_and_loops(pictures: Path) -> None:
     assert np.abs(run["take_up.eye.y"].values - eye.imag).max() < 1e-14
 
 
+@pytest.mark.thorough
 def test_n_four_bar_follows_its_one_equation(pictures: Path) -> None:
     factor = (1.5 + 2) / (1 + 2) * G
 

@@ -127,6 +127,7 @@ def test_sliders_and_parameters_follow_each_other(browser: Any) -> None:  # noqa
     page.close()
 
 
+@pytest.mark.thorough
 def test_a_notebook_runs_it(tmp_path: Path) -> None:
     pytest.importorskip("anywidget")
     nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")

@@ -72,6 +72,7 @@ def own_assets(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path
     page_script.cache_clear()
 
 
+@pytest.mark.thorough
 def test_the_recipe_of_a_card(
     compiler: Path, own_assets: Path, show: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:

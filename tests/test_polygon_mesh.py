@@ -169,6 +169,7 @@ def test_shape_gradients_are_those_of_differences(tmp_path: Path) -> None:
         assert float(slopes.sel(parameter=name).squeeze()) == pytest.approx(difference, rel=1e-5)
 
 
+@pytest.mark.thorough
 def test_a_plate_in_tension(tmp_path: Path) -> None:
     """Kirsch: a small hole in a wide plate triples the stress beside it."""
     text = FILE.replace("size = 0.1", "size = 0.05").replace("value = 0.2", "value = 0.05")
@@ -184,6 +185,7 @@ def test_a_plate_in_tension(tmp_path: Path) -> None:
     assert most == pytest.approx(3e6, rel=0.05)
 
 
+@pytest.mark.thorough
 def test_a_file_as_python_makes_the_same_mesh(tmp_path: Path) -> None:
     from dalembert.io import load_model_file
     from dalembert.io.exports.export import export

@@ -134,6 +134,7 @@ def direct(chain):
     return system.build()
 
 
+@pytest.mark.thorough
 @settings(deadline=None, max_examples=8)
 @given(chains)
 def test_random_trees_equal_direct_models(tmp_path_factory, chain):

@@ -53,6 +53,7 @@ def is_well_posed(linkage: Linkage) -> bool:
     return True
 
 
+@pytest.mark.thorough
 @settings(max_examples=8, deadline=None, suppress_health_check=list(HealthCheck))
 @given(linkages(), st.booleans(), st.lists(st.booleans(), max_size=7), st.sampled_from([1.0, 0.04]))
 def test_random_linkages(tmp_path_factory, linkage, is_dxf, turned, scale) -> None:

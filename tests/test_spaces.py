@@ -93,6 +93,7 @@ def test_a_file_of_the_plane_may_hold_elements_of_space(read, sign):
     [
         ("dimension = 4", "dimension: unknown dimension 4; known: 2, 3"),
         ("dimension = true", "dimension: unknown dimension true; known: 2, 3"),
+        ("dimension = []", "dimension: unknown dimension []; known: 2, 3"),
         ("dimension = 3\ngravity = [0, 1]", "gravity: expected 3 entries"),
         ("dimension = 2\ngravity = [0, 1, 2]", "gravity: expected 2 entries"),
         (PLANAR.replace("Q = [1, 2]", "Q = [1, 2, 3]"), "expected 2 entries"),

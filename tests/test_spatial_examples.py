@@ -235,6 +235,7 @@ def test_rssr_four_bar_solves_its_closure(pictures: Path) -> None:
     assert printed["swing of the rocker [deg]"] == pytest.approx(swing, abs=1e-9)
 
 
+@pytest.mark.thorough
 def test_governor_settles_where_moments_balance(pictures: Path) -> None:
     """``dU/dβ = 0`` of weight, spring and centrifugal force at each speed; its slope by speed."""
     printed, example = numbers("governor", pictures), script("governor")

@@ -55,6 +55,7 @@ def test_ten_bar_truss_is_the_published_one(pictures: Path) -> None:
     assert printed["deflection"] == pytest.approx(2.0, abs=1e-6)
 
 
+@pytest.mark.thorough
 def test_tuned_mass_against_the_first_mode_alone(pictures: Path) -> None:
     """One mode of the cantilever, φ(L) = 1: mass m L/4, of which 0.3915 m L feel the ground."""
     printed, tower = numbers("tuned_mass", pictures), script("tuned_mass")

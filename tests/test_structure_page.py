@@ -125,6 +125,7 @@ def test_diagrams_along_beams(show) -> None:
     assert ordinates["values"] == pytest.approx([start, end], abs=1e-6)
 
 
+@pytest.mark.thorough
 def test_solids_turn_and_plates_pan(show) -> None:
     for name, turns in (("box", True), ("plate", False)):
         page = show(solved(name))

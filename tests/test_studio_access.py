@@ -17,6 +17,7 @@ def check(visit: Desk, name: str) -> list[str]:
     return list(visit.page.evaluate(f"() => {CHECKS.partition(chr(10))[2].strip()}.{name}()"))
 
 
+@pytest.mark.thorough
 def test_a_bar_is_drawn_moved_and_removed_by_the_keyboard(desk: Desks) -> None:
     visit, _ = desk
     keys = visit.page.keyboard
@@ -79,7 +80,7 @@ def test_the_guide_leads_through_a_four_bar(desk: Desks, tmp_path: Path) -> None
     assert visit.page.inner_text(".guide").startswith("7 of 9")
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_contrast_and_names(desk: Desks, theme: str) -> None:
     visit, _ = desk

@@ -50,6 +50,7 @@ def test_a_flood_of_one_page_leaves_others_served(studio: Studio) -> None:
         assert receive(two, "text", changed=False)["text"] == FOUR_BAR
 
 
+@pytest.mark.thorough
 def test_connections_that_say_nothing_do_no_harm(studio: Studio) -> None:
     host, port = studio.host.split(":")
     idle = [sockets.create_connection((host, int(port))) for _ in range(60)]
@@ -220,6 +221,7 @@ def test_a_full_disk_loses_neither_the_file_nor_the_text(
     session.close()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "waits", [(0.01,), pytest.param((0.0, 0.005, 0.02, 0.05, 0.2), marks=pytest.mark.thorough)]
 )

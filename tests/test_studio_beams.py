@@ -75,7 +75,7 @@ def test_an_end_at_coordinates_and_a_free_tip_are_dragged(page: Desk) -> None:
     assert (free["length"], free["angle_i"]) == (0.3, 0)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("key", ["drag", "r", "h", "H", "ArrowUp", "Control+d"])
 def test_a_beam_is_straight_where_its_body_is_moved(key: str, page: Desk, tmp_path: Path) -> None:
     """Its ends, from their frames, are its length apart, along the directions of both clamps."""

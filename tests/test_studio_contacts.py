@@ -74,6 +74,7 @@ def test_shapes_are_attached_and_bodies_rest_on_the_floor(desk: tuple[Desk, Stud
     assert [pair["groups"] for pair in entry["pairs"]] == [["mass1", "ground"]]
 
 
+@pytest.mark.thorough
 def test_a_floor_is_drawn_before_the_bodies_on_it(desk: tuple[Desk, Studio]) -> None:
     """The picture shows the first shape; the message names what is missing."""
     visit, _ = desk
@@ -153,6 +154,7 @@ def enter(visit: Desk, name: str, text: str, number: int = 0) -> str:
     return message
 
 
+@pytest.mark.thorough
 def test_coefficients_of_contacts_are_numbers_or_formulas_or_removed(
     desk: tuple[Desk, Studio],
 ) -> None:
@@ -198,6 +200,7 @@ def test_all_elements_of_contacts_are_listed(desk: tuple[Desk, Studio]) -> None:
     visit.page.click("#tab-text")
 
 
+@pytest.mark.thorough
 def test_contacts_of_spatial_models_have_coefficients(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.show(

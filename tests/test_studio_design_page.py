@@ -64,6 +64,7 @@ def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
     return shared_desk
 
 
+@pytest.mark.thorough
 def test_an_optimum_is_that_of_python(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     visit, _ = desk
     visit.show(FOUR_BAR)
@@ -156,7 +157,6 @@ def test_sliders_of_a_result_are_written_into_the_text(desk: tuple[Desk, Studio]
         assert {key: visit.document["parameters"][key]["value"] for key in before} == before
 
 
-@pytest.mark.thorough
 def test_responses_are_listed_in_words(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     before, after = FOUR_BAR.split("[responses]\n", 1)

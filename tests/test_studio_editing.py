@@ -71,6 +71,7 @@ def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
     return shared_desk
 
 
+@pytest.mark.thorough
 def test_a_transformed_mechanism_moves_as_the_original(
     desk: tuple[Desk, Studio],
     tmp_path: Path,

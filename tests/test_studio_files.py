@@ -64,6 +64,7 @@ def test_every_format_of_the_library_is_offered() -> None:
     assert {*FORMATS, *MODULES, *BEGINS} <= set(CHOICES)
 
 
+@pytest.mark.thorough
 def test_exports_of_a_text(tmp_path: Path) -> None:
     shares: list[float] = []
     for to, begin in BEGINS.items():
@@ -112,6 +113,7 @@ def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
         yield server
 
 
+@pytest.mark.thorough
 def test_files_are_listed_and_exports_downloaded(studio: Studio) -> None:
     with page(studio) as socket:
         receive(socket, "text")

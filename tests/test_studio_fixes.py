@@ -208,7 +208,10 @@ connect = [
 """A slider-crank in space: three equations are redundant."""
 
 
-@pytest.mark.parametrize(("text", "freedom", "redundant"), [(PARALLEL, 1, 1), (SPATIAL, 1, 3)])
+@pytest.mark.parametrize(
+    ("text", "freedom", "redundant"),
+    [(PARALLEL, 1, 1), pytest.param(SPATIAL, 1, 3, marks=pytest.mark.thorough)],
+)
 def test_a_redundant_constraint_is_freed(
     text: str, freedom: int, redundant: int, tmp_path: Path
 ) -> None:

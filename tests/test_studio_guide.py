@@ -11,6 +11,7 @@ from studio_runs import Studio
 O, A, B, C = (-0.3, 0.0), (-0.3, 0.2), (0.3, 0.4), (0.3, 0.0)
 
 
+@pytest.mark.thorough
 def test_the_guide_leads_to_a_four_bar_that_turns(browser: Any, studio_server: Studio) -> None:
     reset(studio_server)
     with opened(browser, studio_server, look="void 0", size=(1280, 800)) as desk:
@@ -68,6 +69,21 @@ def test_the_guide_leads_to_a_four_bar_that_turns(browser: Any, studio_server: S
 
 def _scale(desk: Desk) -> float:
     return float(desk.js("studio.pictures.page.scene.view.s"))
+
+
+def test_the_guide_follows_what_is_drawn(browser: Any, studio_server: Studio) -> None:
+    reset(studio_server)
+    with opened(browser, studio_server, look="void 0", size=(1280, 800)) as desk:
+        page = desk.page
+        page.click(".guide >> text=Show me")
+        assert page.inner_text(".guide p").startswith("1 of ")
+        page.click('.group[data-group="Bodies"]')
+        assert page.inner_text(".guide p").startswith("2 of ")
+        revision = desk.revision
+        desk.click(*O)
+        desk.click(*A)
+        desk.settle(revision + 1)
+        assert page.inner_text(".guide p").startswith("3 of ")
 
 
 @pytest.mark.thorough

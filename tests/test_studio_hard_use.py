@@ -21,6 +21,7 @@ def test_what_was_typed_last_survives_a_reload(desk: tuple[Desk, Studio]) -> Non
     assert visit.text == "# last\n" + CRANK
 
 
+@pytest.mark.thorough
 def test_a_paste_that_is_too_long_is_refused_and_the_next_text_stored(
     desk: tuple[Desk, Studio],
 ) -> None:

@@ -29,6 +29,7 @@ def hurry(visit: Desk, keys: list[str]) -> None:
     visit.settle()
 
 
+@pytest.mark.thorough
 def test_steps_that_overtake_the_picture_all_count(desk: tuple[Desk, Studio]) -> None:
     """Positions of bodies and places of joints move by the same sum."""
     visit, _ = desk
@@ -139,7 +140,13 @@ def test_a_press_that_ends_outside_the_picture_is_over(desk: tuple[Desk, Studio]
     visit.show(SQUARE + "# more\n")
 
 
-@pytest.mark.parametrize("before", [{}, {"structure": True}], ids=["mechanism", "structure"])
+@pytest.mark.parametrize(
+    "before",
+    [
+        pytest.param({}, id="mechanism", marks=pytest.mark.thorough),
+        pytest.param({"structure": True}, id="structure"),
+    ],
+)
 def test_a_structure_is_drawn_by_keys_before_its_first_picture(
     desk: tuple[Desk, Studio], before: dict[str, bool]
 ) -> None:

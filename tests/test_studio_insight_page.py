@@ -153,6 +153,7 @@ def test_overlays_are_the_kinematics_of_the_mechanism(
     assert "This analysis has no reactions" in visit.page.inner_text("#notice")
 
 
+@pytest.mark.thorough
 def test_targets_are_clicked_and_a_candidate_is_inserted(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     target = da.FourBar(crank=0.1, coupler=0.3, follower=0.25, ground=0.3, u=0.2, v=0.1)

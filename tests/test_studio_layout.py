@@ -70,6 +70,7 @@ def test_nothing_moves_or_covers_the_drawing(browser: Any, studio_server: Studio
         assert visit.page.is_visible("#text")
 
 
+@pytest.mark.thorough
 def test_impacts_are_an_analysis_of_the_sheet(browser: Any, studio_server: Studio) -> None:
     reset(studio_server)
     with opened(browser, studio_server, "0", (1180, 820), Desk) as visit:

@@ -193,6 +193,7 @@ REQUESTS += [
 ]
 
 
+@pytest.mark.thorough
 def test_every_odd_request_is_answered_on_the_same_connection(studio: Studio) -> None:
     with page(studio) as socket:
         state = receive(socket, "text")

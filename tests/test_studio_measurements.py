@@ -116,6 +116,7 @@ def test_measurements_go_with_a_model_that_is_saved_elsewhere(tmp_path: Path) ->
     session.journal.close()
 
 
+@pytest.mark.thorough
 def test_a_stiffness_is_identified_by_clicks(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     visit, _ = desk
     page = visit.page

@@ -52,6 +52,7 @@ def drawn_slider_crank(visit: Desk) -> None:
     visit.draw("m", (0, 0))
 
 
+@pytest.mark.thorough
 def test_slider_crank(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     visit, _ = desk
     drawn_slider_crank(visit)
@@ -192,6 +193,7 @@ def test_typed_places_need_no_pointer(desk: tuple[Desk, Studio]) -> None:
     assert visit.text == UNTITLED
 
 
+@pytest.mark.thorough
 def test_a_braced_rectangle(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     """Two diagonals, one of them redundant: it closes in spite of the rounding of drawn numbers."""
     visit, _ = desk

@@ -56,6 +56,7 @@ def paths(text: str, folder: Path, name: str) -> np.ndarray:
     return np.array([np.asarray(motion[f"{body}.{c}"]) for body in ("block", "ball") for c in "xy"])
 
 
+@pytest.mark.thorough
 def test_all_is_mirrored(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     visit, _ = desk
     visit.show(TEXT)
@@ -79,7 +80,7 @@ def test_all_is_mirrored(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     assert visit.text == TEXT
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("key", ["h", "r"])
 def test_the_floor_stays_where_only_the_body_is_selected(
     desk: tuple[Desk, Studio], key: str

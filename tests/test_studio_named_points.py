@@ -65,6 +65,7 @@ def test_other_keys_are_refused(keys: list[str]) -> None:
         removed(*keys)
 
 
+@pytest.mark.thorough
 def test_a_point_is_deleted_in_the_sheet_of_the_model(shared_desk: tuple[Desk, Studio]) -> None:
     visit, _ = shared_desk
     visit.show(TEXT)

@@ -26,6 +26,7 @@ FOUR_BAR = (
 """Keys of tools and places: three bars, two pins at the ground and a motor."""
 
 
+@pytest.mark.thorough
 def test_a_four_bar_is_drawn_moved_and_saved(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     visit, _ = desk
     texts = [visit.text]
@@ -116,6 +117,7 @@ def test_a_page_shows_changes_of_another(desk: tuple[Desk, Studio], browser: Any
     other.close()
 
 
+@pytest.mark.thorough
 def test_sliders_write_their_values_into_the_text(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.draw("b", (0, 0), (0.5, 0))
@@ -237,6 +239,7 @@ DRAG = """async ([from, to]) => {
 """Drag a point in steps and wait for the picture of each: times [ms] and the final position."""
 
 
+@pytest.mark.thorough
 def test_a_dragged_point_is_computed_in_the_page(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     for key, *places in FOUR_BAR:

@@ -24,6 +24,7 @@ def colour(visit: Desk, x: float, y: float) -> np.ndarray:
     return mean
 
 
+@pytest.mark.thorough
 def test_a_photo_is_scaled_moved_and_stored(desk: tuple[Desk, Studio], tmp_path: Path) -> None:
     visit, _ = desk
     file = tmp_path / "photo.png"

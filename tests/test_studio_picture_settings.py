@@ -69,7 +69,7 @@ def test_parts_and_speed_of_a_mechanism(browser: Any, studio_server: Studio) -> 
         assert shown(desk, "grid") == "true"
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scale", ["0.5", "1 : 1"])
 def test_colours_and_scale_of_a_structure(scale: str, browser: Any, studio_server: Studio) -> None:
     reset(studio_server, path=str(EXAMPLES / "truss.toml"))

@@ -120,6 +120,7 @@ def desk(browser: Any, still_server: Studio) -> Iterator[SpaceDesk]:
         yield visit
 
 
+@pytest.mark.thorough
 def test_an_rssr_four_bar_is_drawn(desk: SpaceDesk, tmp_path: Path) -> None:
     """Its motion satisfies the equations of the loop, with the drawn dimensions."""
     texts = [desk.text]

@@ -35,6 +35,7 @@ COUNTED = """(() => {
 """Counts the results of a drag and their instants; marks the solids of the picture."""
 
 
+@pytest.mark.thorough
 def test_a_drag_keeps_the_loop_closed(browser: Any, studio_server: Studio) -> None:
     with spatial(browser, studio_server) as live_desk:
         drag_the_loop(live_desk)
@@ -111,7 +112,7 @@ CORNERS = """async (kind) => {
 """Corners of a handle of the axis z, this axis, and a corner at which it is taken."""
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("angles", [(math.pi, 0.0, 0.0), (0.4, -0.3, 0.2)])
 @pytest.mark.usefixtures("desk")
 def test_a_gizmo_with_the_axes_of_the_body(

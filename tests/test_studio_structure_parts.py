@@ -25,6 +25,7 @@ def choose(visit: Desk, label: str, value: str) -> None:
     visit.until(f"studio.file.revision > {revision} && !studio.pending", 20)
 
 
+@pytest.mark.thorough
 def test_an_inclined_roller(desk: Desk, tmp_path: Path) -> None:
     """Beam with a load in the middle; the roller at the right end rolls along a line of 30°.
 

@@ -26,6 +26,7 @@ TRUSS = (
 """Keys of tools, clicks, what is typed and the key that ends it: a cantilever of two panels."""
 
 
+@pytest.mark.thorough
 def test_a_cantilever_truss_by_equilibrium(desk: Desk, tmp_path: Path) -> None:
     """The bars of a drawn truss carry the forces of equilibrium at its nodes and sections."""
     texts = [desk.text]
@@ -94,6 +95,7 @@ def test_a_cantilever_beam(desk: Desk, tmp_path: Path) -> None:
     assert float(result[f"{fixed}.mz"]) == pytest.approx(load * length)
 
 
+@pytest.mark.thorough
 def test_a_plate_with_a_hole(desk: Desk, tmp_path: Path) -> None:
     """A region in uniform tension: force of the edge, and stress beside the hole above 2 σ."""
     use(desk, "p", [(0, 0), (2, 0), (2, 0.8), (0, 0.8)], "", "Enter")

@@ -61,6 +61,7 @@ def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
     return shared_desk
 
 
+@pytest.mark.thorough
 def test_each_tool_draws_a_model(
     desk: tuple[Desk, Studio],
     tmp_path: Path,

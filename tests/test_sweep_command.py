@@ -142,6 +142,7 @@ def cluster():
             process.stderr.close()
 
 
+@pytest.mark.thorough
 def test_cluster(model, tmp_path, cluster, capsys):
     """The same table as here, although a worker is killed on the way."""
     import pyarrow.parquet as parquet

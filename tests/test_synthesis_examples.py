@@ -15,6 +15,7 @@ from scipy.sparse.linalg import spsolve
 from scipy.spatial.transform import Rotation
 
 
+@pytest.mark.thorough
 def test_torque_of_the_four_bar_is_that_of_its_one_equation(pictures: Path) -> None:
     """``τ = J q̈ + J' q̇²/2 + V'``, by virtual work, along the motion that was planned."""
     printed = numbers("swing_up", pictures)
@@ -148,6 +149,7 @@ def test_beam_is_as_stiff_as_by_88_lines(pictures: Path) -> None:
     assert printed["volume"] <= 0.5 * (1 + 1e-6)
 
 
+@pytest.mark.thorough
 def test_targets_of_synthesis(pictures: Path) -> None:
     """Dead centres by the law of cosines; what is met exactly, and what as well as can be."""
     printed, example = numbers("synthesis_tasks", pictures), script("synthesis_tasks")

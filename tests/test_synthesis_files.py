@@ -96,6 +96,7 @@ def far_from(model: da.Model, *measures: str) -> np.ndarray:
     return np.column_stack([motion.at(ANGLES).values(m) for m in measures])
 
 
+@pytest.mark.thorough
 def test_a_six_bar_by_name(tmp_path, capsys):
     joints = {"A": (4, 0), "B": (0, 0), "C": (8, 0), "D": (4.5, 3)}
     joints |= {"E": (6.5, 2.2), "F": (1, 0.5), "G": (9, 3)}

@@ -145,6 +145,7 @@ def link(angle: float, a: float, d: float, alpha: float) -> np.ndarray:
     return np.array(rows)
 
 
+@pytest.mark.thorough
 def test_closed_chain_of_six_hinges_has_sixteen_assemblies():
     """From guesses with all angles zero, which are far from closed."""
     system = da.System("6R")

@@ -135,7 +135,7 @@ def van_der_pol(mu: float) -> Problem:
     return Problem(None, lambda: system, None, controlled=2, positions=1)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
 def test_stiff_oscillator_like_another_implementation(tolerance):
     """Van der Pol's equation, μ = 1000: no more steps than SciPy's BDF, no larger error."""

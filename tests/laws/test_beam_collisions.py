@@ -106,6 +106,7 @@ def test_gaps_of_beams_are_rates_and_formulas(dimension):
     formulas.check_slopes(y, gaps, rng)
 
 
+@pytest.mark.thorough
 def test_the_ends_of_a_ring_touch_each_other():
     """A loaded open ring closes; neighbouring chords and the clamp do not touch."""
     system = da.System("ring")
@@ -132,6 +133,7 @@ def test_the_ends_of_a_ring_touch_each_other():
     assert forces.places.shape[0] > 0
 
 
+@pytest.mark.thorough
 def test_two_cantilevers_press_on_each_other():
     """The upper one carries a load; both deflections by the theory of slender beams."""
     system = da.System("leaves")

@@ -127,6 +127,7 @@ def test_energy_is_balanced_and_linear_momentum_is_constant():
     np.testing.assert_allclose(momentum, [[0.0, -0.84]] * len(momentum), atol=1e-8)
 
 
+@pytest.mark.thorough
 def test_a_strip_comes_to_rest_on_rigid_stations():
     system = da.System("strip", gravity=(0, -10))
     rigid = {"axial_rigidity": 1e4, "shear_rigidity": 4e3, "bending_rigidity": 1.0}
@@ -165,6 +166,7 @@ def test_direct_and_adjoint_gradients_are_those_of_the_motion():
 
 
 # space ---------------------------------------------------------------------------------------
+@pytest.mark.thorough
 def test_a_spatial_beam_rests_on_a_plane():
     system = da.System("beam", gravity=(0, 0, -10))
     place = {"position": (-0.4, 0, 0.0099)}

@@ -112,6 +112,7 @@ def test_energy_and_gradients():
         assert np.max(np.abs(direct[:, k] - slope)) < 1e-4 * size[k], name
 
 
+@pytest.mark.thorough
 def test_a_ball_on_a_spatial_cantilever():
     system = da.System("ball on a cantilever", gravity=(0, 0, -10))
     rigid = {"axial_rigidity": 1e6, "shear_rigidity": 1e6, "torsional_rigidity": 1e3}

@@ -178,7 +178,7 @@ def meeting_of(meetings: dict, i: str, j: str) -> Meeting:
     return meetings[i, j]
 
 
-@pytest.mark.product
+@pytest.mark.few(6)
 @pairs
 def test_smallest_gap_is_the_distance(meetings, i, j):
     """Between two sharp corners, a lower bound."""

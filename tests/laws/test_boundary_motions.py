@@ -122,6 +122,7 @@ def flank(base: float, first: float, last: float, angle: float) -> da.FormulaCur
     return da.FormulaCurve(c * x - s * y, s * x + c * y, -last, -first, closed=False)
 
 
+@pytest.mark.thorough
 def test_involutes_transmit_a_constant_ratio():
     """Exact, except where the next pair of teeth comes into contact: of second order there."""
     teeth, pressure, apart, speed = (16, 24), math.radians(20), 0.4, 3.0

@@ -28,6 +28,7 @@ def chain(bodies: int) -> tuple[da.System, np.ndarray]:
     return system, np.array(places)
 
 
+@pytest.mark.thorough
 def test_guesses_go_along_the_joints(monkeypatch):
     """A long chain stands where its angles put it: nothing is left for Newton's method to move."""
     factored = []

@@ -140,7 +140,7 @@ def certified(name: str):
     return da.sensitivity(result, RESULTS[name][1], certificate=True)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", RESULTS)
 def test_right_gradients_pass(name):
     gradient = certified(name)
@@ -255,6 +255,7 @@ def test_beside_a_kink_shorter_steps_tell():
     assert certificate.data["verdict"].item() == "confirmed"
 
 
+@pytest.mark.thorough
 def test_integrals_over_moving_kinks_are_not_contradicted():
     """A tow rope grows taut and slack again; what it hands on is known by the elastic impact."""
     system = da.System("tow")

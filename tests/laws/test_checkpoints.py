@@ -38,7 +38,7 @@ def agree(few, all_, tolerance):
     return np.abs(few - all_).max() <= tolerance * np.abs(all_).max()
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("method", ["adjoint", "direct"])
 def test_few_states_give_the_same_gradient(model, method):
     options = {"step": 1 / 20_000, "outputs": 11}

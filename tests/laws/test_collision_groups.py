@@ -56,6 +56,7 @@ def gaps_of(model: da.Model, reach: float = 10.0):
     return gap_sources(model)[0].near(Configuration(0.0, model.start.y, model.nominal), travels)
 
 
+@pytest.mark.thorough
 def test_files_have_groups_and_pairs(tmp_path, schema):
     system = read(tmp_path, FILE)
     element = system.elements["box"]

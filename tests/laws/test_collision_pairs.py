@@ -170,7 +170,7 @@ def test_derivatives_of_gaps_are_those_of_the_numbers(meetings, dimension, i, j)
         formulas.check_slopes(y, gaps, rng)
 
 
-@pytest.mark.product
+@pytest.mark.few(5)
 @pairs
 def test_order_of_shapes_does_not_matter(meetings, dimension, i, j):
     meeting, turned = Meeting(dimension, i, j), Meeting(dimension, j, i)

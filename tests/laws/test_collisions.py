@@ -125,6 +125,7 @@ def box_of_balls() -> da.System:
     return system
 
 
+@pytest.mark.thorough
 def test_balls_in_space():
     motion = da.solve_nonsmooth(box_of_balls().build(), 0.3, step=2e-3)
     assert motion.status.success
@@ -213,7 +214,7 @@ def stacked(single: bool) -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 def test_contacts_of_several_elements_are_one_problem(scheme):
     motions = [

@@ -74,6 +74,7 @@ def billiards(**options):
     return system.build()
 
 
+@pytest.mark.thorough
 def test_energy_momentum_and_parameters():
     """Curved gaps: energy to 1e-8 of the exchanged one, momentum to rounding."""
     model = billiards(friction=0.2)
@@ -90,6 +91,7 @@ def test_energy_momentum_and_parameters():
     assert (softer.record.fraction.max() < 0.7 * motion.record.fraction.max()).item()
 
 
+@pytest.mark.thorough
 def test_forces_of_compliant_contacts_have_places():
     """Contacts of pictures: the normal force on the ball, halfway between the surfaces."""
     system = da.System("rest", gravity=(0, -10))

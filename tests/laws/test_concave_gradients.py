@@ -72,7 +72,7 @@ CHANGE = 1e-4
 MODELS = {"disc": rolling_disc, "box": box_in_a_bore, "valley": disc_in_a_valley}
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", MODELS)
 def test_run_along_a_concave_gap(name):
     motion = da.solve_nonsmooth(MODELS[name](), 0.05, step=5e-3, integrator=SCHEME, solver=SOLVER)

@@ -196,6 +196,7 @@ def test_rubbing_pairs_keep_their_momentum(pair):
     assert np.abs(motion.data.balance_error).max() < 1e-6
 
 
+@pytest.mark.thorough
 def test_a_curve_that_is_a_circle_is_one():
     """Roller on a cam and disc on disc: the same motion, with friction."""
     ends = []

@@ -182,7 +182,7 @@ def rolled(time: float) -> np.ndarray:
     return solve_ivp(rates, (0, time), start, rtol=1e-12, atol=1e-14, method="DOP853").y[:3, -1]
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("compiled", [True, False])
 def test_a_disc_that_leans_over_rolls_with_second_order(compiled, monkeypatch):
     """Steps in which the gap is concave have directions that are means over their path."""

@@ -71,6 +71,7 @@ def test_motions_without_contacts_have_none():
     assert motion.drawn_contacts(0) is None
 
 
+@pytest.mark.thorough
 def test_films_of_files_have_contact_forces(resting, tmp_path):
     """Files have no numbers where a symbol is unused."""
     resting.save(tmp_path / "resting.nc")

@@ -82,7 +82,7 @@ def test_corrections_that_lift_a_body_are_warned_about():
     assert not other_warnings(exact)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 def test_bounces_that_die_out_and_bodies_without_rebound_are_not(scheme, restitution):
@@ -136,6 +136,7 @@ def test_contact_schemes_do_not_locate_impacts(scheme):
         da.solve_dynamics(ball(1.0), 1.0, step=0.01, integrator=scheme)
 
 
+@pytest.mark.thorough
 def test_forces_that_alternate_at_rest_are_warned_about():
     """Their mean is the weight; shorter steps, and Moreau and Jean's scheme, have it in each."""
 
@@ -159,7 +160,7 @@ def test_forces_that_alternate_at_rest_are_warned_about():
         assert not any("alternates" in text for text in fine.warnings)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_spins_do_not_turn_impulses(scheme):
     """A ball that slides, and then rolls straight on with 5/7 of its speed, whatever its spin about

@@ -184,7 +184,7 @@ def test_a_disc_slides_flat_on_an_inclined_plane():
     assert motion["d.vx"][-1] == pytest.approx(expected * np.cos(angle), abs=1e-9)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("on_box", [False, True])
 @pytest.mark.parametrize(("share", "falls"), [(0.9, False), (1.05, True)])
 def test_a_standing_cylinder_topples_at_its_angle(share, falls, on_box):
@@ -232,7 +232,7 @@ def test_a_pyramid_of_cylinders(friction):
     assert (fallen < 1e-9) if friction > np.tan(np.pi / 12) else (fallen > 1e-3)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize(("overhang", "falls"), [(0.19, False), (0.21, True)])
 def test_a_cylinder_beyond_the_edge_of_a_box(overhang, falls):
     """It tips when its middle is beyond the edge."""
@@ -247,6 +247,7 @@ def test_a_cylinder_beyond_the_edge_of_a_box(overhang, falls):
     assert (abs(motion["c.z"] - 0.1).max() < 1e-9) is not falls
 
 
+@pytest.mark.thorough
 def test_a_disc_rolls_steadily_on_its_rim():
     """Steady circular rolling of a thin disc: with the tilt θ of its plane from the horizontal,
     the centre at rest, ``Ω² = 4 g/(r sin θ)`` (Moffatt, Nature 404, 2000)."""

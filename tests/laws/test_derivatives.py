@@ -33,7 +33,7 @@ def flat(outputs) -> np.ndarray:
     return np.concatenate([o.full().ravel() for o in outputs])
 
 
-@pytest.mark.few(15)
+@pytest.mark.few(8)
 @pytest.mark.parametrize("name", [*CASES, *SPATIAL_CASES])
 def test_step(name):
     """One projected Runge–Kutta step: ⟨w, T d⟩ = ⟨Tᵀ w, d⟩ to 1e-12, T d by differences."""
@@ -56,7 +56,7 @@ def test_step(name):
     np.testing.assert_allclose(change, expected, atol=1e-7 * (1 + np.abs(change).max()))
 
 
-@pytest.mark.few(17)
+@pytest.mark.few(9)
 @pytest.mark.parametrize(("name", "formulation"), COMBINED)
 def test_accelerations(name, formulation):
     """v̇ and λ as functions of state and parameters: the same two laws."""
@@ -87,7 +87,7 @@ def check_implicit(implicit, inputs, rng, tolerance: float) -> None:
     np.testing.assert_allclose(change, expected, atol=tolerance * (1 + np.abs(change).max()))
 
 
-@pytest.mark.few(15)
+@pytest.mark.few(8)
 @pytest.mark.parametrize("name", [*CASES, *SPATIAL_CASES])
 def test_initial_state(name):
     """Assembled positions and speeds by the parameters, against assembling anew."""

@@ -41,6 +41,7 @@ def counted(monkeypatch) -> list[int]:
     return count
 
 
+@pytest.mark.thorough
 def test_ten_times_fewer_analyses_than_with_differences(counted):
     model = arm()
     exact = da.optimize(model, **task(model))

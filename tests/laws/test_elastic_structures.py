@@ -260,6 +260,7 @@ def test_it_turns_as_a_rigid_body_does():
     assert motion["S_D.angle"].values[-1] == pytest.approx(1.0, abs=2e-3)
 
 
+@pytest.mark.thorough
 def test_a_thrown_space_frame_keeps_its_momenta_and_its_energy():
     system, structure = da.System("thrown"), structures.Structure("frame")
     space_frame(structure, 2e7)

@@ -39,7 +39,7 @@ def motion_sizes(motion: MotionFunctions) -> np.ndarray:
     return np.concatenate([*parts, scales.coordinates[list(s.first_order)]])
 
 
-@pytest.mark.few(16)
+@pytest.mark.few(8)
 @pytest.mark.parametrize("name", SMOOTH)
 def test_motion_satisfies_the_equations_of_the_model(name):
     """Levels of all constraints and the equations of motion, in the coordinates of the bodies."""
@@ -59,6 +59,7 @@ def test_motion_satisfies_the_equations_of_the_model(name):
         assert np.abs(rows).max(initial=0.0) <= 1e-9 * max(1.0, terms.max(initial=0.0))
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize("name", DIFFERENTIATED)
 def test_adjoint_is_the_transpose_of_the_tangent(name):
     motion, at = motion_of(name)

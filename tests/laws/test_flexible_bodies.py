@@ -216,7 +216,7 @@ def test_free_body_keeps_its_energy(dimension):
     assert np.abs(motion["energy"] - motion["energy"][0]).max() < 1e-6 * float(motion["energy"][0])
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @SPACES
 def test_gradients_pass_through_it(dimension):
     """Direct, adjoint and differences, by what holds it, damps it and moves it."""

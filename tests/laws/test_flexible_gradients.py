@@ -75,6 +75,7 @@ def test_implicit_steps(dimension):
     agree(da.solve_dynamics(model, 1.5e-3, step=5e-4, integrator=IMPLICIT[dimension]), TIP)
 
 
+@pytest.mark.thorough
 def test_displacements_of_second_order():
     model = swing(2, stiffening=True, modes=0)
     agree(da.solve_dynamics(model, 2e-4, step=1e-5, integrator=da.RK4()), TIP)
@@ -110,6 +111,7 @@ def test_driven():
     agree(motion, [da.final("turn.moment"), da.final("pin.force.y")])
 
 
+@pytest.mark.thorough
 def test_the_remainder_falls_with_the_square():
     motion = da.solve_dynamics(swing(2), 1e-3, step=1e-4, integrator=da.Radau(fixed=True))
     table = da.sensitivity(motion, da.final("rod.tip.y"), ["thick", "E", "len"], certificate=True)

@@ -108,7 +108,7 @@ def by_differences(system, output) -> np.ndarray:
     return matrix[-1] @ motion + inputs[-1]
 
 
-@pytest.mark.few(13)
+@pytest.mark.few(7)
 @pytest.mark.parametrize("name", [*PLANAR, *SPATIAL])
 def test_response_of_the_nonlinear_equations(name: str) -> None:
     model = model_of(name)
@@ -178,7 +178,7 @@ RESPONSES = (
 )
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("response", RESPONSES, ids=lambda r: r.label)
 def test_gradients_at_an_equilibrium_that_moves(response) -> None:
     result = da.frequency_response(driven("free"))

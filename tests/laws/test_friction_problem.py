@@ -109,6 +109,7 @@ def test_bad_options(options):
         da.ContactSolver(**options)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("friction", [0.0, 0.5])
 def test_a_problem_without_solution_ends_early(friction):
     """Two walls that close on a body: ``u₁ + u₂ = −2`` for any impulses."""

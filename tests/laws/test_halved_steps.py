@@ -87,6 +87,7 @@ def test_designs_of_a_batch_are_halved_too(strip):
         )
 
 
+@pytest.mark.thorough
 def test_steps_between_located_impacts_are_halved_too(halved):
     """A ball falls on a floor beside the leaf spring: the motion of neither is changed."""
     system = leaf_spring()

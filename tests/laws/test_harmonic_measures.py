@@ -33,7 +33,7 @@ GAP = MODEL.expression("m1.x") - MODEL.expression("m0.x")
 FORMS = {"declared": "gap", "formula": "m1.x - m0.x", "expression": GAP}
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("form", FORMS)
 def test_outputs_of_any_form_have_all_outputs(form, tmp_path) -> None:
     """Names, formulas and expressions in tables, files, pages, pictures and gradients."""
@@ -88,6 +88,7 @@ def test_formulas_of_densities() -> None:
     assert da.evaluate(vibration, response) == pytest.approx(difference, rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_batches_are_single_responses(tmp_path) -> None:
     values = [0.4, 0.8, 2.0]
     options = {"inputs": ["push0"], "outputs": ["gap"]}

@@ -79,7 +79,7 @@ def over_triangle(name: str, turn: np.ndarray, triangle: np.ndarray) -> float:
     return float(best.fun - normal @ triangle[0])
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", SHAPES)
 def test_gaps_close_where_bodies_touch(name):
     """Bodies lifted by their clearance and a little more do not touch, a little less they do."""

@@ -158,6 +158,7 @@ def test_robust_losses_forgive_outliers(crank):
     assert all(off[loss] < 2e-3 and off[loss] < off["linear"] / 3 for loss in list(off)[1:])
 
 
+@pytest.mark.thorough
 def test_far_starts_end_in_other_minima():
     """A sine of an unknown frequency: of several starts the best counts, and each is told."""
     system = da.System("swing")

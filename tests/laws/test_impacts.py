@@ -150,6 +150,7 @@ def test_plots_break_at_impacts():
     np.testing.assert_allclose(speed[[k - 1, k + 1]], [-impact, impact / 2], rtol=1e-8)
 
 
+@pytest.mark.thorough
 def test_few_states_are_kept_of_long_runs():
     options = {"step": 0.0005, "outputs": 20, "memory": 1e4}
     motion = da.solve_dynamics(thrown(), 0.7, **options)

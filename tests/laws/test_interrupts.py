@@ -117,7 +117,7 @@ def test_nested_tasks_count_for_themselves():
     check_ctrl_c()  # no task, nothing to raise
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.skipif(os.name == "nt", reason="needs an interrupt signal")
 @pytest.mark.parametrize("name", ["synthesize", "optimize slsqp"])
 def test_commands_at_a_random_moment(name, tmp_path):

@@ -47,7 +47,7 @@ def test_a_force_is_found_from_perfect_motion(pushed):
     np.testing.assert_allclose(inversion.predicted[0].ravel(), motion(pushed)["x"], atol=1e-7)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("choice", ["likelihood", "l-curve", "cross-validation", "discrepancy"])
 def test_noise_is_smoothed_about_as_well_as_can_be(pushed, choice):
     """Against the best of all smoothings, which only one who knows the truth can choose."""

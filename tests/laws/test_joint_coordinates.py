@@ -175,7 +175,7 @@ SEEN += [(name, "relative") for name in TREES if name not in PLANAR]
 """In space there are no absolute angles."""
 
 
-@pytest.mark.few(23)
+@pytest.mark.few(12)
 @pytest.mark.parametrize(("name", "angles"), SEEN)
 def test_tree_satisfies_its_joints_at_every_level(name, angles):
     """Φ_I(g(q)) = 0, C_I D = 0, C_I γ = ξ_I (4.18)–(4.19) and C_I E = I (7.9)."""
@@ -193,7 +193,7 @@ def test_tree_satisfies_its_joints_at_every_level(name, angles):
     np.testing.assert_allclose(unit, np.eye(len(rows)), atol=1e-13)
 
 
-@pytest.mark.few(15)
+@pytest.mark.few(8)
 @pytest.mark.parametrize(("name", "angles"), SEEN)
 def test_operators_of_the_tree(name, angles):
     """D = ∂g/∂q by differentiation, DᵀMD, its products and solutions, and q read off the poses."""
@@ -249,7 +249,7 @@ def expected(name: str):
     return accelerations(da.AbsoluteCoordinates().view(model_of(name)))
 
 
-@pytest.mark.few(24)
+@pytest.mark.few(12)
 @pytest.mark.parametrize(
     ("name", "choice"),
     CHOSEN,
@@ -509,7 +509,7 @@ def test_ball_joints_between_turned_frames(forward):
         assert np.allclose(joint[-1], absolute[-1], atol=1e-7)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("closing", ["hinge", "ball"])
 def test_planar_loops_on_a_turntable(closing):
     """A row of C that vanishes at the start, and is redundant everywhere, is left out."""

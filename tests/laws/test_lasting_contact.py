@@ -49,7 +49,7 @@ def settled():
 SETTLING = {"parameters": {"restitution": 0.2}, "outputs": [0.9, 1.0]}
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize(("formulation", "coordinates"), PARTITIONED, ids=str)
 def test_independent_speeds_follow_the_contacts_that_last(formulation, coordinates, settled):
     """Closed gaps are further constraints: fewer speeds are independent, and others may be."""
@@ -173,7 +173,7 @@ def test_what_a_driver_presses_on_a_rigid_floor_has_no_motion():
     assert "friction" not in status.message and "Painlev" not in status.message
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", [da.MoreauJean(), da.AnticipatedImpacts()], ids=type)
 def test_a_heavy_crate_slides_with_the_light_one_below_it(scheme):
     """A weight of 100 t presses on 1 kg, so that the impulses alone would change its speed by

@@ -231,7 +231,7 @@ def outcomes(
     return {name: (*entry, results[name]) for name, entry in expected.items()}
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", CASES)
 def test_amplitudes_equal_those_of_python(name: str, outcomes: Any) -> None:
     response, table, outcome = outcomes[name]
@@ -247,7 +247,7 @@ def test_amplitudes_equal_those_of_python(name: str, outcomes: Any) -> None:
         np.testing.assert_allclose(values, expected, rtol=0, atol=VALUES * size, err_msg=key)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", CASES)
 def test_peaks_and_gradients_equal_those_of_python(name: str, outcomes: Any) -> None:
     response, _, outcome = outcomes[name]

@@ -185,7 +185,7 @@ def outcomes(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     return {key: (other, slope, results[n]) for key, (n, other, slope) in expected.items()}
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("build", "name"), CASES)
 def test_motion_equals_that_of_python(build, name: str, outcomes) -> None:
     other, slope, outcome = outcomes[build, name]
@@ -199,7 +199,7 @@ def test_motion_equals_that_of_python(build, name: str, outcomes) -> None:
     )
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("build", "name"), CASES)
 def test_status_equals_that_of_python(build, name: str, outcomes) -> None:
     other, _, outcome = outcomes[build, name]

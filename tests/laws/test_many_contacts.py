@@ -205,7 +205,7 @@ def pile(rows: int, columns: int, pendulum: bool = False) -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 def test_a_pile_of_discs_closes_no_gap_and_gains_no_energy_in_contacts(scheme):
     motion = da.solve_nonsmooth(pile(8, 8), 0.15, step=1e-3, integrator=scheme)

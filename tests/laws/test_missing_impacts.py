@@ -30,6 +30,7 @@ def swinging(depth: float, behind: float) -> tuple[da.Model, float]:
     return system.build(), wall - math.acos(min(1 - depth / ARM, 1.0))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 def test_an_impact_between_the_ends_of_a_step_is_warned_about(scheme):
     """The wall would stop the hand; a step that the warning proposes does so."""

@@ -120,7 +120,7 @@ def pendulum_at_a_wall() -> da.System:
     return system
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @schemes
 def test_joints_stay_closed_beside_contacts(scheme):
     """A pendulum that swings against a wall: the pin holds, and the disc does not pass."""
@@ -152,6 +152,7 @@ def test_reactions_are_those_of_a_turning_bar(scheme):
     assert np.abs(motion.data["balance_error"]).max() < 1e-5
 
 
+@pytest.mark.thorough
 def test_a_stack_is_opened_all_at_once():
     """What lifts a disc lifts those above it, in the same Newton step."""
     system = da.System("stack", gravity=(0.0, -G))

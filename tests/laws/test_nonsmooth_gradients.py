@@ -112,6 +112,7 @@ def test_block_that_slides():
     np.testing.assert_allclose(way[1:], [-10 * np.cos(0.5) * 0.125, 0.5], rtol=1e-6)
 
 
+@pytest.mark.thorough
 def test_ball_that_slips_and_rolls_in_space():
     """Slip at first, then rolling: friction turns in space, ``v = 5 v₀/7`` in the end."""
     system = da.System("bowl", gravity=(0.0, 0.0, -9.81))
@@ -195,7 +196,7 @@ def test_discs_before_their_next_impacts():
     confirmed(motion, da.final("disc0.x"), da.final("disc3.angle"), da.final("disc3.vx"))
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 def test_pendulum_at_a_wall(scheme):
     """Joints, an impact, and a wall that moves by the clock, against located impacts."""

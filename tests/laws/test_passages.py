@@ -112,6 +112,7 @@ def turning_bar(turn: float) -> da.Model:
     return system.build()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 @pytest.mark.parametrize("turn", [0.5 * np.pi, np.pi])
 def test_a_bar_that_turns_past_a_post_within_a_step_is_warned_about(turn, scheme):

@@ -76,7 +76,7 @@ def hinged_bar(clearance: float) -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("scene", ["hinged bar", "free square", "free square, general steps"])
 @pytest.mark.parametrize("clearance", [1e-6, 3e-6, 1e-5, 3e-5])

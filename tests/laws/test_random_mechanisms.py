@@ -133,6 +133,7 @@ def test_reactions_balance_every_bar(seed, pinned):
 # all kinds of mechanisms and strategies ----------------------------------------------------------
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("part", sampled(range(PARTS), PARTS))
 def test_completed_runs_are_correct(part):
     """Open, closed, redundant, massless, driven; sprung, stopped, loaded: the twin finds no fault.

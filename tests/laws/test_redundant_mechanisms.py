@@ -39,7 +39,7 @@ def test_all_equations_hold_though_some_are_solved(coordinates):
     assert changes > 4
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("formulation", [da.Penalty(), da.AugmentedLagrangian()])
 def test_equations_that_the_tree_satisfies_carry_no_weight(formulation):
     """A pin held twice leaves nothing but rounding in joint coordinates, in which α was lost."""

@@ -116,6 +116,7 @@ def test_a_result_that_nobody_wants_is_stored_nowhere():
         np.testing.assert_array_equal(computed, wanted)
 
 
+@pytest.mark.thorough
 def test_steps_of_a_row_of_mechanisms():
     function, x, q = step_of(four_bars(8))
     inputs = x, 0.01 * np.arange(20.0), np.full(20, 0.01), np.ones(20), q

@@ -236,7 +236,7 @@ def test_errors_of_python_controllers():
         da.solve_dynamics(model, 1.0, parameters=batch, controller=lambda t, y: 1.0, **options)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("options", [{"step": 0.01}, {}], ids=["fixed", "adaptive"])
 def test_contact_feels_a_sampled_force(options):
     """A block under dry friction begins to slide at the sample at which the force exceeds it."""

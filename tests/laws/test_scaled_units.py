@@ -172,7 +172,7 @@ def test_dead_centres(units):
     )
 
 
-@pytest.mark.few(13)
+@pytest.mark.few(7)
 @pytest.mark.parametrize("number", range(len(CASES)), ids=list(CASES))
 def test_accelerations_and_reactions(number):
     """Of every element, in one of the units."""

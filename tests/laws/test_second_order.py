@@ -199,6 +199,7 @@ def test_joint_coordinates():
     checked(motion, [da.final("b.angle"), da.mean("B.force_norm")])
 
 
+@pytest.mark.thorough
 def test_variants_that_change():
     """Choices of independent speeds that change during a run."""
     motion = da.solve_dynamics(

@@ -73,6 +73,7 @@ def test_orientations_are_those_of_scipy(name):
     )
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("sequence", SEQUENCES)
 def test_angles_about_body_axes_are_those_of_scipy(sequence):
     """Given and read back, in every quadrant."""

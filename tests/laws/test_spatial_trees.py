@@ -78,6 +78,7 @@ def test_motion_is_the_absolute_one():
     assert_same([one.work], [other.work], 1e-8)
 
 
+@pytest.mark.thorough
 def test_gradients():
     """Of a closed chain, through a reaction in the tree too: direct = adjoint = differences."""
     model = closed_chain(1)
@@ -152,6 +153,7 @@ def arm(count: int, full_turns: float = 0.0) -> da.System:
     return system
 
 
+@pytest.mark.thorough
 def test_cost_grows_with_the_number_of_bodies():
     """Operations of one acceleration: linear, and fewer than in absolute coordinates."""
     count = {}

@@ -60,6 +60,7 @@ def ends(motion) -> np.ndarray:
     return np.array([motion[name][-1].item() for name in names])
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("name", INTEGRATORS)
 def test_integrators_agree(name):
     options, tolerance = INTEGRATORS[name]

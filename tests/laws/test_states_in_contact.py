@@ -82,6 +82,7 @@ def test_steps_without_contact_are_of_second_order(inductance):
     assert fine < coarse / 14 and fine < 2e-4
 
 
+@pytest.mark.thorough
 def test_impacts_change_speeds_and_not_states():
     """Against impacts located by SciPy; the instants of impacts have errors of the step."""
     reference = exact(0.9)

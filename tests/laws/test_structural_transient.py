@@ -278,7 +278,7 @@ def test_rotations_without_mass():
     agree(motion, [da.final("n[4].ux"), da.maximum("n[4].rz"), da.final("n[0].mz")])
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("lumped", [False, True])
 def test_gradients_of_a_body_that_tumbles(lumped):
     """Through the replacement of rotation vectors longer than π, on supports that react."""

@@ -40,7 +40,7 @@ def tumbling(poisson: bool = False) -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("poisson", "options"),
     [

@@ -151,6 +151,7 @@ def test_repeated_runs_go_over_switches_again(method):
     assert abs(difference - gradient) < 1e-6 * abs(gradient)
 
 
+@pytest.mark.thorough
 def test_periodic_rises():
     """All switches of a law at once, where its time begins anew."""
     system = da.System("driven", gravity=(0.0, -9.81))

@@ -41,7 +41,7 @@ def test_cognates_are_found_too():
         assert any(np.allclose(sizes, other, atol=1e-3) for other in there)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("linkage", [BAR, SLIDER], ids=["four-bar", "slider-crank"])
 def test_poses_and_functions_are_found(linkage):
     kind = type(linkage)

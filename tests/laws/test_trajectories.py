@@ -120,7 +120,7 @@ def test_a_goal_out_of_reach_is_no_success():
     assert "left open" in best.status.message
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("integrator", [da.RK4(), da.Radau(fixed=True), da.Trapezoidal()])
 def test_shooting_plans_the_run_itself(integrator):
     """The plan is made of the steps that the run takes, implicit ones too."""

@@ -86,7 +86,7 @@ def accelerations_of(name: str) -> ca.SX:
     return accelerations(model_of(name).equations)
 
 
-@pytest.mark.few(10)
+@pytest.mark.few(5)
 @pytest.mark.parametrize(("name", "change"), sampled(CHANGED, 7))
 def test_motion_and_multipliers_stay(name, change):
     """``B v̇' + γ`` is the old acceleration, λ the old multipliers, T the old energy."""

@@ -94,7 +94,7 @@ def test_driven_motions_are_true(name):
         assert open_by(motion.at(np.array([0.033, 0.087])), forces=forces) < 1e-9
 
 
-@pytest.mark.few(13)
+@pytest.mark.few(7)
 @pytest.mark.parametrize("name", CASES)
 def test_equilibria_are_true(name):
     rest = da.solve_equilibrium(tied(name))

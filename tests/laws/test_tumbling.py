@@ -118,7 +118,7 @@ def test_spatial_bodies_with_unequal_moments_of_inertia_tumble():
     assert np.diff(motion.data["energy"]).max() <= 1e-10 * np.ptp(motion.data["energy"].values)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("theta", [0.5, 1.0])
 def test_moreau_jean_tumbles_without_refusal(theta):
     """Corrections after impacts lift bodies by a part of the energy, O(h); θ = 1 dissipates."""
@@ -129,7 +129,7 @@ def test_moreau_jean_tumbles_without_refusal(theta):
     assert np.abs(motion.data["balance_error"]).max() <= 2e-3 * np.ptp(motion.data["energy"].values)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 @pytest.mark.parametrize("restitution", [0.0, 0.5])
 def test_a_box_that_fell_comes_to_rest(scheme, restitution):

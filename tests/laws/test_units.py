@@ -54,7 +54,7 @@ def held(model: da.Model) -> list:
     return [recipe.positions.indices, recipe.speeds.indices, recipe.projected]
 
 
-@pytest.mark.few(15)
+@pytest.mark.few(8)
 @pytest.mark.parametrize(("name", "units"), PAIRS)
 def test_start_and_diagnosis_change_with_the_units_only(name, units):
     one, other = any_model_of(name), converted(name, units)
@@ -70,7 +70,7 @@ def test_start_and_diagnosis_change_with_the_units_only(name, units):
     )
 
 
-@pytest.mark.few(18)
+@pytest.mark.few(9)
 @pytest.mark.parametrize(("name", "units"), PAIRS)
 def test_forces_change_with_the_units_only(name, units):
     one, other = any_model_of(name), converted(name, units)

@@ -180,7 +180,7 @@ def test_useless_options_are_refused():
         PARTITIONED.solver(e.inertia, e.jacobian, e.massless)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("stabilization", [da.Stabilization(), da.Projection(every=3)])
 def test_gradients_across_switches(stabilization):
     """Direct and adjoint agree to 1e-9, with differences of the same steps to 1e-6."""

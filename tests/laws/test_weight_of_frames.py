@@ -110,7 +110,7 @@ def test_a_cantilever_has_the_deflection_of_the_table(kind, elements):
     assert deflection == pytest.approx(expected, rel=1e-6)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", FRAMES)
 def test_a_swinging_soft_beam_keeps_its_energy(kind):
     """Hinged at one end, with large rotation and bending: the potential is that of the force."""

@@ -119,7 +119,7 @@ def discs_of_many_sizes() -> da.Model:
         shapes.append(planar.contact.Circle(disc, size))
     shapes.append(planar.contact.HalfPlane(system.ground))
     for side in (-0.5, 0.5):
-        wall = system.ground.point(0.88 * side, 0.0)
+        wall = system.ground.point(0.9 * side, 0.0)
         shapes.append(planar.contact.HalfPlane(wall, normal=(-2 * side, 0.0)))
     system.add(planar.Collisions("box", shapes, friction=friction, restitution=bounce))
     return system.build()
@@ -230,7 +230,7 @@ def disc_on_a_soft_disc() -> da.Model:
     system = da.System("mixed", gravity=(0.0, -10.0))
     stiffness, height = system.parameter("stiffness", 1e4, "N/m"), system.parameter("height", 0.32)
     mass, friction = system.parameter("mass", 2.0, "kg"), system.parameter("friction", 0.3)
-    low = planar.Body("low", mass=1.0, inertia=0.005, position=(0.0, 0.1 - 1e-7))
+    low = planar.Body("low", mass=1.0, inertia=0.005, position=(0.0, 0.101))
     high = planar.Body("high", mass=mass, inertia=0.01, position=(0.01, height))
     shapes = {
         "discs": [planar.contact.Circle(system.add(disc), 0.1) for disc in (low, high)],

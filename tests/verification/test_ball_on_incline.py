@@ -62,7 +62,7 @@ def law(rough: float) -> tuple[float, float]:
     return slipping, 5 * rough * G * math.cos(ANGLE) / (2 * RADIUS)
 
 
-@pytest.mark.few(2)
+@pytest.mark.thorough
 @pytest.mark.parametrize("share", [0.3, 0.97, 1.03, 2.0])
 @pytest.mark.parametrize(
     ("contact", "near"), [("located", 1e-10), ("compliant", 1e-4), ("Collisions", 1e-12)]

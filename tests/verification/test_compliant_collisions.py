@@ -61,7 +61,7 @@ def fall(force, end: float, gravity=-10.0, height=1e-3) -> np.ndarray:
     return state
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 @pytest.mark.parametrize("name", LAWS)
 def test_ball_on_a_floor_converges_to_the_exact_motion(name, scheme):
@@ -97,6 +97,7 @@ def test_rebound_and_duration_of_an_elastic_impact():
     assert 1 / record.fraction.max() == pytest.approx(200, rel=0.35)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("restitution", sampled([0.6, 0.9, 0.3], 3))
 def test_restitution_of_hunt_and_crossley(restitution):
     law = contact.HuntCrossley(stiffness=K, damping=contact.damping_factor(restitution) / V0)
@@ -189,7 +190,7 @@ def _spheres(system):
 SCENES = {"circles": _circles, "rectangle": _rectangle, "capsule": _capsule, "spheres": _spheres}
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("friction", [0.0, 0.1])
 @pytest.mark.parametrize("name", SCENES)
 def test_agreement_with_contact_of_two_shapes(name, friction):

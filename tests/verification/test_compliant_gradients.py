@@ -44,7 +44,7 @@ def both(motion: da.Motion, *responses) -> np.ndarray:
     return direct
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 def test_restitution_of_hunt_and_crossley(scheme):
     """``v⁺ = e v``, ``(1 + e) d = ln (1 + d) − ln (1 − d e)``, ``d = c v``: neither the stiffness
@@ -62,6 +62,7 @@ def test_restitution_of_hunt_and_crossley(scheme):
     assert errors[-1] < 2e-3 and errors[-1] < errors[0] / 6
 
 
+@pytest.mark.thorough
 def test_duration_of_a_linear_contact():
     """Kelvin and Voigt without damping: half a period, ``y = v (t − t₁ − π √(m/K))``."""
     end = 0.006

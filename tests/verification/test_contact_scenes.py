@@ -43,6 +43,7 @@ def gradient(motion: da.Motion, *names: str) -> np.ndarray:
     return direct
 
 
+@pytest.mark.thorough
 @MOREAU
 def test_box_on_an_accelerating_table(scheme):
     """``v = μ g t`` where the table accelerates by more than ``μ g``."""
@@ -60,6 +61,7 @@ def test_box_on_an_accelerating_table(scheme):
     np.testing.assert_allclose(gradient(motion, "box.vx")[0], [G * 0.5], rtol=0.02)
 
 
+@pytest.mark.thorough
 @ANTICIPATED
 def test_block_on_a_wedge_that_gives_way(scheme):
     """``A = m g sin α cos α/(M + m sin² α)`` without friction."""
@@ -121,7 +123,7 @@ def test_three_balls_in_a_row(law, scheme):
     np.testing.assert_allclose(gradient(motion, *names)[:, 0], np.array([-2, 1, 1]) / 3, atol=1e-6)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @SCHEMES
 def test_body_that_leaves_a_cylinder(scheme):
     """It slides without friction down to ``cos θ = 2/3``."""
@@ -138,7 +140,7 @@ def test_body_that_leaves_a_cylinder(scheme):
     assert height == pytest.approx(2 / 3 * np.cos(theta), abs=LAST[type(scheme)])
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @SCHEMES
 def test_ladder_that_leaves_its_wall(scheme):
     """At two thirds of its height (Goldstein)."""

@@ -69,6 +69,7 @@ CROSS = {
 }
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", CROSS)
 def test_densities_and_mean_squares(kind) -> None:
     """``S_y = H* S Hᵀ``; the mean square by Simpson's rule over a fine grid."""

@@ -14,6 +14,7 @@ import dalembert as da
 from dalembert import planar
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "options", [{"integrator": da.DormandPrince853(rtol=1e-11)}, {"step": 0.01}]
 )

@@ -9,6 +9,7 @@ the first comparison ends before it.
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from scipy.integrate import solve_ivp
 
 import dalembert as da
@@ -103,6 +104,7 @@ def test_one_degree_of_freedom_and_no_redundancy():
     assert not diagnosis.redundancies
 
 
+@pytest.mark.thorough
 def test_forty_windows_through_singular_positions():
     """81 bars in 40 loops, 5 s; no step ends exactly where all bars align."""
     motion = da.solve_dynamics(mechanism(40).build(), 5.0, step=0.002, outputs=2)

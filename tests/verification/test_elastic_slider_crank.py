@@ -85,6 +85,7 @@ def shapes() -> da.Motion:
     return da.solve_dynamics(model, 0.05, step=1e-4, integrator=da.HHT())
 
 
+@pytest.mark.thorough
 def test_bend(shapes):
     assert shapes.status.success
     beam = da.solve_dynamics(with_rod(exact).build(), 0.05, step=1e-4, integrator=da.HHT())

@@ -90,6 +90,7 @@ def test_optimum(name, method):
         np.testing.assert_allclose(list(best.x.values()), at, rtol=1e-3)
 
 
+@pytest.mark.thorough
 def test_pressure_vessel_of_plates_that_are_sold():
     """Shell and head in sixteenths of an inch."""
     variables = CASES["pressure vessel, continuous"][0]
@@ -137,6 +138,7 @@ def test_speed_reducer():
     assert best.x["x3"] == 17 and best.violation <= 1e-6
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", ["slsqp", "enumeration"])  # branch and bound by default
 def test_gear_train(method):
     """Four numbers of teeth for a ratio of 1/6.931 (Sandgren 1990): all 49⁴ trains compared."""
@@ -163,6 +165,7 @@ def test_a_train_with_too_many_designs_is_not_called_proved():
     assert "not convex" in best.message and "not proved" in best.message
 
 
+@pytest.mark.thorough
 def test_coil_spring_of_wires_that_are_sold():
     """Whole coils, wires of ASTM A228 (Sandgren 1990; Kannan and Kramer 1994; Lampinen 1999)."""
     wires = [0.207, 0.225, 0.244, 0.263, 0.283, 0.307, 0.331, 0.362, 0.394, 0.4375, 0.5]

@@ -83,6 +83,7 @@ def test_a_moment_rolls_it_up():
     assert angle == pytest.approx(2 * math.pi, rel=1e-6)
 
 
+@pytest.mark.thorough
 def test_arc_bent_out_of_its_plane():
     radius, modulus = 100.0, 1e7
     shear = modulus / 2
@@ -110,6 +111,7 @@ def test_arc_bent_out_of_its_plane():
     np.testing.assert_allclose(results, expected, rtol=3e-3)
 
 
+@pytest.mark.thorough
 def test_lateral_buckling():
     """A strip on edge tips over at ``4.0126 √(E I G J)/L²`` (Michell 1899, Prandtl 1899), raised by
     its deflection before: ``1/√((1 − E I/E I_y)(1 − G J/E I_y))`` (Hodges and Peters 1975)."""

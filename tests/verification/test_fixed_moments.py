@@ -93,6 +93,7 @@ def spinning_body():
     return s.build()
 
 
+@pytest.mark.thorough
 def test_body_turned_by_a_constant_moment():
     """Angular momentum grows by the moment; Euler's equations in fixed axes, past a half turn."""
     inertia, moment = np.array([1.0, 2.0, 1.5]), np.array([1.0, 0.7, -0.4])

@@ -120,7 +120,7 @@ def flight(t: float, height: float, e: float) -> np.ndarray:
         start += 2 * speed / g
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @LAWS
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_ball_after_three_bounces(scheme, law):
@@ -163,6 +163,7 @@ def keller(h: np.ndarray, velocity: np.ndarray, mu: float, e: float) -> np.ndarr
     return None if second.t_events[0].size else second.y[3:, -1]
 
 
+@pytest.mark.thorough
 def test_slip_that_turns_in_space():
     """Second order in the changes of direction, of which increments have 0.1 rad at most."""
     rng, errors = np.random.default_rng(1), []

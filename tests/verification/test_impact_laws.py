@@ -166,6 +166,7 @@ def test_the_laws_differ_where_slip_ends_and_agree_where_it_does_not():
             assert min(abs(np.diff([*normal, normal[0]]))) > 1e-3 * normal[0]
 
 
+@pytest.mark.thorough
 def test_energy_of_random_impacts_is_never_gained():
     """Of impacts with friction by the energetic law; Newton's law gains energy in some."""
     rng, gained = np.random.default_rng(8), {"newton": [], "energetic": []}
@@ -198,6 +199,7 @@ def bouncing(law: str, gravity: float, scheme) -> da.Motion:
     return da.solve_nonsmooth(system.build(), 0.6, step=2e-3, integrator=scheme)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", ["poisson", "energetic"])
 def test_central_impacts_are_those_of_newtons_law(law):
     expected, motion = (bouncing(name, 9.81, da.MoreauJean()) for name in ("newton", law))
@@ -224,6 +226,7 @@ def elastic(law: str) -> da.Motion:
     return da.solve_nonsmooth(system.build(), 2.0, step=2e-3)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("law", ["poisson", "energetic"])
 def test_elastic_ball_conserves_its_energy(law):
     energy = elastic(law).values("energy")

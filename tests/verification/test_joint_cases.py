@@ -236,6 +236,7 @@ CASES: dict[str, tuple[Callable, Callable]] = {
 }
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", CASES)
 def test_default_run_agrees_with_scipy(name):
     describe, solve = CASES[name]

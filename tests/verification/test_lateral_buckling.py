@@ -87,6 +87,7 @@ def mechanism() -> da.Model:
     return system.build()
 
 
+@pytest.mark.thorough
 def test_buckling_under_way():
     motion = da.solve_dynamics(mechanism(), 0.182, step=1e-3, integrator=da.GeneralizedAlpha(0.9))
     assert motion.status.success
@@ -99,6 +100,7 @@ def test_buckling_under_way():
     assert abs(middle[:, 0]).max() == pytest.approx(SIDEWAYS, rel=0.1)
 
 
+@pytest.mark.thorough
 def test_static_load_of_a_tip():
     system = da.System("cantilever", gravity=(0, 0, 0))
     load = system.parameter("load", 0.0, "N")

@@ -87,6 +87,7 @@ def test_it_comes_to_rest(space):
     assert abs(motion["block.vx"].values[-1]) < 1e-6
 
 
+@pytest.mark.thorough
 def test_gradients_through_sticking_and_sliding():
     model = block(lambda mu: kit.LuGre(mu, damping=0.3), 1.3 * ROUGH * G * da.sin(2 * da.t))
     integrator = da.DormandPrince853(rtol=1e-10, atol=1e-12)

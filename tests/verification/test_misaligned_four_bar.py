@@ -90,6 +90,7 @@ def flexible(relaxed: tuple[str, ...] = ("first",)) -> da.Model:
     return system.build()
 
 
+@pytest.mark.thorough
 def test_flexible_bars_give_way():
     """Turned slowly they strain, and the motor's moment is the slope of their energy."""
     model = flexible()

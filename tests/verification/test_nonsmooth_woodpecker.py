@@ -73,6 +73,7 @@ def model() -> da.Model:
     return woodpecker()
 
 
+@pytest.mark.thorough
 def test_equals_the_published_run(model):
     """Step by step the same scheme, so the same numbers: the sleeve slides, jams and slides."""
     motion = da.solve_nonsmooth(

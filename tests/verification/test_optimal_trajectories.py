@@ -164,7 +164,7 @@ def kelly_by_radau(intervals: int = 30, degree: int = 4) -> float:
     return float(opti.solve().value(cost))
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @both
 def test_swing_up_of_a_pole_on_a_cart(method):
     best = da.optimize_trajectory(

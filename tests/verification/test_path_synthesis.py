@@ -34,6 +34,7 @@ def test_printed_design():
     assert sum(off) == pytest.approx(4.077e-5, rel=0.02)
 
 
+@pytest.mark.thorough
 def test_better_than_printed():
     synthesis = da.synthesize(da.Target.path(POINTS), bounds=BOUNDS, starts=16)
     best = synthesis.best

@@ -10,6 +10,7 @@ from __future__ import annotations
 import functools
 
 import numpy as np
+import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
@@ -86,6 +87,7 @@ def test_the_spin_reverses():
     np.testing.assert_allclose(turned, reference, atol=2e-7)
 
 
+@pytest.mark.thorough
 def test_steps_reverse_the_spin_with_errors_of_first_order():
     """Moments of inertia differ, so that gyroscopic moments are of first order."""
     times, errors = np.linspace(0, TIME, 31), []

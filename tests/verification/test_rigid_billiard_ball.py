@@ -56,6 +56,7 @@ def test_path_and_rolling(options, near):
     assert np.linalg.norm(motion["cloth.slip"].values[-1]) < 1e-12
 
 
+@pytest.mark.thorough
 def test_a_bowling_ball_rolls_at_five_sevenths():
     """Thrown without spin; the way it rolls, and how that depends on friction and speed."""
     speed, time = np.array([3.0, 0.0, 0.0]), 1.0

@@ -90,7 +90,7 @@ def test_rolling_disc_stops_and_rests(scheme):
     assert motion["disc.x"][-1].item() == pytest.approx(0.02 * stops / 2, abs=0.02 * STEP)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("share", [0.98, 1.5])
 def test_disc_on_an_incline_rests_below_the_limit(scheme, share):
@@ -133,6 +133,7 @@ def test_friction_impulses_are_those_of_slip():
     assert contact == pytest.approx([-force, M * G], rel=1e-8)
 
 
+@pytest.mark.thorough
 def test_gradient_by_the_coefficient():
     motion = da.solve_nonsmooth(
         disc(1.0, -1.0 / R), DURATION, step=STEP, integrator=da.MoreauJean()

@@ -48,7 +48,7 @@ def exact_speed(count: int, duration: float) -> float:
         duration, angle, place = duration - needed, angle - side, -half
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 @pytest.mark.parametrize("count", [24, 120])
 def test_disc_in_a_trough_of_sides(count, scheme):

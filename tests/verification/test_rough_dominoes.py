@@ -89,7 +89,7 @@ def hinged(count: int = COUNT) -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("integrator", [da.AnticipatedImpacts(), da.MoreauJean()])
 def test_rough_dominoes(integrator):
     """Both schemes are of first order in the step."""
@@ -99,6 +99,7 @@ def test_rough_dominoes(integrator):
     assert tilts == pytest.approx(row(12.0, 0.2), abs=0.01)
 
 
+@pytest.mark.thorough
 def test_gradient_by_the_push():
     """The impact lifts the foot of the second domino, which carried it until then."""
     duration, scheme = 0.08, da.MoreauJean()

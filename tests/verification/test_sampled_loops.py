@@ -265,6 +265,7 @@ def test_linearize_states_that_outputs_are_held():
 
 
 # gradients -------------------------------------------------------------------------------
+@pytest.mark.thorough
 @pytest.mark.parametrize("method", ["direct", "adjoint"])
 def test_gradients_through_two_rates(method):
     """A quantiser passes none, so that its resolution is replaced by a hold."""

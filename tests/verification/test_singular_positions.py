@@ -19,6 +19,7 @@ G = 9.81
 EVERY = da.AugmentedLagrangian()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "integrator",
     [da.DormandPrince853(1e-11, 1e-11), da.DormandPrince(1e-9, 1e-9)],

@@ -63,6 +63,7 @@ def test_the_slider_keeps_its_path_within_the_play(play):
     )
 
 
+@pytest.mark.thorough
 def test_a_smaller_play_is_nearer_to_the_ideal_joint():
     assert off(PLAYS[0]) > 2 * off(PLAYS[1]) > 2 * off(PLAYS[2])
 

@@ -24,6 +24,7 @@ ACROSS = {
 }
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("speed", sampled(ACROSS, 3))
 def test_frequencies_in_the_plane_of_rotation(speed):
     structure, count = da.Structure("arm"), 16

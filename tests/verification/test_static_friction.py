@@ -38,7 +38,7 @@ def block(angle: float, shape: str = "Rectangle", speed: float = 0.0) -> da.Mode
     return system.build()
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("share", [0.7, 0.999, 1.001, 1.3])
 def test_break_away_by_static_friction_and_acceleration_by_the_other(scheme, share):
@@ -50,6 +50,7 @@ def test_break_away_by_static_friction_and_acceleration_by_the_other(scheme, sha
     assert motion["block.angle"][-1].item() == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_a_sliding_block_keeps_sliding_until_it_stops(scheme):
     """Between both angles it remains at rest, and remains in motion until it stops."""
@@ -65,7 +66,7 @@ def test_a_sliding_block_keeps_sliding_until_it_stops(scheme):
     assert motion["block.x"][-1].item() == pytest.approx(-0.5 * stops / 2, abs=0.5 * 1e-3)
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("direction", [-1, 1])
 @pytest.mark.parametrize("step", [1e-2, 5e-3, 2e-3])
@@ -124,6 +125,7 @@ def piecewise(times: np.ndarray, friction=SLIDING, static=STATIC) -> np.ndarray:
     return places
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", sampled(SCHEMES, 2))
 def test_stick_slip_oscillator(scheme):
     errors = []
@@ -143,7 +145,7 @@ def test_gradients_before_break_away():
     assert slope == pytest.approx(-G * np.cos(angle) * 0.1, rel=1e-7)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("duration", [0.65, 1.5])
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_gradients_of_the_stick_slip_oscillator(scheme, duration):
@@ -169,6 +171,7 @@ def test_gradients_of_the_stick_slip_oscillator(scheme, duration):
     assert any("break away" in note for note in direct.attrs["notes"])
 
 
+@pytest.mark.thorough
 def test_gradient_of_a_break_away_at_the_end_of_a_step():
     """The load is at the limit of static friction at ``t = 0.4905 s``, to the last digits."""
     motion = belt(2.25e-3, da.MoreauJean(), 0.6)
@@ -177,6 +180,7 @@ def test_gradient_of_a_break_away_at_the_end_of_a_step():
     assert slopes.item() == pytest.approx((ends[0] - ends[1]) / 2e-6, rel=0.02)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_gradient_of_a_block_that_a_growing_force_breaks_away(scheme):
     """Both corners at one instant ``t = μ_s m g/c``; ``v = c (T² − t²)/2m − μ g (T − t)``."""

@@ -9,6 +9,8 @@ from __future__ import annotations
 import itertools
 import math
 
+import pytest
+
 import dalembert as da
 from dalembert import planar
 
@@ -61,6 +63,7 @@ def build() -> da.Model:
     return system.build()
 
 
+@pytest.mark.thorough
 def test_straight_line():
     """The crank can turn, the order of the points is kept, and the sum beats the best printed."""
     model, far = build(), math.radians(3)

@@ -82,6 +82,7 @@ def cantilever(count: int = 10):
     return s, nodes, 1.8751040687119612**2 * np.sqrt(stiffness / (mass * length**4)), stiffness
 
 
+@pytest.mark.thorough
 def test_ring_down_of_a_cantilever_is_modal_superposition():
     """Released from a load at its tip; all modes ring, the first as Euler and Bernoulli say."""
     s, nodes, omega, rigidity = cantilever()
@@ -108,6 +109,7 @@ def test_ring_down_of_a_cantilever_is_modal_superposition():
     np.testing.assert_allclose(tip, superposed, atol=2e-3 * tip[0])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("lumped", "share"), [(True, 1.0), (False, 2.0 / 3.0)])
 def test_stiff_bar_swings_as_a_pendulum(lumped, share):
     """Released at 120°: ``T = 4 √(L'/g) K(sin θ₀/2)``.

@@ -90,6 +90,7 @@ def least_weight(places, bars, loads):
     return float(weights @ optimum.x), optimum.x
 
 
+@pytest.mark.thorough
 def test_two_hundred_bars():
     places, bars, levels = data()
     loads = forces(levels)

@@ -188,7 +188,7 @@ def _document_type(data: dict[str, Any], path: Path) -> type[Document] | type[St
     is_vector = isinstance(gravity, list) and len(gravity) in SPACES and not tables
     implied = len(gravity) if is_vector else 2
     dimension = data.get("dimension", implied)
-    if isinstance(dimension, bool) or dimension not in SPACES:
+    if isinstance(dimension, (bool, list, dict)) or dimension not in SPACES:
         kinds = ", ".join(map(str, SPACES))
         message = f"unknown dimension {short_repr(dimension)}; known: {kinds}"
         raise ModelError(message, f"{path}: dimension")
