@@ -114,6 +114,7 @@ modulus = 210e9
 
 def test_a_solid_without_nodes_is_a_spatial_structure(desk: FrameDesk) -> None:
     """Beams are drawn beside it; its stresses are those at the centres of its elements."""
+    desk.js("studio.spaceStructure.choose('select')")
     desk.page.evaluate("text => { studio.editor.show(text); studio.sendText(text); }", SOLID)
     desk.until("studio.pictures.page.motion.mesh?.faces.length", 60)
     desk.until("studio.spaceStructure.possible", 20)

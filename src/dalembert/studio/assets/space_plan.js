@@ -56,11 +56,17 @@ export class SpacePlan {
     return [...this.nodes].find(([, p]) => Math.hypot(...p.map((v, k) => v - at[k])) < 1e-7 * size)?.[0] ?? null;
   }
 
+  /** A node as a target. @param {string | null} name @returns {SpaceTarget | null} */
+  targetOf(name) {
+    const at = name === null ? undefined : this.nodes.get(name);
+    return at && name !== null ? { kind: "node", name, fields: { nodes: name }, spots: [at] } : null;
+  }
+
   /** Node, or with `bars` a member, at a pixel. @param {Page} page @param {Pixel} pixel @param {number} reach [px] @param {"nodes" | "bars" | "both"} kinds @returns {SpaceTarget | null} */
   targetAt({ scene: { view } }, pixel, reach, kinds) {
     const nodes = kinds === "bars" ? [] : this.handles.map(({ name, at }) => ({ name, at, pixel: view.screen(at) })).filter((node) => node.pixel && Math.hypot(node.pixel[0] - pixel[0], node.pixel[1] - pixel[1]) < reach);
     const [node] = nodes.sort((a, b) => view.scaleAt(b.at) - view.scaleAt(a.at));  // the nearer one
-    if (node) return { kind: "node", name: node.name, fields: { nodes: node.name }, spots: [node.at] };
+    if (node) return this.targetOf(node.name);
     const bar = kinds === "nodes" ? null : this.bars.find(({ ends }) => ends.length === 2 && away(pixel, view.screen(ends[0]), view.screen(ends[1])) < reach);
     return bar ? { kind: "element", name: bar.name, fields: { elements: bar.name }, spots: bar.ends } : null;
   }

@@ -66,8 +66,8 @@ export class SpaceStructure {
     pictures.onShow.push((page) => this.bind(page));
   }
 
-  /** Whether the text is a spatial structure, and its picture can be drawn on. */
-  get possible() { return Boolean(this.plan && this.boundPage && this.boundPage === this.pictures.page); }
+  /** Whether the text is a spatial structure; before its first picture it is drawn by keys, without a `boundPage`. */
+  get possible() { return Boolean(this.plan && this.pictures.page); }
 
   /** Place of the selected node. */
   get pose() {
@@ -99,14 +99,14 @@ export class SpaceStructure {
     this.palette.node.hidden = !this.possible;
     [this.held, this.handle] = [null, null];
     this.properties.show();
-    if (!this.boundPage) return;
     const view = /** @type {Window} */ (this.pictures.frame?.contentWindow);
+    view.addEventListener("keydown", (event) => this.key(event), true);
+    if (!this.boundPage) return;
     takePointer(page, view, () => this.boundPage === page && this.possible, () => this.held !== null, {
       pointerdown: (event, at) => this.down(event, at), pointermove: (event, at) => this.over(event, at), pointerup: (event, at) => this.up(event, at),
       dblclick: () => this.tool.name !== "select",
     });
     view.addEventListener("pointercancel", () => this.revert(), true);
-    view.addEventListener("keydown", (event) => this.key(event), true);
     page.scene.overlays.push((/** @type {{ ctx: CanvasRenderingContext2D }} */ { ctx }) => { if (this.possible && this.boundPage === page) drawSpaceStructure(ctx, this); });
     if (this.possible && this.document && !page.motion.mesh) page.scene.show.grid = true;
     this.refresh();
@@ -198,10 +198,10 @@ export class SpaceStructure {
   /** Add a place to what is being drawn. @param {SpacePlace | null} place @param {Pixel} [at] */
   put(place, at) {
     const { tool, plan, boundPage } = this;
-    if (!place || !plan || !boundPage) return;
+    if (!place || !plan) return;
     if (tool.target && !this.places.length) {
-      const pixel = at ?? boundPage.scene.view.screen(place.p);
-      this.target = pixel ? plan.targetAt(boundPage, pixel, REACH, tool.target) : null;
+      const pixel = at ?? boundPage?.scene.view.screen(place.p);
+      this.target = boundPage && pixel ? plan.targetAt(boundPage, pixel, REACH, tool.target) : tool.target === "bars" ? null : plan.targetOf(plan.nodeAt(place.p));
       if (!this.target) return this.actions.refuse(`${tool.title}: ${tool.hint[0]}`);
       if (this.target.kind === "element") place = { ...place, p: this.middle(this.target) };
       else place = { ...place, p: this.target.spots[0] };
@@ -280,8 +280,9 @@ export class SpaceStructure {
 
   refresh() {
     if (!this.possible) return;
-    const { hint, title, name } = this.tool, page = /** @type {Page} */ (this.boundPage);
+    const { hint, title, name } = this.tool, page = this.boundPage;
     this.actions.hint(this.typed ? `${title}: ${this.typed}` : `${title}: ${hint[Math.min(this.places.length, hint.length - 1)]}`);
+    if (!page) return;
     page.scene.invalidate();
     page.scene.canvas.style.cursor = this.held ? "grabbing" : this.handle ? "grab" : name === "select" ? "" : "crosshair";
   }
