@@ -26,6 +26,7 @@ import { StructureProperties } from "./structure_properties.js";
 
 /** Movement of the pointer up to which a press is a click, and distance at which it takes hold [px]. */
 const STILL = 4, REACH = 11;
+const NO_ROTATION = "Moment: a node of a solid has no rotation; draw forces in pairs, or a beam that ends at the solid";
 
 export class SpaceStructure {
   /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void, commands: import("./command_queue.js").CommandQueue }} actions @param {HTMLElement} stage @param {HTMLElement} writing @param {() => Completion | null} completion */
@@ -169,7 +170,7 @@ export class SpaceStructure {
     }
     if (!event.buttons) {
       this.now = this.placeAt(event, at) ?? this.now;
-      this.hover = this.tool.target && !this.places.length ? this.plan?.targetAt(page, at, REACH, this.tool.target) ?? null : null;
+      this.hover = this.tool.target && !this.places.length ? this.plan?.targetAt(page, at, REACH, this.tool.target, true) ?? null : null;
     }
     this.refresh();
     return false;
@@ -200,8 +201,9 @@ export class SpaceStructure {
     const { tool, plan, boundPage } = this;
     if (!place || !plan) return;
     if (tool.target && !this.places.length) {
-      const pixel = at ?? boundPage?.scene.view.screen(place.p);
-      this.target = boundPage && pixel ? plan.targetAt(boundPage, pixel, REACH, tool.target) : tool.target === "bars" ? null : plan.targetOf(plan.nodeAt(place.p));
+      const pixel = at ?? boundPage?.scene.view.screen(place.p), exact = at || tool.target === "bars" ? null : plan.targetAtPlace(place.p);
+      this.target = exact ?? (boundPage && pixel ? plan.targetAt(boundPage, pixel, REACH, tool.target, true) : null);
+      if (this.target?.solid && tool.name === "torque") return this.actions.refuse(NO_ROTATION);
       if (!this.target) return this.actions.refuse(`${tool.title}: ${tool.hint[0]}`);
       if (this.target.kind === "element") place = { ...place, p: this.middle(this.target) };
       else place = { ...place, p: this.target.spots[0] };
