@@ -171,8 +171,11 @@ def test_folder_goes_on(tmp_path, stored):
         if fraction > 0.3:
             raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt):
-        study(design, folder=tmp_path / "parts", chunk=3, progress=stop)
+    partial = study(design, folder=tmp_path / "parts", chunk=3, progress=stop)
+    assert partial.interrupted and partial.sentence == "3 of 8 designs; interrupted"
+    assert partial.ok and partial.success.tolist() == 3 * [True] + 5 * [False]
+    assert np.array_equal(partial.values[:3], whole.values[:3]) and partial.table_path is None
+    assert set(partial.reasons[3:]) == {"interrupted"} and partial.page()
     again = study(design, folder=tmp_path / "parts", chunk=2)
     assert again.reused_count == 3
     assert np.array_equal(whole.values, again.values)

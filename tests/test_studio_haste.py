@@ -174,3 +174,86 @@ def test_a_structure_is_drawn_by_keys_before_its_first_picture(
     visit.js("delete studio.pictures.receive; held.forEach((m) => studio.pictures.receive(m))")
     visit.settle()
     assert visit.document["nodes"] == {"n1": [0.0, 0.0], "n2": [1.0, 0.0]}
+
+
+HOLD = """(() => {
+    const { pictures } = studio;
+    window.held = [];
+    pictures.receive = (message) => held.push(message);
+})()"""
+BEFORE = [
+    pytest.param({}, id="mechanism"),
+    pytest.param({"structure": True}, id="structure", marks=pytest.mark.thorough),
+    pytest.param({"dimension": 3}, id="spatial mechanism", marks=pytest.mark.thorough),
+    pytest.param({"structure": True, "dimension": 3}, id="spatial", marks=pytest.mark.thorough),
+]
+RELEASE = "delete studio.pictures.receive; held.forEach((m) => studio.pictures.receive(m))"
+
+
+@pytest.mark.parametrize("before", BEFORE)
+def test_a_spatial_structure_is_drawn_by_keys_before_its_first_picture(
+    desk: tuple[Desk, Studio], before: dict[str, bool]
+) -> None:
+    """The picture of the model before is still shown; a clamp is put on the first node."""
+    visit, studio = desk
+    reset(studio, **before)
+    visit.until("!studio.pending", 60)
+    visit.settle()
+    visit.js(HOLD)
+    revision = visit.revision
+    reset(studio, structure=True, dimension=3)
+    visit.until(f"studio.file.revision > {revision} && studio.spaceStructure.document", 60)
+    shown = (
+        "[...document.querySelectorAll('.palette')].filter((p) => p.offsetWidth).map((p) => p.id)"
+    )
+    assert visit.js(shown) == ["space-structure-palette"]
+    visit.page.locator("#canvas").focus()
+    visit.page.keyboard.press("e")
+    for place in ("0, 0, 0", "0, 0, 2"):
+        visit.page.keyboard.type(place)
+        visit.page.keyboard.press("Enter")
+    visit.until("Object.keys(studio.file.document?.elements ?? {}).length === 1", 20)
+    visit.page.keyboard.press("c")
+    visit.page.keyboard.type("0, 0, 0")
+    visit.page.keyboard.press("Enter")
+    visit.until("studio.file.document?.supports?.length === 1", 20)
+    visit.js(RELEASE)
+    visit.settle()
+    assert visit.document["nodes"] == {"n1": [0, 0, 0], "n2": [0, 0, 2]}
+    assert visit.document["supports"] == [{"nodes": "n1"}]
+    assert visit.js("studio.pictures.page.motion.dimension") == 3
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        pytest.param({}, {"dimension": 3}, id="spatial"),
+        pytest.param({"dimension": 3}, {}, id="planar", marks=pytest.mark.thorough),
+    ],
+)
+def test_keys_of_a_mechanism_wait_for_its_first_picture(
+    desk: tuple[Desk, Studio], before: dict[str, int], after: dict[str, int]
+) -> None:
+    """A bar of the plane was added to a spatial model, and the other way round."""
+    visit, studio = desk
+    reset(studio, **before)
+    visit.until("!studio.pending", 60)
+    visit.settle()
+    visit.js(HOLD)
+    revision = visit.revision
+    reset(studio, **after)
+    visit.until(f"studio.file.revision > {revision}", 60)
+    empty = visit.text
+    visit.page.locator("#canvas").focus()
+    visit.page.keyboard.press("b")
+    for place in ("0, 0, 0", "0.2, 0.4, 0", "0.3") if after else ("0.1, 0.2", "0.5, 0.2"):
+        visit.page.keyboard.type(place)
+        visit.page.keyboard.press("Enter")
+    assert visit.text == empty
+    revision = visit.revision
+    visit.js(RELEASE)
+    visit.until(f"studio.file.revision > {revision}", 60)
+    visit.settle()
+    (body,) = visit.document["bodies"].values()
+    assert body["position"] == ([0.1, 0.2, 0.15] if after else [0.3, 0.2])
+    assert not visit.errors_shown()

@@ -51,8 +51,11 @@ outputs = [
 ]
 """
 )
+OUTPUTS = '  0.0,\n  "pi/6",  # middle\n  0.25,\n'
+SWAPPED = "  0.7,  # middle\n  0.0,\n"
 INLINE = 'format = 1\nsynthesis = { type = "path", points = [["200 mm", 0.2], [0.5, 0.4]] }\n'
-TEXTS = {"path": PATH, "poses": POSES, "function": FUNCTION, "inline": INLINE}
+NUMBERS = FUNCTION.replace('"pi/6"', "0.5")
+TEXTS = {"path": PATH, "poses": POSES, "function": FUNCTION, "inline": INLINE, "numbers": NUMBERS}
 CHANGES: dict[str, tuple[str, list[Any], list[tuple[str, str]]]] = {
     "type a coordinate": ("path", ["typed", "points", 1, 1, "20 mm"], [('"2*0.2"', '"20 mm"')]),
     "type an angle": ("poses", ["typed", "coupler_angles", 1, None, "pi/3"], [("pi/4", "pi/3")]),
@@ -98,7 +101,12 @@ CHANGES: dict[str, tuple[str, list[Any], list[tuple[str, str]]]] = {
     "move a function point past another": (
         "function",
         ["movedFunctionPoint", 2, [0.5, 0.3]],
-        [("2.0, 3.0", "2.0"), ('["60', '[0.5, "60'), ("  0.25,\n", ""), ("  0.0", "  0.3,\n  0.0")],
+        [('["60 deg", 2.0, 3.0]', '[0.5, "60 deg", 2.0]'), (OUTPUTS, "  0.3,\n" + OUTPUTS[:-8])],
+    ),
+    "move a function point with its comment": (
+        "numbers",
+        ["movedFunctionPoint", 1, [0.5, 0.7]],
+        [('"60 deg", 2.0', '0.5, "60 deg"'), ("  0.0,\n  0.5,  # middle\n", SWAPPED)],
     ),
 }
 """Change → text, function of the page with its arguments, and the parts of the text it replaces."""
@@ -150,7 +158,7 @@ def test_numbers_of_targets_have_units(tmp_path: Path) -> None:
     targets = operations_of(
         tmp_path, "target_edits.js", *(["targetOf", tomllib.loads(t)] for t in TEXTS.values())
     )
-    path, poses, function, _ = targets
+    path, poses, function, *_ = targets
     assert path["points"] == [[0.2, 0.2], [0.5, 0.4], [0.8, 0.2]]
     assert poses["angles"] == pytest.approx([math.pi / 6, math.pi / 4])
     assert function["crank"] == pytest.approx([math.pi / 3, 2, 3])

@@ -115,9 +115,7 @@ modulus = 210e9
 
 def test_a_solid_without_nodes_is_a_spatial_structure(desk: FrameDesk) -> None:
     """Beams are drawn beside it; its stresses are those at the centres of its elements."""
-    desk.js("document.activeElement?.blur()")
-    for _ in range(2):  # a tool of the test before may still be chosen
-        desk.page.keyboard.press("Escape")
+    desk.js("studio.spaceStructure.choose('select')")
     desk.page.evaluate("text => { studio.editor.show(text); studio.sendText(text); }", SOLID)
     desk.until("studio.pictures.page.motion.mesh?.faces.length", 60)
     desk.until("studio.spaceStructure.possible", 20)
@@ -134,3 +132,31 @@ def test_a_solid_without_nodes_is_a_spatial_structure(desk: FrameDesk) -> None:
         desk.page.keyboard.press("Enter")
     desk.until("Object.keys(studio.file.document?.elements ?? {}).length === 1", 20)
     assert desk.document["nodes"] == {"n1": [0, 0, 0.5], "n2": [1, 0, 0.5]}
+
+
+def test_nodes_of_a_solid_are_supported_and_loaded_by_clicks(
+    desk: FrameDesk, tmp_path: Path
+) -> None:
+    """Reactions balance the clicked force; a support elsewhere stays, and a moment is refused."""
+    desk.page.evaluate("text => { studio.editor.show(text); studio.sendText(text); }", SOLID)
+    desk.until("studio.spaceStructure.possible && studio.spaceStructure.plan.solidNodes.length", 60)
+    desk.settle()
+    desk.js("studio.pictures.page.scene.fit()")
+    desk.draw("r", (1, 0, 0))
+    desk.use("f", 1, 0.1, 0.1, typed="0, 300, -5 kN")
+    text = desk.text
+    assert desk.document["supports"] == [
+        {"nodes": "block", "where": {"x": 0}},
+        {"nodes": "block", "nearest": [1, 0, 0], "uz": 0},
+    ]
+    load = {"nodes": "block", "nearest": [1, 0.1, 0.1], "fy": 300, "fz": -5000}
+    assert desk.document["loads"] == [load]
+    desk.page.keyboard.press("q")
+    desk.click(1, 0.1, 0.1)
+    assert "has no rotation" in desk.js("document.getElementById('notice').textContent")
+    assert desk.text == text
+    path = tmp_path / "solid.toml"
+    path.write_text(text.replace("tz = -1e5", "tz = 0.0"), encoding="utf-8")
+    (state,) = da.solve_statics(load_model_file(path).model()).summary()["states"]
+    reactions = state["sum of reactions"]
+    assert [reactions[f"f{x}"] for x in "xyz"] == pytest.approx([0, -300, 5000], abs=1e-5)

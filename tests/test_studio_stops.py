@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import time
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import pytest
 from studio_desk import Desk
 from studio_runs import Studio
-from test_studio_tasks import SLOW, wait
+from test_studio_tasks import ROD, SLOW, wait
 
 from dalembert.studio.tasks import Tasks
 
@@ -95,3 +96,19 @@ def test_a_double_click_on_stop_keeps_the_result(monkeypatch: pytest.MonkeyPatch
     wait(state, "stopped")
     process.join(5.0)
     assert state.outcome.sentence == "ended at once, without its result so far"
+
+
+def test_a_stopped_sweep_keeps_the_finished_designs() -> None:
+    tasks = Tasks()
+    count = 200_000
+    sweep = f"sweep = {{ samples = {count}, vary = {{ load = [5e4, 2e5] }} }}\n"
+    state = tasks.start(
+        "sweep", ROD.replace("pareto =", f"{sweep}pareto =", 1), EXAMPLES / "x.toml"
+    )
+    wait(state, "progress")
+    tasks.stop()
+    wait(state, "stopped")
+    found = re.fullmatch(r"(\d+) of 200000 designs; interrupted", state.outcome.sentence)
+    assert found and 0 < int(found[1]) < count
+    assert state.outcome.ok and state.outcome.interrupted and state.outcome.page
+    tasks.close()

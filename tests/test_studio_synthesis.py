@@ -92,6 +92,15 @@ def desk(shared_desk: tuple[Desk, Studio]) -> tuple[Desk, Studio]:
     return shared_desk
 
 
+INSIDE = """(() => {
+    const { motion, scene: { view, canvas } } = studio.pictures.page;
+    return motion.points.every(({ body, point }) => {
+        const [u, v] = view.screen(motion.at(body, point));
+        return u > 0 && v > 0 && u < canvas.clientWidth && v < canvas.clientHeight;
+    });
+})()"""
+
+
 def test_targets_are_dragged(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.show(UNTITLED + PATH)
@@ -231,3 +240,37 @@ def test_points_with_units_are_drawn_and_dragged(desk: tuple[Desk, Studio]) -> N
     visit.drag((0.5, 0.4), (0.5, 0.5))
     visit.until("document.getElementById('notice').textContent.includes('is the formula')", 10)
     assert visit.text == text.replace("20 cm", "30.0 cm")
+
+
+@pytest.mark.thorough
+def test_clicked_poses_are_those_of_the_file(desk: tuple[Desk, Studio]) -> None:
+    """Position and direction of each; an inserted linkage is in the picture as a whole."""
+    visit, studio = desk
+    poses = [((0.1, 0.1), (0.3, 0.1)), ((0.3, 0.35), (0.4, 0.45)), ((0.7, 0.4), (0.7, 0.6))]
+    for pose in poses:
+        visit.draw("Shift+P", *pose)
+    table = visit.document["synthesis"]
+    assert table["points"] == [list(place) for place, _ in poses]
+    assert table["coupler_angles"] == pytest.approx([0, math.pi / 4, math.pi / 2], abs=1e-5)
+    visit.page.click("#tab-synthesis")
+    visit.page.fill("[name=starts]", "12")
+    visit.page.keyboard.press("Enter")
+    visit.until("studio.file.document.synthesis.starts === 12 && studio.isAnswered", 20)
+    visit.page.click("#start-synthesis")
+    visit.until("document.querySelectorAll('.candidate').length", 60)
+    revision = visit.revision
+    visit.page.locator(".candidate button", has_text="Insert").first.click()
+    visit.settle(revision + 1)
+    assert visit.document["synthesis"]["points"] == table["points"]
+    assert visit.js(INSIDE)
+    path = studio.folder / "poses.toml"
+    path.write_text(visit.text, encoding="utf-8")
+    motion = da.solve_kinematics(load_model_file(path).model(), duration=1.0, step=1 / 4000)
+    place = np.array([motion[f"coupler1.P.{axis}"] for axis in "xy"])
+    turns = []
+    for (at, _), angle in zip(poses, table["coupler_angles"], strict=True):
+        distance = np.hypot(*(place - np.reshape(at, (2, 1))))
+        nearest = int(distance.argmin())
+        assert distance[nearest] < 2e-3  # of instants 0.25 ms apart
+        turns.append(float(motion["coupler1.angle"][nearest]) - angle)
+    assert np.allclose(np.exp(1j * np.array(turns)), np.exp(1j * turns[0]), atol=5e-3)

@@ -93,6 +93,7 @@ def _show(summary: dict[str, Any]) -> None:
     reasons, counts = np.unique(list(summary["failed"].values()), return_counts=True)
     for k in np.argsort(-counts)[:3]:
         print_line(f"  {counts[k]} failed: {reasons[k]}", "red")
-    print_line(f"  written {summary['table']}")
+    if summary["table"] is not None:
+        print_line(f"  written {summary['table']}")
     if summary["note"]:
         print_line(f"  note: {summary['note']}", "yellow")

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 COMMA = re.compile(r"(?:\s|#[^\n]*\n)*,")
 """What may precede the comma behind an item."""
+BEHIND = re.compile(r"([ \t]*,)?([ \t]*#[^\n]*)?")
+"""Comma behind an item, and the comment in its line."""
 
 
 def append_item(edits: TextEdits, keys: Keys, value: Any) -> None:
@@ -105,6 +107,36 @@ def remove_item(edits: TextEdits, keys: Keys, index: int) -> None:
         start = edits.places[*keys, index - 1].end if index else own.start
         end = own.end
     edits.set_text(text[:start] + text[end:])
+
+
+def move_item(edits: TextEdits, keys: Keys, index: int, to: int) -> None:
+    """Move an item of an array that is a value to another number, with the comment in its line.
+
+    Raises
+    ------
+    ModelError
+        It is no such array, or there is no item of one of the numbers.
+    """
+    count = len(_items(edits, keys))
+    if keys not in edits.places or not (0 <= index < count and 0 <= to < count):
+        raise ModelError("there is no such item", key_path(*keys, index))
+    text, end = edits.text, edits.places[keys].end - 1
+    places = [edits.places[*keys, k] for k in range(count)]
+    stops = [place.start for place in places[1:]] + [end]
+    behind = [BEHIND.match(text, p.end, stop) for p, stop in zip(places, stops, strict=True)]
+    ends_line = all(match and text[match.end()] == "\n" for match in behind)
+    items = [text[place.start : place.end] for place in places]
+    comments = [(match[2] or "") if match and ends_line else "" for match in behind]
+    order = [k for k in range(count) if k != index]
+    order.insert(to, index)
+    new, at = "", 0
+    for k, (place, match) in enumerate(zip(places, behind, strict=True)):
+        new += text[at : place.start] + items[order[k]]
+        at = place.end
+        if match and ends_line:
+            new += (match[1] or "") + comments[order[k]]
+            at = match.end()
+    edits.set_text(new + text[at:])
 
 
 def _has_headers(edits: TextEdits, keys: Keys) -> bool:

@@ -8,7 +8,7 @@ from typing import Any
 
 from dalembert.errors import ModelError
 from dalembert.io.messages import key_path
-from dalembert.studio.array_edits import append_item, insert_item, remove_item
+from dalembert.studio.array_edits import append_item, insert_item, move_item, remove_item
 from dalembert.studio.contact_edits import remove_group, without_shapes_of
 from dalembert.studio.key_edits import drop_key
 from dalembert.studio.list_edits import append_entry, remove_entry, remove_from_lists
@@ -46,7 +46,8 @@ def apply(text: str, operations: Any) -> str:
         for a removed one. ``append`` has ``section``, a list of tables such as ``supports``, and
         ``fields``; ``remove_entry`` has ``section`` and ``index``. ``append_item`` has the
         ``keys`` of an array and a ``value``, ``insert_item`` the ``keys`` of the item before which
-        the ``value`` is inserted, ``remove_item`` the ``keys`` of an item.
+        the ``value`` is inserted, ``remove_item`` the ``keys`` of an item,
+        ``move_item`` also the number ``to`` that it gets.
         ``drop`` has the ``keys`` of a value that is removed from its table, if it is there,
         ``remove point`` those of a named point or frame, which takes along what refers to it.
 
@@ -171,6 +172,13 @@ def _insert_item(edits: TextEdits, operation: dict[str, Any], names: dict[str, s
     insert_item(edits, keys, index, operation.get("value"))
 
 
+def _move_item(edits: TextEdits, operation: dict[str, Any], names: dict[str, str]) -> None:
+    (keys, index), to = _item(operation), operation.get("to")
+    if not isinstance(to, int) or isinstance(to, bool):
+        raise ModelError("the operation move_item needs the number 'to'")
+    move_item(edits, keys, index, to)
+
+
 def _item(operation: Mapping[str, Any]) -> tuple[tuple[str | int, ...], int]:
     """Keys of an array, and the number of an item."""
     *keys, index = _path(operation)
@@ -224,6 +232,7 @@ OPERATIONS: dict[str, Callable[[TextEdits, dict[str, Any], dict[str, str]], None
     "remove_entry": _remove_entry,
     "append_item": _append_item,
     "insert_item": _insert_item,
+    "move_item": _move_item,
     "remove_item": _remove_item,
     "drop": _drop,
     "remove point": _remove_point,

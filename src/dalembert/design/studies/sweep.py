@@ -16,6 +16,7 @@ from dalembert.design.studies.sweep_result import SweepResult
 from dalembert.design.studies.task import Answer, StudyTask
 from dalembert.design.studies.workers import Chunk, Cluster, InProcess, Processes, Workers
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.interrupts import check_ctrl_c, ctrl_c, searching
 from dalembert.responses.base import Response
 from dalembert.responses.evaluation import as_responses
 from dalembert.results.analysis import Analysis
@@ -30,6 +31,8 @@ MIN_BATCH = 128
 """Lower limit of the designs of a batch, if there are enough designs."""
 CHECKED = 4
 """Upper limit of the designs that are run again for their warnings."""
+INTERRUPTED = "interrupted"
+"""Reason of the designs that did not run before Ctrl-C."""
 
 
 @check_arguments
@@ -46,6 +49,8 @@ def sweep(
     progress: Reported = False,
 ) -> SweepResult:
     """Run an analysis at many designs; failures are stored with their reasons.
+
+    Ctrl-C keeps the finished designs; the reason of the others is ``interrupted``.
 
     Parameters
     ----------
@@ -112,14 +117,21 @@ def run_study(
     try:
         answered = storage.answers() if storage else {}
         reused = len(answered)
-        with progress_reporter(progress, "sweep") as report:
-            for answers in backend.answers(_chunks(design, answered, size)):
-                if storage:
-                    storage.add(answers)
-                answered.update((answer.number, answer) for answer in answers)
-                report(len(answered) / len(design))
-        study = _make_study(task, design, tuple(labels), answered, folder, reused)
-        if storage:
+        with ctrl_c():
+            try:
+                with searching(), progress_reporter(progress, "sweep") as report:
+                    for answers in backend.answers(_chunks(design, answered, size)):
+                        if storage:
+                            storage.add(answers)
+                        answered.update((answer.number, answer) for answer in answers)
+                        report(len(answered) / len(design))
+                        check_ctrl_c()
+            except KeyboardInterrupt:
+                if not answered:
+                    raise
+            interrupted = len(answered) < len(design)
+        study = _make_study(task, design, tuple(labels), answered, folder, reused, interrupted)
+        if storage and not interrupted:
             study = replace(study, table_path=storage.finish(study.columns))
     finally:
         if storage:
@@ -134,8 +146,9 @@ def _make_study(
     answers: dict[int, Answer],
     folder: str | Path | None,
     reused: int,
+    interrupted: bool,
 ) -> SweepResult:
-    ordered = [answers[k] for k in range(len(design))]
+    ordered = [answers.get(k) or task.failed(k, INTERRUPTED) for k in range(len(design))]
     values = np.array([answer.values for answer in ordered])
     reasons = tuple(answer.reason for answer in ordered)
     path = None if folder is None else Path(folder)
@@ -151,6 +164,7 @@ def _make_study(
         task.units,
         warnings=warnings,
         task=task,
+        interrupted=interrupted,
     )
 
 

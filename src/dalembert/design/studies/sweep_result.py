@@ -42,6 +42,7 @@ class SweepResult(Decision):
     warnings : warnings of the designs with the smallest and largest responses, which run again on
         their own when the warnings are first read
     task : model, analysis and responses
+    interrupted : ended by Ctrl-C; the reason of the designs that did not run is ``interrupted``
 
     Examples
     --------
@@ -72,12 +73,13 @@ class SweepResult(Decision):
     table_path: Path | None = None
     warnings: Sequence[str] = ()
     task: StudyTask | None = field(default=None, repr=False)
+    interrupted: bool = False
 
     @property
     def message(self) -> str:  # type: ignore[override]
-        """Number of successful designs."""
-        count = int(self.success.sum())
-        return f"{count} of {len(self.design)} designs"
+        """Number of successful designs, and whether the study was interrupted."""
+        text = f"{int(self.success.sum())} of {len(self.design)} designs"
+        return f"{text}; interrupted" if self.interrupted else text
 
     @property
     def success(self) -> np.ndarray:  # type: ignore[override]

@@ -18,6 +18,7 @@ from dalembert.design.optimize.optimization import design_problem
 from dalembert.design.optimize.problem import NOT_FINITE
 from dalembert.design.studies.design_table import DesignTable
 from dalembert.errors import AnalysisError, DalembertError
+from dalembert.interrupts import check_ctrl_c
 from dalembert.model.graph.model import Model
 from dalembert.responses.base import Response
 from dalembert.responses.evaluation import batch_responses
@@ -83,7 +84,8 @@ class StudyTask:
     def answers(
         self, numbers: np.ndarray, names: Sequence[str], values: np.ndarray
     ) -> list[Answer]:
-        """Run designs, as a batch if the analysis supports it."""
+        """Run designs, as a batch if the analysis supports it; an interrupted batch returns the
+        answers of the finished designs."""
         if self.batched:  # even a single design, so that results do not depend on the chunk size
             try:
                 return self._run_batch(numbers, names, values)
@@ -98,12 +100,14 @@ class StudyTask:
         columns = dict(zip(names, values.T, strict=True))
         designs = Designs.of(self.model, columns)
         batch = solve_batch(self.analysis, self.model, designs, False, 1)
-        if Outcome.INTERRUPTED in batch.counts:
+        if all(status.outcome is Outcome.INTERRUPTED for status in batch.statuses):
             raise KeyboardInterrupt
         responses = batch_responses(batch, self.responses)
         table = np.column_stack([responses[response.label].values for response in self.responses])
         answers = []
         for number, status, row in zip(numbers, batch.statuses, table, strict=True):
+            if status.outcome is Outcome.INTERRUPTED:
+                continue
             reason = _failure_reason(status)
             if not reason and not np.all(np.isfinite(row)):
                 reason = NOT_FINITE
@@ -119,9 +123,12 @@ class StudyTask:
         try:
             evaluation = problem.evaluate(values, gradient=False)
         except DalembertError as error:  # invalid parameter values of an element
+            check_ctrl_c()  # compiled code may convert an interrupt to an error
             return self.failed(number, str(error))
         except Exception as error:  # one design must not abort the study
+            check_ctrl_c()
             return self.failed(number, f"{type(error).__name__}: {error}")
+        check_ctrl_c()
         if evaluation is None:
             return self.failed(number, problem.failures[-1])
         return Answer(number, tuple(float(v) for v in evaluation.values))

@@ -63,7 +63,10 @@ class InProcess:
 
     def answers(self, chunks: Sequence[Chunk]) -> Iterator[list[Answer]]:
         for chunk in chunks:
-            yield answer_chunk(self.task, chunk)
+            answers = answer_chunk(self.task, chunk)
+            yield answers
+            if len(answers) < chunk.numbers.size:
+                raise KeyboardInterrupt
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,7 @@ import { pairAt, pairChange } from "./contact_laws.js";
 import { collisionsIn, groupsOf } from "./contact_shapes.js";
 import { button, el } from "./dom.js";
 import { accept } from "./field_values.js";
+import { isSpatialMechanism } from "./model_dimension.js";
 import { valueChange } from "./row_changes.js";
 
 const COEFFICIENTS = { friction: "Friction", restitution: "Restitution" };
@@ -21,7 +22,7 @@ export class ContactSheet {
 
   /** @param {Document | null} document */
   show(document) {
-    const { gravity, dimension } = /** @type {any} */ (document ?? {}), isSpatial = dimension === 3 || (dimension === undefined && Array.isArray(gravity) && gravity.length === 3);
+    const isSpatial = isSpatialMechanism(document);
     const focused = /** @type {HTMLInputElement | null} */ (this.node.querySelector(":focus")), same = () => /** @type {NodeListOf<HTMLElement>} */ (this.node.querySelectorAll(`[name="${CSS.escape(focused?.name ?? "")}"]`)), at = [...same()].indexOf(/** @type {HTMLElement} */ (focused));
     const about = isSpatial ? "Shapes of contacts of spatial models are written in the text." : "Shapes are attached to bodies by clicks.";
     const tools = el("div", { class: "chips" }, [["circle", "Circle"], ["capsule", "Capsule"], ["polygon", "Polygon"], ["halfplane", "Half plane"]].map(([tool, title]) => button(title, () => this.actions.draw(tool))));

@@ -6,7 +6,7 @@ import { numberField } from "./analysis.js";
 import { button, el } from "./dom.js";
 import { Measurements } from "./measurements.js";
 import { inWords } from "./responses.js";
-import { rowChange, valueChange } from "./row_changes.js";
+import { nameChange, rowChange, valueChange } from "./row_changes.js";
 import { TaskCards } from "./tasks.js";
 
 /** A task: what its form has. @typedef {{ section: string, title: string, note: string, aims?: boolean, response?: boolean, limits?: boolean, ranges?: boolean, tolerances?: boolean, data?: boolean, fields: import("./analysis.js").Field[] }} Task */
@@ -44,7 +44,7 @@ export class DesignSheet {
     /** Why it is not possible to start. */
     this.refusal = el("span", { class: "muted", role: "status" });
     this.measures = el("datalist", { id: "measures" });
-    this.data = new Measurements({ set: (fields) => this.set(fields), table: () => this.document?.identify ?? {}, measures: () => actions.measures(), render: () => this.render() });
+    this.data = new Measurements({ set: (fields) => this.set(fields), edit: (operations) => this.edit(operations), table: () => this.document?.identify ?? {}, measures: () => actions.measures(), render: () => this.render() });
     this.node = el("section", { class: "sheet design" }, this.tabs, this.form, this.state, this.measures);
     this.render();
   }
@@ -121,11 +121,11 @@ export class DesignSheet {
   aims() {
     const { table, responses, chosen } = this, several = chosen.section === "pareto";
     const row = (/** @type {string} */ name) => {
-      const has = (/** @type {string} */ key) => (several ? (table[key] ?? []).includes(name) : table[key] === name);
+      const has = (/** @type {string} */ key) => (several ? [table[key] ?? []].flat().includes(name) : table[key] === name);
       const select = el("select", { "aria-label": name, name: `aim-${name}`, onchange: () => {
         const chosenKey = select.value;
-        const list = (/** @type {string} */ key) => { const rest = (table[key] ?? []).filter((/** @type {string} */ other) => other !== name), next = key === chosenKey ? [...rest, name] : rest; return next.length ? next : null; };
-        this.set(several ? { minimize: list("minimize"), maximize: list("maximize") } : { minimize: chosenKey === "minimize" ? name : null, maximize: chosenKey === "maximize" ? name : null });
+        if (several) this.edit(["minimize", "maximize"].flatMap((key) => nameChange([chosen.section, key], table[key], name, key === chosenKey)));
+        else this.set({ minimize: chosenKey === "minimize" ? name : null, maximize: chosenKey === "maximize" ? name : null });
       } }, ["", "minimize", "maximize"].map((value) => el("option", { value }, value || "–")));
       select.value = has("minimize") ? "minimize" : has("maximize") ? "maximize" : "";
       return el("label", { class: "field inline" }, el("span", {}, name), select);
@@ -157,7 +157,7 @@ export class DesignSheet {
     const parameters = Object.entries(this.document?.parameters ?? {}), { table } = this, all = parameters.filter(([, entry]) => Array.isArray(entry?.bounds)).map(([name]) => name), vary = table.vary?.length ? table.vary : all;
     if (!parameters.length) return el("p", { class: "muted" }, "The model has no parameters yet: place the cursor in a number of the text and press “Parameter”.");
     return el("fieldset", {}, el("legend", {}, "Vary"), parameters.map(([name, entry]) => {
-      const bounds = /** @type {unknown[]} */ (Array.isArray(entry?.bounds) ? entry.bounds : [undefined, undefined]), box = el("input", { type: "checkbox", name: `vary-${name}`, onchange: () => this.set({ vary: box.checked ? [...vary, name] : vary.filter((/** @type {string} */ other) => other !== name) }) });
+      const bounds = /** @type {unknown[]} */ (Array.isArray(entry?.bounds) ? entry.bounds : [undefined, undefined]), box = el("input", { type: "checkbox", name: `vary-${name}`, onchange: () => vary === all || vary.length < 2 ? this.set({ vary: box.checked ? [...vary, name] : vary.filter((/** @type {string} */ other) => other !== name) }) : this.edit(nameChange([this.chosen.section, "vary"], vary, name, box.checked)) });
       box.checked = vary.includes(name);
       const single = typeof entry !== "object", keys = single ? ["parameters", name] : ["parameters", name, "bounds"], isBound = Array.isArray(entry?.bounds);
       const bound = (/** @type {number} */ k) => (/** @type {unknown} */ value) => {

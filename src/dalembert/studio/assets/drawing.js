@@ -8,6 +8,7 @@
 
 import { controlAt, moveControl } from "./controls.js";
 import { transform } from "./editing.js";
+import { isSpatialMechanism } from "./model_dimension.js";
 import { move } from "./operations.js";
 import { drawOverlay } from "./overlay.js";
 import { isTyped, takePointer } from "./picture_events.js";
@@ -73,7 +74,7 @@ export class Drawing {
   /** Whether the picture is a planar mechanism that can be drawn on. */
   get possible() {
     const view = this.page?.scene.view;
-    return Boolean(view && "s" in view && !this.page?.motion.mesh && !this.page?.motion.swings && /** @type {unknown} */ (this.document?.kind) !== "structure");
+    return Boolean(view && "s" in view && !this.page?.motion.mesh && !this.page?.motion.swings && /** @type {unknown} */ (this.document?.kind) !== "structure" && !isSpatialMechanism(this.document));
   }
 
   /** @param {string} name */

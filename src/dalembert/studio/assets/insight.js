@@ -45,6 +45,7 @@ export function addInsight(studio) {
       studio.sheets.show("text");
       if (at >= 0) studio.editor.select(studio.editor.text.indexOf("[", at), studio.editor.text.indexOf("]", at) + 1);
     },
+    fit: () => { const view = studio.pictures.page?.scene.view; if (view) view.fitted = true; },  // of the next picture
     mark: (/** @type {number} */ entry) => { marked = entry; studio.pictures.page?.scene.invalidate(); },
   };
   const analysis = new AnalysisSheet(shared, [overlays.node]), design = new DesignSheet(shared), synthesis = new SynthesisSheet(shared), contacts = new ContactSheet(shared);

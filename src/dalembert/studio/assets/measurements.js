@@ -2,6 +2,7 @@
 
 import { numberField } from "./analysis.js";
 import { button, el } from "./dom.js";
+import { valueChange } from "./row_changes.js";
 
 /** A column of numbers of a table. @typedef {{ name: string, samples: number, range: [number, number] | null }} Column */
 
@@ -18,7 +19,7 @@ async function request(name, options) {
 }
 
 export class Measurements {
-  /** @param {{ set: (fields: Record<string, unknown>) => void, table: () => Record<string, any>, measures: () => string[], render: () => void }} actions */
+  /** @param {{ set: (fields: Record<string, unknown>) => void, edit: (operations: import("./operations.js").Operation[]) => void, table: () => Record<string, any>, measures: () => string[], render: () => void }} actions */
   constructor(actions) {
     this.actions = actions;
     /** File whose columns are known or being read. */
@@ -82,6 +83,8 @@ export class Measurements {
     const own = /** @type {Record<string, string>} */ (table.measures ?? {}), stated = Object.keys(own).length > 0;
     const measured = Object.fromEntries(names.flatMap((name) => (stated ? (name in own ? [[name, own[name]]] : []) : name !== time && known.includes(name) ? [[name, name]] : [])));
     const set = (/** @type {string} */ column, /** @type {unknown} */ value) => {
+      const others = Object.keys(own).some((other) => other !== column);
+      if (stated && (value !== null || others)) return this.actions.edit(valueChange(["identify", "measures"], own, column, value));
       const next = Object.fromEntries(names.flatMap((name) => (name === column ? (value === null ? [] : [[name, value]]) : name in measured ? [[name, measured[name]]] : [])));
       this.actions.set({ measures: Object.keys(next).length ? next : null });
     };

@@ -17,3 +17,12 @@ const without = (keys) => (keys.length === 2 ? { op: "section", section: keys[0]
 
 /** Operations that give a key of a table a value; null removes it. @param {(string | number)[]} keys of the table @param {Record<string, unknown>} table @param {string} key @param {unknown} value @returns {Operation[]} */
 export const valueChange = (keys, table, key, value) => (value !== null ? [{ op: "set", keys: [...keys, key], value, written: true }] : key in table ? [{ op: "drop", keys: [...keys, key] }] : []);
+
+/** Operations that add a name to a list of names, or remove it; a list without names is removed.
+ * @param {(string | number)[]} keys of the list @param {unknown} names list of the file, a single name, or none @param {string} name @param {boolean} isIn @returns {Operation[]} */
+export function nameChange(keys, names, name, isIn) {
+  const list = Array.isArray(names) ? names : names === undefined || names === null ? [] : [names], at = list.indexOf(name);
+  if (isIn === at >= 0) return [];
+  if (isIn) return [Array.isArray(names) ? { op: "append_item", keys, value: name } : { op: "section", section: keys[0], fields: { [keys[1]]: [...list, name] } }];
+  return [list.length > 1 ? { op: "remove_item", keys: [...keys, at] } : without(keys)];
+}

@@ -9,8 +9,8 @@
 /** @import { Grip, Handle } from "./space_gizmo.js" */
 /** @import { Document } from "./types.d.ts" */
 
+import { isSpatialMechanism } from "./model_dimension.js";
 import { ModelTree } from "./model_tree.js";
-import { valuesAfter } from "./preview.js";
 import { sectionOf } from "./selection.js";
 import { isTyped, takePointer } from "./picture_events.js";
 import { isOutside } from "./pictures.js";
@@ -19,9 +19,10 @@ import { grip, handleAt, handles, pulled } from "./space_gizmo.js";
 import { answer } from "./space_keys.js";
 import { drawOver } from "./space_overlay.js";
 import { SpacePalette } from "./space_palette.js";
+import { previewPull, writePull } from "./space_pull.js";
 import { settleAtStart, spaceSnap } from "./space_places.js";
 import { Poses, stillPoses } from "./space_poses.js";
-import { axesOf, isStated, moved, poseOf, rotates } from "./space_targets.js";
+import { axesOf, isStated, poseOf, rotates } from "./space_targets.js";
 import { SPACE_TOOLS } from "./space_tools.js";
 
 /** Movement of the pointer up to which a press is a click [px]. */
@@ -72,7 +73,7 @@ export class Space {
   get page() { return this.pictures.page; }
 
   /** Whether the picture is a spatial mechanism that can be drawn on. */
-  get possible() { return Boolean(/** @type {unknown} */ (this.document?.kind) !== "structure" && this.poses && this.poses.page === this.boundPage && !this.boundPage?.motion.mesh && !this.boundPage?.motion.swings); }
+  get possible() { return Boolean((!this.document || isSpatialMechanism(this.document)) && this.poses && this.poses.page === this.boundPage && !this.boundPage?.motion.mesh && !this.boundPage?.motion.swings); }
 
   /** Whether the picture shows the position at the start, to which the file refers. */
   get resting() { return Boolean(this.boundPage && !this.boundPage.player.playing && this.boundPage.player.time === this.boundPage.motion.start); }
@@ -97,21 +98,27 @@ export class Space {
     this.document = document;
     const { selected } = this;
     if (document && selected && !isStated(document, selected)) this.selected = null;
+    this.offer();
     this.refresh();
+  }
+
+  /** Show the tools where one can draw: not while the text is already a structure. */
+  offer() {
+    this.palette.node.hidden = !this.possible;
+    window.document.documentElement.dataset.space = String(this.possible);
   }
 
   /** @param {Page} page */
   bind(page) {
     const isSpatial = /** @type {unknown} */ (this.document?.kind) !== "structure" && page.motion.dimension === 3 && !page.motion.mesh && !page.motion.swings;
-    this.palette.node.hidden = !isSpatial;
-    document.documentElement.dataset.space = String(isSpatial);
     this.boundPage = isSpatial ? page : null;
     this.poses = isSpatial ? new Poses(page, this.hidden) : null;
     [this.held, this.hover] = [null, null];
+    this.offer();
     if (!isSpatial) return this.refresh();
     settleAtStart(page);
     const view = /** @type {Window} */ (this.pictures.frame?.contentWindow);
-    takePointer(page, view, () => this.boundPage === page, () => this.held !== null, {
+    takePointer(page, view, () => this.boundPage === page && this.possible, () => this.held !== null, {
       pointerdown: (event, at) => this.down(event, at), pointermove: (event, at) => this.over(event, at), pointerup: (event, at) => this.up(event, at),
       dblclick: () => this.tool.name !== "select",
     });
@@ -179,7 +186,7 @@ export class Space {
     if (!page) return false;
     if (this.held) {
       this.held = pulled(page, this.held, at, event.altKey);
-      this.preview();
+      previewPull(this);
       return true;
     }
     if (this.tool.name === "select") {
@@ -197,7 +204,7 @@ export class Space {
   up(event, at) {
     const { held, pressed } = this, still = pressed && Math.hypot(at[0] - pressed[0], at[1] - pressed[1]) < STILL;
     this.pressed = null;
-    if (held) this.release(held);
+    if (held) writePull(this, held);
     else if (still && this.tool.name === "select") this.select(this.elementAt(at));
     else if (still) {
       const place = this.placeAt(event, at);
@@ -250,45 +257,6 @@ export class Space {
     const view = this.boundPage?.scene.view;
     if (view) view.fitted = fits;  // the view stays while one draws
     this.actions.change(change);
-  }
-
-  /** Show the held body where it is dragged to. */
-  preview() {
-    const { held, poses, selected } = this;
-    if (held && poses && selected && !this.compute(held, selected) && selected.section === "bodies" && !selected.part) poses.moved.set(selected.name, held.after);
-    this.refresh();
-  }
-
-  /** Let a live page compute the assembled position; returns whether it can. @param {Grip} held @param {Choice} selected */
-  compute(held, selected) {
-    const { still, document, boundPage } = this, design = boundPage?.design;
-    if (!still || !document || !boundPage || !design || design.parameters.length !== still.values.length) return false;
-    try {
-      const next = valuesAfter(boundPage, document, still.values, moved(still.poses, document, selected, held.before, held.after));
-      if (next) design.replace(next, "drawing");
-      return next !== null;
-    } catch {
-      return false;  // the reason is shown when it is released
-    }
-  }
-
-  /** Write a movement into the text. @param {Grip} held */
-  release(held) {
-    const { document, selected } = this, computed = selected !== null && this.compute(held, selected), poses = this.poses && (this.still?.poses ?? this.poses);
-    [this.held, this.pressed, this.still] = [null, null, null];
-    if (poses && document && selected) {
-      poses.moved.clear();
-      try {
-        const operations = moved(poses, document, selected, held.before, held.after), name = selected.key ?? selected.name, turns = held.handle.kind === "turn";
-        if (operations.length) {
-          if (!computed && selected.section === "bodies" && !selected.part) poses.moved.set(selected.name, held.after);
-          this.send({ label: `${turns ? "rotate" : "move"} ${name}`, operations });
-        } else if (held.value) this.actions.refuse(`${name}: this ${turns ? "rotation" : "displacement"} changes no number of the file${turns && selected.section === "joints" ? "; a joint has no direction about its own axis" : ""}`);
-      } catch (error) {
-        this.actions.refuse(/** @type {Error} */ (error).message);
-      }
-    }
-    this.refresh();
   }
 
   /** A change was refused: the picture shows the text again. */

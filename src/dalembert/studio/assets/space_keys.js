@@ -5,6 +5,7 @@
 
 import { pulled, withTyped } from "./space_gizmo.js";
 import { COORDINATES, joinedPlace, typedSpacePlace } from "./space_places.js";
+import { previewPull, writePull } from "./space_pull.js";
 import { isRemovable, removal } from "./space_targets.js";
 import { SPACE_TOOLS } from "./space_tools.js";
 
@@ -13,7 +14,7 @@ export function answer(space, key) {
   const { held, selected, tool } = space, page = /** @type {Page} */ (space.boundPage);
   if (/^[-\d.,; ]$/.test(key) && (held ?? (tool.clicks > 0 && space.typed + key !== " "))) return type(space, key);
   if (key === "Backspace" && (held?.typed || space.typed)) return type(space, "");
-  if (key === "Enter" && held) return space.release(held), true;
+  if (key === "Enter" && held) return writePull(space, held), true;
   if (key === "Enter" && space.typed) return put(space), true;
   if (key === "Escape") {
     if (held) space.revert();
@@ -38,7 +39,7 @@ function type(space, character) {
   if (space.held) {
     const typed = next(space.held.typed);
     space.held = typed ? withTyped(space.held, typed) : pulled(page, { ...space.held, typed: "" }, space.held.pixel, space.held.free);
-    space.preview();
+    previewPull(space);
   } else space.typed = next(space.typed);
   return true;
 }

@@ -13,7 +13,7 @@ const TRIAD = 30;
 /** Draw what is being drawn or moved. @param {Space} space @param {CanvasRenderingContext2D} ctx */
 export function drawOver(space, ctx) {
   const page = space.boundPage, { document, poses, tool, now } = space;
-  if (!page || !poses || !document || !space.resting) return;
+  if (!page || !poses || !document || !space.possible || !space.resting) return;
   if (tool.name !== "select" || space.held || space.hover) page.scene.pointer = null;  // no tip over what is drawn
   ctx.save();
   const sketch = new Sketch(ctx, page);

@@ -10,7 +10,12 @@ import { numberOf } from "./space_numbers.js";
 
 /** @typedef {{ name: string, type: string, connect: string[], ends: Vec[] }} Member */
 /** Node that can be moved. @typedef {{ keys: Keys, name: string, kind: "node", at: Vec }} SpaceHandle */
-/** What a support or a load acts on. @typedef {{ kind: "node" | "element", name: string, fields: Record<string, unknown>, spots: Vec[] }} SpaceTarget */
+/** What a support or a load acts on; a node of a mesh of solids has no rotations. @typedef {{ kind: "node" | "element", name: string, fields: Record<string, unknown>, spots: Vec[], solid?: boolean }} SpaceTarget */
+
+/** Distance of pixels at which nodes count as lying behind each other [px]. */
+const SAME = 4;
+/** Name of a node of a mesh in the picture. */
+const OF_MESH = /^(.+)_nodes\[\d+\]$/;
 
 export class SpacePlan {
   /** @param {Document} document @param {Page | null} page whose mesh has the places that are formulas */
@@ -27,6 +32,11 @@ export class SpacePlan {
       const at = values.length === 3 && values.every((value) => value !== null) ? /** @type {Vec} */ (values) : k >= 0 ? [0, 1, 2].map((i) => mesh.rest[3 * k + i]) : null;
       if (at) this.nodes.set(name, at);
     }
+    /** Nodes of meshes, which have no names in the file. @type {{ mesh: string, at: Vec }[]} */
+    this.solidNodes = (mesh?.nodes ?? []).flatMap((/** @type {string} */ name, /** @type {number} */ k) => {
+      const owner = OF_MESH.exec(name)?.[1];
+      return owner !== undefined && document.meshes?.[owner] ? [{ mesh: owner, at: [0, 1, 2].map((i) => Number(mesh.rest[3 * k + i].toPrecision(6))) }] : [];
+    });
     /** @type {SpaceHandle[]} */
     this.handles = [...this.nodes].map(([name, at]) => ({ keys: ["nodes", name], name, kind: "node", at }));
     /** @type {Member[]} */
@@ -56,11 +66,30 @@ export class SpacePlan {
     return [...this.nodes].find(([, p]) => Math.hypot(...p.map((v, k) => v - at[k])) < 1e-7 * size)?.[0] ?? null;
   }
 
-  /** Node, or with `bars` a member, at a pixel. @param {Page} page @param {Pixel} pixel @param {number} reach [px] @param {"nodes" | "bars" | "both"} kinds @returns {SpaceTarget | null} */
-  targetAt({ scene: { view } }, pixel, reach, kinds) {
-    const nodes = kinds === "bars" ? [] : this.handles.map(({ name, at }) => ({ name, at, pixel: view.screen(at) })).filter((node) => node.pixel && Math.hypot(node.pixel[0] - pixel[0], node.pixel[1] - pixel[1]) < reach);
-    const [node] = nodes.sort((a, b) => view.scaleAt(b.at) - view.scaleAt(a.at));  // the nearer one
-    if (node) return { kind: "node", name: node.name, fields: { nodes: node.name }, spots: [node.at] };
+  /** A node as a target. @param {string} name @returns {SpaceTarget | null} */
+  targetOf(name) {
+    const at = this.nodes.get(name);
+    return at ? { kind: "node", name, fields: { nodes: name }, spots: [at] } : null;
+  }
+
+  /** A node of a mesh as a target. @param {{ mesh: string, at: Vec }} node @returns {SpaceTarget} */
+  solidTarget({ mesh, at }) { return { kind: "node", name: `${mesh} at ${at.join(", ")}`, fields: { nodes: mesh, nearest: at }, spots: [at], solid: true }; }
+
+  /** Node at a place. @param {Vec} place @returns {SpaceTarget | null} */
+  targetAtPlace(place) {
+    const name = this.nodeAt(place), size = Math.max(1e-9, ...this.solidNodes.flatMap(({ at }) => at.map(Math.abs)));
+    const solid = name === null ? this.solidNodes.find(({ at }) => Math.hypot(...at.map((v, k) => v - place[k])) < 1e-5 * size) : undefined;
+    return name !== null ? this.targetOf(name) : solid ? this.solidTarget(solid) : null;
+  }
+
+  /** Node, or with `bars` a member, at a pixel; with `solids` also a node of a mesh. @param {Page} page @param {Pixel} pixel @param {number} reach [px] @param {"nodes" | "bars" | "both"} kinds @param {boolean} [solids] @returns {SpaceTarget | null} */
+  targetAt({ scene: { view } }, pixel, reach, kinds, solids = false) {
+    const off = (/** @type {Vec} */ at) => { const spot = view.screen(at); return spot ? Math.hypot(spot[0] - pixel[0], spot[1] - pixel[1]) : Infinity; };
+    // The nearest to the pixel; of those behind each other, the nearest to the eye.
+    const first = (/** @type {any[]} */ nodes) => nodes.map((node) => ({ node, step: Math.round(off(node.at) / SAME) })).filter(({ node }) => off(node.at) < reach).sort((a, b) => a.step - b.step || view.scaleAt(b.node.at) - view.scaleAt(a.node.at))[0]?.node;
+    const node = kinds === "bars" ? null : first(this.handles), solid = kinds === "bars" || !solids || node ? null : first(this.solidNodes);
+    if (node) return this.targetOf(node.name);
+    if (solid) return this.solidTarget(solid);
     const bar = kinds === "nodes" ? null : this.bars.find(({ ends }) => ends.length === 2 && away(pixel, view.screen(ends[0]), view.screen(ends[1])) < reach);
     return bar ? { kind: "element", name: bar.name, fields: { elements: bar.name }, spots: bar.ends } : null;
   }

@@ -26,6 +26,7 @@ import { StructureProperties } from "./structure_properties.js";
 
 /** Movement of the pointer up to which a press is a click, and distance at which it takes hold [px]. */
 const STILL = 4, REACH = 11;
+const NO_ROTATION = "Moment: a node of a solid has no rotation; draw forces in pairs, or a beam that ends at the solid";
 
 export class SpaceStructure {
   /** @param {Pictures} pictures @param {{ change: (change: Change) => void, hint: (text: string) => void, select: (section: string, name: string) => void, refuse: (text: string) => void, commands: import("./command_queue.js").CommandQueue }} actions @param {HTMLElement} stage @param {HTMLElement} writing @param {() => Completion | null} completion */
@@ -66,8 +67,8 @@ export class SpaceStructure {
     pictures.onShow.push((page) => this.bind(page));
   }
 
-  /** Whether the text is a spatial structure, and its picture can be drawn on. */
-  get possible() { return Boolean(this.plan && this.boundPage && this.boundPage === this.pictures.page); }
+  /** Whether the text is a spatial structure; before its first picture it is drawn by keys, without a `boundPage`. */
+  get possible() { return Boolean(this.plan && this.pictures.page); }
 
   /** Place of the selected node. */
   get pose() {
@@ -99,14 +100,14 @@ export class SpaceStructure {
     this.palette.node.hidden = !this.possible;
     [this.held, this.handle] = [null, null];
     this.properties.show();
-    if (!this.boundPage) return;
     const view = /** @type {Window} */ (this.pictures.frame?.contentWindow);
+    view.addEventListener("keydown", (event) => this.key(event), true);
+    if (!this.boundPage) return;
     takePointer(page, view, () => this.boundPage === page && this.possible, () => this.held !== null, {
       pointerdown: (event, at) => this.down(event, at), pointermove: (event, at) => this.over(event, at), pointerup: (event, at) => this.up(event, at),
       dblclick: () => this.tool.name !== "select",
     });
     view.addEventListener("pointercancel", () => this.revert(), true);
-    view.addEventListener("keydown", (event) => this.key(event), true);
     page.scene.overlays.push((/** @type {{ ctx: CanvasRenderingContext2D }} */ { ctx }) => { if (this.possible && this.boundPage === page) drawSpaceStructure(ctx, this); });
     if (this.possible && this.document && !page.motion.mesh) page.scene.show.grid = true;
     this.refresh();
@@ -169,7 +170,7 @@ export class SpaceStructure {
     }
     if (!event.buttons) {
       this.now = this.placeAt(event, at) ?? this.now;
-      this.hover = this.tool.target && !this.places.length ? this.plan?.targetAt(page, at, REACH, this.tool.target) ?? null : null;
+      this.hover = this.tool.target && !this.places.length ? this.plan?.targetAt(page, at, REACH, this.tool.target, true) ?? null : null;
     }
     this.refresh();
     return false;
@@ -198,10 +199,11 @@ export class SpaceStructure {
   /** Add a place to what is being drawn. @param {SpacePlace | null} place @param {Pixel} [at] */
   put(place, at) {
     const { tool, plan, boundPage } = this;
-    if (!place || !plan || !boundPage) return;
+    if (!place || !plan) return;
     if (tool.target && !this.places.length) {
-      const pixel = at ?? boundPage.scene.view.screen(place.p);
-      this.target = pixel ? plan.targetAt(boundPage, pixel, REACH, tool.target) : null;
+      const pixel = at ?? boundPage?.scene.view.screen(place.p), exact = at || tool.target === "bars" ? null : plan.targetAtPlace(place.p);
+      this.target = exact ?? (boundPage && pixel ? plan.targetAt(boundPage, pixel, REACH, tool.target, true) : null);
+      if (this.target?.solid && tool.name === "torque") return this.actions.refuse(NO_ROTATION);
       if (!this.target) return this.actions.refuse(`${tool.title}: ${tool.hint[0]}`);
       if (this.target.kind === "element") place = { ...place, p: this.middle(this.target) };
       else place = { ...place, p: this.target.spots[0] };
@@ -280,8 +282,9 @@ export class SpaceStructure {
 
   refresh() {
     if (!this.possible) return;
-    const { hint, title, name } = this.tool, page = /** @type {Page} */ (this.boundPage);
+    const { hint, title, name } = this.tool, page = this.boundPage;
     this.actions.hint(this.typed ? `${title}: ${this.typed}` : `${title}: ${hint[Math.min(this.places.length, hint.length - 1)]}`);
+    if (!page) return;
     page.scene.invalidate();
     page.scene.canvas.style.cursor = this.held ? "grabbing" : this.handle ? "grab" : name === "select" ? "" : "crosshair";
   }

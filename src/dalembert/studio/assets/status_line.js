@@ -4,6 +4,8 @@
 
 import { byId } from "./dom.js";
 
+const ENDED = "the program has ended: its model is kept, saved or not, and comes back when it is started again; later changes are only in this tab";
+const OUTDATED = "the program was started again: open the address that it printed; changes of this page that were not confirmed are not in it";
 /** Time for which a notice is shown [ms]. */
 const SHOWN = 6000;
 /** Time after which the line says that a picture is being made [ms]. */
@@ -24,6 +26,13 @@ export class StatusLine {
     notice.classList.toggle("error", failed);
     clearTimeout(this.timer);
     if (passes) this.timer = setTimeout(() => { notice.textContent = ""; }, SHOWN);
+  }
+
+  /** Show why there is no connection. @param {boolean} connected @param {import("./link.js").Link | undefined} link */
+  connected(connected, link) {
+    const node = byId("link");
+    node.textContent = connected ? "" : link?.outdated ? OUTDATED : link?.stopped ? "stopped" : link?.ended ? ENDED : "not connected; changes are sent when the program answers";
+    node.classList.toggle("error", !connected);
   }
 
   /** Show that a picture is being made, if it takes a while. @param {() => boolean} isWorking */

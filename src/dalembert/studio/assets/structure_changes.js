@@ -81,7 +81,7 @@ export function hole(places, { plan, document }, round) {
 const namesIn = (entry, key) => [entry?.[key] ?? []].flat();
 
 /** Whether a table acts on a target alone. @param {any} entry @param {Acted} target */
-const isOn = (entry, { fields }) => JSON.stringify({ n: namesIn(entry, "nodes"), w: entry?.where, e: namesIn(entry, "elements") }) === JSON.stringify({ n: [fields.nodes ?? []].flat(), w: fields.where, e: [fields.elements ?? []].flat() });
+const isOn = (entry, { fields }) => JSON.stringify({ n: namesIn(entry, "nodes"), w: entry?.where, near: entry?.nearest, e: namesIn(entry, "elements") }) === JSON.stringify({ n: [fields.nodes ?? []].flat(), w: fields.where, near: fields.nearest, e: [fields.elements ?? []].flat() });
 
 /** Operations that free a target from its supports in some directions. @param {Document} document @param {Acted} target @param {string[] | null} directions null for all @returns {Operation[]} */
 export function freed(document, target, directions) {
@@ -92,6 +92,7 @@ export function freed(document, target, directions) {
     /** @type {Operation[]} */
     const none = [{ op: "remove_entry", section: "supports", index }];
     if (isOn(entry, target)) return none;
+    if (target.fields.nearest) return [];
     const names = namesIn(entry, "nodes"), rest = names.filter((name) => name !== target.fields.nodes);
     return rest.length < names.length && !entry.where && !entry.nearest ? [{ op: "set", keys: ["supports", index, "nodes"], value: rest.length > 1 ? rest : rest[0], written: true }] : [];
   }).reverse();

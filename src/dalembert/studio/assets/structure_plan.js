@@ -4,6 +4,7 @@
 /** @import { Document } from "./types.d.ts" */
 
 import { numberOf } from "./space_numbers.js";
+import { SpacePlan } from "./space_plan.js";
 import { rounded } from "./snapping.js";
 
 /** @typedef {[number, number]} Spot */
@@ -31,8 +32,8 @@ export class Plan {
     };
     /** @type {Map<string, Spot>} */
     this.nodes = new Map();
-    /** Whether all nodes lie in the plane. */
-    this.isPlanar = Object.values(document.nodes ?? {}).every((entry) => Array.isArray(entry) && entry.length === 2);
+    /** Whether all nodes lie in the plane; a structure without nodes may be spatial. */
+    this.isPlanar = !SpacePlan.isSpatial(document) && Object.values(document.nodes ?? {}).every((entry) => Array.isArray(entry) && entry.length === 2);
     for (const [name, entry] of Object.entries(document.nodes ?? {})) {
       const k = mesh?.nodes.indexOf(name) ?? -1, at = pair(entry) ?? (k >= 0 ? /** @type {Spot} */ ([mesh.rest[3 * k], mesh.rest[3 * k + 1]]) : null);
       if (at) this.nodes.set(name, at);

@@ -16,6 +16,7 @@ import { FileBar } from "./file_bar.js";
 import { Guide } from "./guide.js";
 import { addInsight } from "./insight.js";
 import { Link } from "./link.js";
+import { bindKeys } from "./page_keys.js";
 import { Palette } from "./palette.js";
 import { Photo } from "./photo.js";
 import { Pictures } from "./pictures.js";
@@ -39,8 +40,6 @@ const MEANWHILE = "your text, typed without a connection, replaces changes of an
 const DRAWN = "another page has changed the model; what was drawn without a connection is not in it";
 const WAITING = "not connected; this is carried out when the program answers";
 const REFUSED = "not connected; repeat this when the program answers";
-const ENDED = "the program has ended: its model is kept, saved or not, and comes back when it is started again; later changes are only in this tab";
-const OUTDATED = "the program was started again: open the address that it printed; changes of this page that were not confirmed are not in it";
 const MODIFIER = /Mac|iPhone|iPad/.test(navigator.platform) ? "⌘" : "Ctrl+";
 
 class Studio {
@@ -120,14 +119,11 @@ class Studio {
   }
 
   bind() {
-    // Overlays come last: their keys are digits, which are typed numbers while one draws.
-    for (const listening of [this.space, this.spaceStructure, this.structure, this.drawing, this.insight.overlays]) document.addEventListener("keydown", (event) => listening.key(event));
-    document.addEventListener("keydown", (event) => this.key(event));
+    bindKeys(this);
     document.addEventListener(REFUSAL, (event) => this.say(/** @type {CustomEvent<string>} */ (event).detail, true, true));
     window.addEventListener("pagehide", () => this.editor.flush());
     window.addEventListener("beforeunload", (event) => { if (!this.joined && (this.unsent || this.editing !== null || this.commands.waiting.length)) event.preventDefault(); });
     document.addEventListener("visibilitychange", () => this.editor.flush());
-    this.pictures.onShow.push(() => this.pictures.frame?.contentWindow?.addEventListener("keydown", (event) => this.key(event)));
     this.pictures.onShow.push(() => this.commands.proceed());
     byId("cancel").addEventListener("click", () => this.request("cancel"));
     bindDivider(byId("divider"), byId("desk"), byId("writing"));
@@ -136,18 +132,6 @@ class Studio {
   /** Read the schema of model files for completion, once. */
   readSchema() {
     this.reading ??= fetch("assets/schema.json").then((reply) => reply.json()).then((schema) => { this.completion = new Completion(schema, () => this.known, () => this.points); }).catch(() => { this.reading = null; });
-  }
-
-  /** Keys of the whole page. @param {KeyboardEvent} event */
-  key(event) {
-    if (event.defaultPrevented || byId("ask").hasAttribute("open")) return;
-    const typing = /** @type {HTMLElement} */ (event.target)?.closest?.("input, textarea, .cm-editor");
-    if (event.key === "?" && !typing) return this.help();
-    if (!(event.ctrlKey || event.metaKey)) return;
-    const act = { s: () => (event.shiftKey ? this.saving.saveAs() : this.saving.save()), o: () => this.request("files"), z: () => (event.shiftKey ? this.redo() : this.undo()), y: () => this.redo() }[event.key.toLowerCase()];
-    if (!act) return;
-    event.preventDefault();
-    act();
   }
 
   /** Instant of the picture as a fraction of the motion. */
@@ -318,9 +302,7 @@ class Studio {
 
   /** @param {boolean} connected */
   connected(connected) {
-    const link = byId("link");
-    link.textContent = connected ? "" : this.link?.outdated ? OUTDATED : this.link?.stopped ? "stopped" : this.link?.ended ? ENDED : "not connected; changes are sent when the program answers";
-    link.classList.toggle("error", !connected);
+    this.status.connected(connected, this.link);
     if (!connected && this.pending) this.unsent ??= { text: this.editor.text, revision: this.file.revision };  // it may not have arrived
     this.pending = 0;
     this.joined = false;

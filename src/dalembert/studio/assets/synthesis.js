@@ -19,7 +19,7 @@ const TYPES = { path: "Path of a point", motion: "Poses of a body", function: "F
 const SORTS = { error: "error", distance: "largest distance", marks: "defects" };
 
 export class SynthesisSheet {
-  /** @param {{ start: (section: string) => void, stop: () => void, open: (task: TaskMessage) => void, edit: (label: string, operations: Record<string, unknown>[]) => void, draw: (tool: string) => void, mark: (entry: number) => void, digest: () => string }} actions */
+  /** @param {{ start: (section: string) => void, stop: () => void, open: (task: TaskMessage) => void, edit: (label: string, operations: Record<string, unknown>[]) => void, draw: (tool: string) => void, mark: (entry: number) => void, fit: () => void, digest: () => string }} actions */
   constructor(actions) {
     this.actions = actions;
     /** @type {Document | null} */
@@ -158,7 +158,10 @@ export class SynthesisSheet {
 
   /** @param {Card} card */
   insert(card) {
-    if (card.operations) this.actions.edit("insert linkage", card.operations);
+    if (card.operations) {
+      this.actions.fit();
+      this.actions.edit("insert linkage", card.operations);
+    }
     else if (card.parameters) this.actions.edit("set parameters", Object.entries(card.parameters).map(([name, value]) => ({ op: "parameter", name, value })));
   }
 }

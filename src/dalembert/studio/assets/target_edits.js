@@ -96,5 +96,6 @@ export function movedFunctionPoint(document, row, point) {
   const { crank, outputs } = targetOf(document), others = crank.filter((_, k) => k !== row), before = (/** @type {number} */ angle) => others.filter((other) => other <= angle).length;
   const table = synthesisOf(document);
   if (before(point[0]) === before(crank[row])) return changed([[["crank_angles", row], crank[row], shortAngle(table.crank_angles[row], point[0])], [["outputs", row], outputs[row], shortAngle(table.outputs[row], point[1])]]);
-  return [...removedRow(document, row), ...insertedFunctionPoint(others, point)];
+  const to = others.filter((angle) => angle <= point[0]).length;
+  return ["crank_angles", "outputs"].flatMap((key, k) => [{ op: "move_item", keys: ["synthesis", key, row], to }, ...changed([[[key, to], [crank, outputs][k][row], shortAngle(table[key][row], point[k])]])]);
 }
