@@ -109,7 +109,7 @@ RESULTS = {
     "many contacts": (lambda: rubbing(), (da.final("block.x"), da.rms("block.vx"))),
     "modes": (lambda: da.linearize(propped_bar()), (da.final("frequency", name="f"),)),
     "vibration": (lambda: da.solve_modes(cable(), 2), (da.at(1, "frequency"),)),
-    "buckling": (lambda: da.solve_buckling(cable(), 1), (da.at(1, "load_factor"),)),
+    "buckling": (lambda: da.solve_buckling(cable(), 1, negative=True), (da.at(1, "load_factor"),)),
     "frequency response": (
         lambda: da.frequency_response(
             propped_bar(), [0.5, 1.3], inputs=["stiffness"], outputs=["bar.end.x"]

@@ -23,14 +23,45 @@ from dalembert.results.analysis import ParameterValues
 from dalembert.results.structural.modes import BucklingModes
 from dalembert.text.arguments import check_arguments
 
+LARGE = 0.1
+"""Change of a load factor by displacements before buckling that causes a warning [-]."""
+
+
+class BucklingSpectrum(Spectrum):
+    """Eigenpairs of ``−K_g φ = μ K φ``, ``μ = 1/λ``."""
+
+    @property
+    def warnings(self) -> tuple[str, ...]:  # type: ignore[override]
+        """Warning where displacements before buckling change the first load factor.
+
+        The change of the stiffness along them, ``∂³W/∂u³ · u₀``, contains that by the stresses; in
+        the shape ``φ`` of the mode, both are compared.
+        """
+        state, shape = self.pencil.left[0].state, self.shapes[:, 0]
+        assembly = state.model.assembly
+        by_stresses, whole = (
+            float(shape @ (matrix(state.u, state.p) @ shape))
+            for matrix in (assembly.geometric, assembly.stiffness_change)
+        )
+        if abs(whole - by_stresses) <= LARGE * abs(by_stresses):
+            return ()
+        factor, estimate = 1 / self.eigenvalues[0], "there may be none"
+        if whole * by_stresses > 0:
+            estimate = f"it may be nearer to {factor * by_stresses / whole:.3g}"
+        return (
+            "displacements before buckling change the stiffness like the stresses: the load factor "
+            f"is {factor:.4g} without them, and {estimate} with them; follow the path of the load "
+            "by solve_load_path",
+        )
+
 
 @options
 class Buckling(SpectralAnalysis[StructuralModel, BucklingModes]):
     """Linear buckling as a strategy object.
 
-    The exact strain energies of the elements give ``K_g = ∂³W/∂u³ (0) · u₀``. The theory is linear:
-    displacements before buckling must be small. Prescribed displacements belong to every load
-    case, as in statics.
+    ``K_g = σ₀ · ∂²ε/∂u² (0)`` with the stresses ``σ₀`` of linear statics (Zienkiewicz & Taylor, The
+    Finite Element Method 2, 2000, ch. 11). Displacements before buckling must be small. Prescribed
+    displacements belong to every load case, as in statics.
 
     Parameters
     ----------
@@ -119,7 +150,7 @@ class Buckling(SpectralAnalysis[StructuralModel, BucklingModes]):
                 f"load case {self.case!r} does not make the structure buckle in this direction; "
                 "negative=True finds factors of the reversed load"
             )
-        return Spectrum(pencil, (a, b), values, vectors, self.count)
+        return BucklingSpectrum(pencil, (a, b), values, vectors, self.count)
 
 
 @check_arguments

@@ -141,10 +141,11 @@ class Tangent(Term):
 
 @dataclass(frozen=True, eq=False)
 class Geometric(Term):
-    """``f K_g``: the geometric stiffness ``K_g = ∂³W/∂u³ (0) · u`` times a number.
+    """``f K_g``: the geometric stiffness ``K_g = σ · ∂²ε/∂u² (0)`` times a number.
 
-    ``K_g`` is the first-order change of the stiffness at rest with the displacements ``u``, that by
-    the stress of hindered thermal expansion included.
+    ``σ`` are the stresses of the displacements ``u``, those of hindered thermal expansion included.
+    Displacements themselves do not enter: their first order alone, without the second, would soften
+    structures that bend before they buckle.
     """
 
     factor: float = 1.0
@@ -157,12 +158,12 @@ class Geometric(Term):
 
     def push(self, b: np.ndarray, du: np.ndarray, dp: np.ndarray) -> np.ndarray:
         s, rest = self.state, np.zeros_like(b)
-        change = s.model.assembly.push_stiffness(b, s.u, s.p, du, dp, geometric=True)
+        change = s.model.assembly.push_stiffness(b, s.u, s.p, du, dp, of="geometric")
         return self.factor * (change + s.heated.push_stiffness(b, rest, s.p, rest, dp))
 
     def pull(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         s, a = self.state, self.factor * a
-        u_bar, p_bar = s.model.assembly.pull_stiffness(a, b, s.u, s.p, geometric=True)
+        u_bar, p_bar = s.model.assembly.pull_stiffness(a, b, s.u, s.p, of="geometric")
         return u_bar, p_bar + s.heated.pull_stiffness(a, b, np.zeros_like(b), s.p)[1]
 
 

@@ -40,10 +40,6 @@ class Attached(StructuralElement):
         return (self.node,)
 
     @classmethod
-    def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        return ca.SX(0)
-
-    @classmethod
     def directions(cls, x: list[ca.SX]) -> list[tuple[str, int]]:
         """Axis and row of its motions: translations of the node, or its rotations."""
         d = x[0].numel()
@@ -81,9 +77,12 @@ class GroundSpring(Attached):
     effort: ClassVar[tuple[str, str]] = ("force", "N")
 
     @classmethod
-    def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        displacement = cls.moved(u)
-        energies = (q[f"stiffness_{a}"] * displacement[k] ** 2 / 2 for a, k in cls.directions(x))
+    def strains(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        return cls.moved(u)
+
+    @classmethod
+    def energy_of(cls, strains: ca.SX, x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        energies = (q[f"stiffness_{a}"] * strains[k] ** 2 / 2 for a, k in cls.directions(x))
         return sum(energies, ca.SX(0))
 
     @classmethod

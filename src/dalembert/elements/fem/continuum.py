@@ -111,16 +111,19 @@ class Continuum(StructuralElement):
         return (gradient + gradient.T + ca.mtimes(gradient.T, gradient)) / 2
 
     @classmethod
-    def energy_density(cls, gradient: ca.SX, q: dict) -> ca.SX:
-        """Energy per volume."""
+    def energy_density(cls, strain: ca.SX, q: dict) -> ca.SX:
+        """Energy per volume of a strain tensor."""
         first, second = cls.lame(q)
-        strain = cls.strain(gradient)
         return first / 2 * ca.trace(strain) ** 2 + second * ca.sumsqr(strain)
 
     @classmethod
-    def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict) -> ca.SX:
-        slopes, volume = cls.slopes(x, q)
-        return volume * cls.energy_density(ca.mtimes(ca.horzcat(*u), slopes), q)
+    def strains(cls, u: list[ca.SX], x: list[ca.SX], q: dict) -> ca.SX:
+        return ca.vec(cls.strain(ca.mtimes(ca.horzcat(*u), cls.slopes(x, q)[0])))
+
+    @classmethod
+    def energy_of(cls, strains: ca.SX, x: list[ca.SX], q: dict) -> ca.SX:
+        d = len(ca.vertsplit(x[0]))
+        return cls.slopes(x, q)[1] * cls.energy_density(ca.reshape(strains, d, d), q)
 
     @classmethod
     def thermal(cls, u: list[ca.SX], x: list[ca.SX], q: dict) -> ca.SX:

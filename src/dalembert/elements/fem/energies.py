@@ -75,7 +75,17 @@ class Energies(Element):
         x : positions of the nodes
         q : quantities of the element by field name, its options, and the sample ``at``
         """
-        raise NotImplementedError
+        return cls.energy_of(cls.strains(u, x, q), x, q)
+
+    @classmethod
+    def strains(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        """(n,) generalised strains, in which the energy is a quadratic form."""
+        return ca.SX(0, 1)
+
+    @classmethod
+    def energy_of(cls, strains: ca.SX, x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        """Strain energy ``W`` of generalised strains [J]; their stresses are ``∂W/∂ε``."""
+        return ca.SX(0)
 
     @classmethod
     def virtual_work(

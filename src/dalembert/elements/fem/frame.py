@@ -79,12 +79,15 @@ class Frame(Line):
             )
 
     @classmethod
-    def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        beam, rotations = cls.bending(x, q), cls.end_turns(u, x)
-        elongation = cls.elongation(u, x) + beam.bow(*rotations)
-        return q["modulus"] * q["area"] * elongation**2 / (2 * beam.length) + beam.energy(
-            *rotations
-        )
+    def strains(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        rotations = cls.end_turns(u, x)
+        return ca.vertcat(cls.elongation(u, x) + cls.bending(x, q).bow(*rotations), *rotations)
+
+    @classmethod
+    def energy_of(cls, strains: ca.SX, x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        beam, (elongation, first, second) = cls.bending(x, q), ca.vertsplit(strains)
+        axial = q["modulus"] * q["area"] * elongation**2 / (2 * beam.length)
+        return axial + beam.energy(first, second)
 
     @classmethod
     def bending(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> Bending:

@@ -9,15 +9,15 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.fem.energies import Energies, Named
-from dalembert.elements.fem.inertia_graphs import InertiaGraphs
 from dalembert.elements.fem.nodal import ROTATIONS
+from dalembert.elements.fem.stiffness_graphs import StiffnessGraphs
 from dalembert.symbolic.once import once
 
 STRESSLESS = 1e-9
 """Threshold of the first-order over the second-order energy below which it is round-off [-]."""
 
 
-class ElementGraphs(InertiaGraphs):
+class ElementGraphs(StiffnessGraphs):
     """Energies of one element, and the functions derived from them by name.
 
     Parameters
@@ -120,9 +120,6 @@ class ElementGraphs(InertiaGraphs):
         """Internal forces of an energy."""
         return ca.gradient(energy, self.u)
 
-    def _at_rest(self, value: ca.SX) -> ca.SX:
-        return ca.substitute(value, self.u, ca.SX.zeros(self.u.numel()))
-
     # functions ----------------------------------------------------------------------------
     @once
     def function(self, key: str) -> ca.Function:
@@ -184,51 +181,6 @@ class ElementGraphs(InertiaGraphs):
         a, b = self._symbols("a", "b")
         value = ca.jtimes(self._work(a), self.u, b)
         return [self.u, self.data, a, b], [ca.gradient(value, s) for s in (self.u, self.data)]
-
-    def _geometric(self):
-        """Derivative of the exact tangent at rest along displacements ``u0``."""
-        (u0,) = self._symbols("u0")
-        change = ca.jtimes(ca.gradient(self.exact, self.u), self.u, u0)
-        return [u0, self.data], [ca.vec(self._at_rest(ca.jacobian(change, self.u)))]
-
-    def _push_geometric(self):
-        u0, change, du, b = self._symbols("u0", "change", "du", "b")
-        product = ca.jtimes(ca.gradient(self.exact, self.u), self.u, b)
-        at_rest = self._at_rest(ca.jtimes(product, self.u, u0))
-        pushed = ca.jtimes(at_rest, u0, du) + ca.jtimes(at_rest, self.data, change)
-        return [u0, self.data, change, du, b], [pushed]
-
-    def _pull_geometric(self):
-        u0, a, b = self._symbols("u0", "a", "b")
-        value = self.exact
-        for direction in (b, a, u0):
-            value = ca.jtimes(value, self.u, direction)
-        value = self._at_rest(value)
-        return [u0, self.data, a, b], [ca.gradient(value, s) for s in (u0, self.data)]
-
-    # elements whose energy depends on the displacement gradient only
-    def _moduli(self):
-        return [self.u, self.data], self._contractible(self.linear, None)
-
-    def _geometric_moduli(self):
-        (u0,) = self._symbols("u0")
-        return [u0, self.data], self._contractible(True, u0)
-
-    def _contractible(self, at_rest: bool, along: ca.SX | None) -> list[ca.SX]:
-        """Derivatives of the shape functions, and second derivative of the energy by the gradient.
-
-        With ``along`` the derivative of the latter along these displacements.
-        """
-        cls: Any = self.cls
-        slopes, volume = cls.slopes(self._x, self._q)
-        gradient = ca.mtimes(ca.horzcat(*self._u), slopes)
-        h = ca.SX.sym("h", *gradient.shape)
-        moduli, _ = ca.hessian(volume * cls.energy_density(h, self._q), ca.vec(h))
-        if along is not None:
-            direction = ca.vec(ca.substitute(gradient, self.u, along))
-            moduli = ca.reshape(ca.jtimes(ca.vec(moduli), ca.vec(h), direction), moduli.shape)
-        at = ca.SX.zeros(*h.shape) if at_rest else gradient
-        return [slopes, ca.substitute(moduli, h, at)]
 
     # measures and checks
     def _value(self, name: str) -> ca.SX:

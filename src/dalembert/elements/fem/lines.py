@@ -103,8 +103,12 @@ class AxialSpring(Line):
         return [Coils(nodes, elements)]
 
     @classmethod
-    def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        return q["stiffness"] * cls.elongation(u, x) ** 2 / 2
+    def strains(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        return cls.elongation(u, x)
+
+    @classmethod
+    def energy_of(cls, strains: ca.SX, x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        return q["stiffness"] * strains**2 / 2
 
     @classmethod
     def recovered(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:

@@ -157,12 +157,18 @@ class SpaceFrame(Line):
         return ca.SX(0), ca.SX(0)
 
     @classmethod
-    def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        length, (first, second) = cls.length(x), cls.end_rotations(u, x, q)
-        about_y, about_z = cls.bending(x, q)
-        axial = q["modulus"] * q["area"] * cls.lengthening(u, x, q, first, second) ** 2
-        twist = q["shear_modulus"] * q["torsion_constant"] * (second[0] - first[0]) ** 2
-        bending = about_y.energy(first[1], second[1]) + about_z.energy(first[2], second[2])
+    def strains(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        first, second = cls.end_rotations(u, x, q)
+        elongation, twist = cls.lengthening(u, x, q, first, second), second[0] - first[0]
+        return ca.vertcat(elongation, twist, first[1], second[1], first[2], second[2])
+
+    @classmethod
+    def energy_of(cls, strains: ca.SX, x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        length, (about_y, about_z) = cls.length(x), cls.bending(x, q)
+        elongation, angle, *rotations = ca.vertsplit(strains)
+        axial = q["modulus"] * q["area"] * elongation**2
+        twist = q["shear_modulus"] * q["torsion_constant"] * angle**2
+        bending = about_y.energy(*rotations[:2]) + about_z.energy(*rotations[2:])
         return (axial + twist) / (2 * length) + bending
 
     @classmethod

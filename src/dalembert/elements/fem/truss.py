@@ -53,9 +53,13 @@ class Truss(Line):
     diagrams: ClassVar[dict[str, Diagram]] = {"force": Diagram("force", "force")}
 
     @classmethod
-    def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+    def strains(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        return cls.elongation(u, x)
+
+    @classmethod
+    def energy_of(cls, strains: ca.SX, x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
         stiffness = q["modulus"] * q["area"] / cls.length(x)
-        return stiffness * cls.elongation(u, x) ** 2 / 2
+        return stiffness * strains**2 / 2
 
     @classmethod
     def thermal(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from dalembert.model.assembled.evaluation.block import ElementBlock
+from dalembert.model.assembled.evaluation.block import ElementBlock, Stiffness
 from dalembert.model.assembled.evaluation.inertia import Moved
 from dalembert.model.assembled.evaluation.pattern import Pattern, with_entries
 
@@ -158,8 +158,12 @@ class Assembly:
         return sum(turned, np.zeros(p.size))
 
     def geometric(self, u: np.ndarray, p: np.ndarray) -> scipy.sparse.csc_matrix:
-        """Geometric stiffness ``∂³W/∂u³ (0) · u`` of the exact energies ``W``."""
+        """Geometric stiffness ``σ · ∂²ε/∂u² (0)`` by the stresses ``σ`` of displacements."""
         return self.matrix(b.kind.geometric(b.gather(u), b.data(p)) for b in self.blocks)
+
+    def stiffness_change(self, u: np.ndarray, p: np.ndarray) -> scipy.sparse.csc_matrix:
+        """``∂³W/∂u³ (0) · u`` of the exact energies ``W``."""
+        return self.matrix(b.kind.stiffness_change(b.gather(u), b.data(p)) for b in self.blocks)
 
     def push_stiffness(
         self,
@@ -168,24 +172,29 @@ class Assembly:
         p: np.ndarray,
         du: np.ndarray,
         dp: np.ndarray,
-        geometric: bool = False,
+        of: Stiffness = "tangent",
     ) -> np.ndarray:
-        """(n,) change of ``K(u, p) x``, or of ``K_g(u, p) x``."""
+        """(n,) change of ``K(u, p) x`` of a kind of stiffness."""
 
         def pushed(b: ElementBlock) -> np.ndarray:
             arguments = b.data(p), b.push_data(p, dp), b.gather(du), b.gather(x)
-            return b.kind.push_stiffness(b.gather(u), *arguments, geometric)
+            return b.kind.push_stiffness(b.gather(u), *arguments, of)
 
         return self._added(pushed)
 
     def pull_stiffness(
-        self, a: np.ndarray, b: np.ndarray, u: np.ndarray, p: np.ndarray, geometric: bool = False
+        self,
+        a: np.ndarray,
+        b: np.ndarray,
+        u: np.ndarray,
+        p: np.ndarray,
+        of: Stiffness = "tangent",
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Weights of displacements and parameters in ``aᵀ K(u, p) b``, or ``aᵀ K_g(u, p) b``."""
+        """Weights of displacements and parameters in ``aᵀ K(u, p) b`` of a kind of stiffness."""
         u_bar, p_bar = np.zeros(self.size), np.zeros(p.size)
         for block in self.blocks:
             arguments = block.gather(u), block.data(p), block.gather(a), block.gather(b)
-            own, data = block.kind.pull_stiffness(*arguments, geometric)
+            own, data = block.kind.pull_stiffness(*arguments, of)
             u_bar += block.scatter(own, self.size)
             p_bar += block.pull_data(p, data)
         return u_bar, p_bar

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import casadi as ca
 import numpy as np
@@ -14,6 +14,9 @@ from dalembert.model.assembled.evaluation.inertia import KindInertia, Moved
 from dalembert.model.spans import Spans
 from dalembert.model.value_limits import ValueLimit
 from dalembert.symbolic.parametric_array import ParametricArray
+
+Stiffness = Literal["tangent", "geometric", "change"]
+"""The tangent, the stiffness by stresses, and the change of the exact tangent at rest."""
 
 
 class ElementKind(KindInertia):
@@ -36,8 +39,12 @@ class ElementKind(KindInertia):
         return self._stiffness("tangent", "moduli", u, data)
 
     def geometric(self, u0: np.ndarray, data: np.ndarray) -> np.ndarray:
-        """(k, k, ne) derivative of the exact tangent at rest along displacements ``u0``."""
+        """(k, k, ne) stiffnesses at rest by the stresses of displacements ``u0``."""
         return self._stiffness("geometric", "geometric_moduli", u0, data)
+
+    def stiffness_change(self, u0: np.ndarray, data: np.ndarray) -> np.ndarray:
+        """(k, k, ne) derivative of the exact tangent at rest along displacements ``u0``."""
+        return self._stiffness("change", "change_moduli", u0, data)
 
     def _stiffness(self, name: str, moduli: str, u: np.ndarray, data: np.ndarray) -> np.ndarray:
         if self.graphs.contractible:
@@ -56,14 +63,13 @@ class ElementKind(KindInertia):
         """Changes of ``Kᵀ w`` (k, ne) and of ``pull`` (m, ne) with displacements and data."""
         return tuple(self._energy("turn", u, data, weights, du, change))
 
-    def push_stiffness(self, u, data, change, du, b, geometric: bool = False) -> np.ndarray:
-        """(k, ne) change of ``K(u, data) b``, or of ``K_g(u, data) b``."""
-        name = "push_geometric" if geometric else "push_tangent"
-        return self._energy(name, u, data, change, du, b)[0]
+    def push_stiffness(self, u, data, change, du, b, of: Stiffness = "tangent") -> np.ndarray:
+        """(k, ne) change of ``K(u, data) b`` of a kind of stiffness."""
+        return self._energy(f"push_{of}", u, data, change, du, b)[0]
 
-    def pull_stiffness(self, u, data, a, b, geometric: bool = False) -> tuple[np.ndarray, ...]:
-        """Weights of displacements (k, ne) and data (m, ne) in ``aᵀ K b``, or ``aᵀ K_g b``."""
-        return tuple(self._energy("pull_geometric" if geometric else "pull_tangent", u, data, a, b))
+    def pull_stiffness(self, u, data, a, b, of: Stiffness = "tangent") -> tuple[np.ndarray, ...]:
+        """Weights of displacements (k, ne) and data (m, ne) in ``aᵀ K b``."""
+        return tuple(self._energy(f"pull_{of}", u, data, a, b))
 
     # measures -----------------------------------------------------------------------------
     @cached_property

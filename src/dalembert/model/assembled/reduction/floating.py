@@ -58,7 +58,9 @@ class Relief:
         count = shapes.shape[1]
         all_pairs = np.array(list(combinations_with_replacement(range(count), 2)), dtype=int)
         self.pairs = all_pairs.reshape(-1, 2) if pairs is None else pairs
-        self.strained = [reduced.assembly.geometric(shapes[:, k], reduced.p) for k in range(count)]
+        self.strained = [
+            reduced.assembly.stiffness_change(shapes[:, k], reduced.p) for k in range(count)
+        ]
         self.loads = np.stack([self.strained[k] @ shapes[:, l] for k, l in self.pairs], axis=1)
         self.moving = self._moving()
         self.full, self.moves = self.solve(-self.loads)

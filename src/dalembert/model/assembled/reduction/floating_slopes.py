@@ -146,7 +146,7 @@ class FloatingSlopes:
     def _load(self, k: int, l: int, shapes_: np.ndarray, dp: np.ndarray) -> np.ndarray:
         u, x = (np.ascontiguousarray(self.shapes[:, i]) for i in (k, l))
         changed = self.reduced.assembly.push_stiffness(
-            x, u, self.reduced.p, np.ascontiguousarray(shapes_[:, k]), dp, geometric=True
+            x, u, self.reduced.p, np.ascontiguousarray(shapes_[:, k]), dp, of="change"
         )
         return changed + self.relief.strained[k] @ shapes_[:, l]
 

@@ -120,7 +120,7 @@ class FloatingWeights:
         for (k, l), bar in zip(r.pairs, loads_bar.T, strict=True):
             u, x = (np.ascontiguousarray(f.shapes[:, i]) for i in (k, l))
             arguments = np.ascontiguousarray(bar), x, u, self.p
-            u_bar, p_bar = self.assembly.pull_stiffness(*arguments, geometric=True)
+            u_bar, p_bar = self.assembly.pull_stiffness(*arguments, of="change")
             self.p_bar += p_bar
             shapes_bar[:, k] += u_bar
             shapes_bar[:, l] += r.strained[k] @ bar
