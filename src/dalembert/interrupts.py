@@ -41,6 +41,7 @@ class CtrlC:
 
     def __init__(self, is_command: bool = False):
         self.count, self.deferring, self.is_command = 0, False, is_command
+        self.holding = False
 
     @property
     def pressed(self) -> bool:
@@ -59,7 +60,7 @@ _active: list[CtrlC] = []
 def _received(number: int, frame: FrameType | None) -> None:
     for signals in _active:
         signals.count += 1
-    if not _active or _active[-1].must_end:
+    if not _active or (_active[-1].must_end and not _active[-1].holding):
         raise KeyboardInterrupt
 
 
@@ -89,6 +90,21 @@ def check_ctrl_c() -> None:
     """Raise ``KeyboardInterrupt`` if the innermost task has received a signal that ends it."""
     if _active and _active[-1].must_end:
         raise KeyboardInterrupt
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Let a short change of several objects complete; a signal ends the task after it."""
+    if not _active:
+        yield
+        return
+    signals = _active[-1]
+    signals.holding = True
+    try:
+        yield
+    finally:
+        signals.holding = False
+    check_ctrl_c()
 
 
 def defer_ctrl_c() -> None:

@@ -13,6 +13,7 @@ from interrupted_commands import COMMANDS, interrupted_after
 import dalembert as da
 from dalembert import planar, structures
 from dalembert.design.optimize import optimization
+from dalembert.integrators.marching.checkpoints import Recorder
 from dalembert.interrupts import check_ctrl_c, ctrl_c, defer_ctrl_c, searching
 
 POINTS = [(20, 20 + 5 * k) for k in range(6)]
@@ -95,6 +96,28 @@ def test_in_the_second_iteration_the_design_reached_is_kept(method):
 
     best = da.optimize(**rod(), method=method, progress=pressed)
     assert best.interrupted and not best.success and "interrupted after 2" in best.message
+
+
+def test_a_signal_between_the_records_of_a_step_keeps_all_steps(monkeypatch):
+    """Times and states are appended one after the other; a signal ends the run after both."""
+    original = Recorder.add
+
+    def add(self, ends, columns):
+        if self.count:
+            os.kill(os.getpid(), signal.SIGINT)
+        original(self, ends, columns)
+
+    system = da.System("pendulum", gravity=(0, -9.81))
+    bar = system.add(planar.Bar("bar", length=1.0, mass=1.0, angle=0.3))
+    system.add(planar.Revolute("pin", system.ground.center, bar.start))
+    model = system.build()
+    for integrator in (da.DormandPrince(), da.RK4()):
+        options = {"integrator": integrator} | ({} if integrator.adaptive else {"step": 1e-3})
+        with monkeypatch.context() as patch, ctrl_c():
+            patch.setattr(Recorder, "add", add)
+            motion = da.solve_dynamics(model, 1000.0, **options)
+        assert motion.status.outcome is da.Outcome.INTERRUPTED
+        assert 0 < motion.time[-1] < 1000.0
 
 
 def test_a_second_signal_ends_at_once():

@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.errors import UnsolvedPart
 from dalembert.integrators.marching.checkpoints import Recorder
 from dalembert.integrators.marching.steps import Crossing, Steps, Watch
+from dalembert.interrupts import uninterrupted
 
 
 @dataclass(frozen=True)
@@ -136,8 +137,9 @@ def take_steps(source: StepSource, recorder: Recorder, watch: Watch) -> Steps:
                 following = source.mode if crossing.after is None else crossing.after
             failure = source.settle(stretch, following, crossing, failure)
             message = message or failure
-            taken.append(stretch.steps)
-            recorder.add(stretch.ends, stretch.x[:, 1:])
+            with uninterrupted():
+                taken.append(stretch.steps)
+                recorder.add(stretch.ends, stretch.x[:, 1:])
             time = float(stretch.ends[-1])
             if message:
                 break
