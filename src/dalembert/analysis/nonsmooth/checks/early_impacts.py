@@ -9,9 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.integrators.contact.contacts import Contacts
 from dalembert.results.nonsmooth_motion import ContactRecord
 
-SHARE = 0.01
+SHARE = 0.05
 """Energy dissipated before them, relative to that in the motion, that causes a warning [-]."""
 MOST = 200
 """Upper limit of the number of steps that are examined, those with the largest losses."""
@@ -54,17 +55,23 @@ def _loss_of_openings(step: ContactStep, record: ContactRecord, k: int) -> float
 
 
 def _opens(step: ContactStep, record: ContactRecord, start: int, key: int) -> bool:
-    """Whether a gap opens after a number of steps before its shapes press again."""
-    pair = step.pairs(np.array([key]))
+    """Whether the directions of a gap turn so that it opens after a number of steps, before its
+    shapes press again, though its bodies move on."""
+    pair, first = step.pairs(np.array([key])), _gap(step, record, start, key)
     for j in range(start, min(start + AHEAD, record.loss.size)):
         if np.isin(pair, step.pairs(record.key[record.step == j])).any():
             return False
         if _speed(step, record, j + 1, key) > 0:
-            return True
+            return bool(first.speeds(record.ends.v[:, j + 1])[0, 0] < 0)
     return False
 
 
 def _speed(step: ContactStep, record: ContactRecord, j: int, key: int) -> float:
     """Normal speed of a gap after a number of steps [m/s]."""
-    gap = step.selected(step.at(float(record.t[j]), record.ends.y[:, j]), np.array([key]))
-    return float(gap.speeds(record.ends.v[:, j])[0, 0])
+    return float(_gap(step, record, j, key).speeds(record.ends.v[:, j])[0, 0])
+
+
+def _gap(step: ContactStep, record: ContactRecord, j: int, key: int) -> Contacts:
+    """A gap after a number of steps."""
+    at = step.at(float(record.t[j]), record.ends.y[:, j])
+    return step.selected(at, np.array([key]))
