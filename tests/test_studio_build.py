@@ -6,7 +6,6 @@ import itertools
 import time
 
 import numpy as np
-import pytest
 from studio_build import FREE, build
 from studio_desk import Desk
 from studio_runs import Studio
@@ -15,7 +14,6 @@ import dalembert as da
 from dalembert.errors import DalembertError
 
 
-@pytest.mark.thorough
 def test_a_four_bar_is_drawn_optimised_and_saved(
     desk: tuple[Desk, Studio],
 ) -> None:

@@ -108,7 +108,7 @@ def test_a_stopped_sweep_keeps_the_finished_designs() -> None:
     wait(state, "progress")
     tasks.stop()
     wait(state, "stopped")
-    found = re.fullmatch(r"(\d+) of 200000 designs; interrupted", state.outcome.sentence)
-    assert found and 0 < int(found[1]) < count
+    ended = re.fullmatch(r"(\d+) of 200000 designs; interrupted", state.outcome.sentence)
+    assert ended and 0 < int(ended[1]) < count
     assert state.outcome.ok and state.outcome.interrupted and state.outcome.page
     tasks.close()

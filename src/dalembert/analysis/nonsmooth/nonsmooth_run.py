@@ -154,7 +154,9 @@ class NonsmoothRun:
                     if not position.accepted:
                         failure = self.not_corrected(t, h, str(position), position.residual)
                     elif self.is_far(t + h, log.y, result.y, position.x):
-                        far = "the nearest position found is farther than the motion of the step"
+                        far = (
+                            "the nearest such position is farther away than the motion of the step"
+                        )
                         failure = self.not_corrected(t, h, far, position.residual)
                 if failure is not None:
                     if failure.outcome is not Outcome.NOT_CONVERGED or not self.is_divisible(h):

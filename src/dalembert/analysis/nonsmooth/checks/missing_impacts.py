@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dalembert.analysis.nonsmooth.between_steps import between
-from dalembert.analysis.nonsmooth.checks.passages import crossing, lowest
+from dalembert.analysis.nonsmooth.checks.passages import Passage, crossing, lowest
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.mobility import delassus
 from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart
@@ -29,23 +29,15 @@ MOST = 100
 
 
 @dataclass(frozen=True)
-class MissingImpact:
+class MissingImpact(Passage):
     """Two shapes that overlap within a step, and are apart at both of its ends.
 
     Attributes
     ----------
-    t : start of the step [s]
-    names : element and bodies
-    depth : largest overlap within the step [m]
-    duration : of the overlap [s]
     speed : with which the shapes touch first [m/s]
     energy : of the motion along the normal; infinite if drivers prescribe it [J]
     """
 
-    t: float
-    names: str
-    depth: float
-    duration: float
     speed: float
     energy: float
 

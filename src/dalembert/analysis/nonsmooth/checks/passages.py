@@ -33,7 +33,7 @@ GOLDEN = (5**0.5 - 1) / 2
 
 @dataclass(frozen=True)
 class Passage:
-    """Two shapes that move through each other in a step.
+    """Two shapes that overlap within a step.
 
     Attributes
     ----------
