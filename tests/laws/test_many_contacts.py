@@ -134,6 +134,32 @@ def test_interior_points_alone_solve_problems_of_free_bodies(groups, monkeypatch
     assert without is not None and problem.residual(without[0]) > 1e-3
 
 
+@pytest.mark.parametrize("groups", [(), (1,), (2,)])
+def test_proximal_problems_use_the_mobilities_of_coupled_bodies(groups, monkeypatch):
+    """Impulses move bodies that are coupled with those of their contact, as by springs."""
+    rng, width, bodies = np.random.default_rng(6), 1 + sum(groups), 60
+    count, n = 1 + DENSE // width, 3 * bodies
+    row, column = np.indices((n, n))
+    near = np.abs(row // 3 - column // 3) <= 1
+    part = np.where(near, rng.normal(size=(n, n)), 0.0)
+    matrix = scipy.sparse.csr_array(np.where(near, part + part.T, 0.0) + 30 * np.eye(n))
+    none = scipy.sparse.csr_array((0, n))
+    patterns = ca.sparsify(ca.DM(matrix.toarray())).sparsity(), ca.DM(0, n).sparsity()
+    mobility = Mobility(matrix, none, Coupling.of(*patterns, bodies=[3] * bodies))
+    directions = pair_directions(rng, count, width, bodies)
+    responses, shift = mobility.responses(directions), np.zeros(count * width)
+    assert responses.nnz > directions.nnz
+    orderings = mobility.coupling.orderings
+    operator = Delassus(directions, responses, matrix, none, shift, orderings=orderings)
+    velocity, friction = rng.normal(size=(count, width)), 0.5 * rng.random((count, len(groups)))
+    problem = FrictionProblem(operator, velocity, friction, groups)
+    monkeypatch.setattr(compiled_newton, "NEWTON_STEPS", 4)
+    monkeypatch.setattr(compiled_newton, "INTERIOR_POINTS", 0)
+    impulses, rounds = compiled_newton.compiled_solution(problem, np.zeros(problem.shape), 1e-8, 99)
+    assert rounds > 0
+    assert problem.residual(impulses) <= 1e-8 * problem.size(impulses)
+
+
 def test_blocks_of_bodies_are_those_of_the_factors_and_serve_fewer_contacts():
     """Filled entries lie in the pattern; contacts of fewer pairs of bodies have the same order."""
     rng, count = np.random.default_rng(7), 30

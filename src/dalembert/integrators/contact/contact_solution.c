@@ -1,22 +1,34 @@
 /* Impulses of the contacts of free bodies: Newton's method, then few proximal problems, then interior
    points, then many proximal problems */
+/* change of speed along a row of directions by a unit impulse along it; responses of coupled bodies
+   have entries of other bodies, too */
+static casadi_real casadi_own_response(const casadi_real** arg, casadi_int r) {
+  const int* row = (const int*) arg[9];
+  const int* column = (const int*) arg[10];
+  const int* x_row = (const int*) arg[11];
+  const int* x_column = (const int*) arg[12];
+  casadi_int j, k, start = x_row[r] - row[r];
+  casadi_real sum = 0;
+  for (j=row[r]; j<row[r+1]; ++j) {
+    k = j + start;
+    if (k>=x_row[r+1] || x_column[k]!=column[j]) {
+      for (k=x_row[r]; k<x_row[r+1] && x_column[k]!=column[j]; ++k) {}
+    }
+    if (k<x_row[r+1]) sum += arg[0][j]*arg[1][k];
+  }
+  return sum;
+}
 /* mobility and weights of the residual, with additions to the diagonal */
 static void casadi_mobilities(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
-  const casadi_real* directions = arg[0];
-  const casadi_real* responses = arg[1];
   const casadi_real* shift = arg[7];
   casadi_real* mobility = (casadi_real*) arg[5];
   casadi_real* weight = (casadi_real*) arg[6];
-  const int* row = (const int*) arg[9];
   const int* group = (const int*) arg[13];
-  casadi_int width = iw[1], groups = iw[2], i, g, a, r, j, linear = iw[2]>0 ? group[1] : 1;
+  casadi_int width = iw[1], groups = iw[2], i, g, a, r, linear = iw[2]>0 ? group[1] : 1;
   casadi_real along;
   for (i=0; i<iw[0]; ++i) {
     r = i*width;
-    for (a=0; a<width; ++a) {
-      mobility[r+a] = shift[r+a];
-      for (j=row[r+a]; j<row[r+a+1]; ++j) mobility[r+a] += directions[j]*responses[j];
-    }
+    for (a=0; a<width; ++a) mobility[r+a] = shift[r+a] + casadi_own_response(arg, r + a);
     if (!(mobility[r]>0)) mobility[r] = 1;
     for (g=0; g<groups; ++g) {
       along = 0;
