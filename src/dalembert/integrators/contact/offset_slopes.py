@@ -103,6 +103,7 @@ def anticipated_slopes(
             [(gap + h * u / 2) / stop, one / stop, h / 2 / stop + zero, zero, zero],  # separates
             [margin, one / room, h / 2 / room, newton * by_restitution, zero],  # room for impacts
             [u, zero, 1 + zero, zero, zero],  # no work
+            [2 * contacts.distance / h + u, 2 / h + zero, 1 + zero, zero, zero],  # turns past
             [offsets[:, 0], zero, zero, zero, 1 + zero],  # approaches as forces change its speed
         ]
     )

@@ -1,0 +1,63 @@
+"""Derivatives of the velocity offsets of contacts against differences of the offsets."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert.elements.contact.impact_law import ImpactLaw
+from dalembert.integrators.contact.approach import Approach
+from dalembert.integrators.contact.contact_laws import ContactLaws
+from dalembert.integrators.contact.contacts import Contacts
+
+H, COUNT, STEP = 1e-3, 400, 1e-6
+"""Step [s], number of contacts, relative difference [-]."""
+
+
+def approaches(seed: int) -> Approach:
+    """Contacts without friction that rest, approach, separate or turn past each other, each with
+    bodies of its own."""
+    rng = np.random.default_rng(seed)
+    gap = np.where(rng.random(COUNT) < 0.3, 0.0, 10.0 ** rng.uniform(-9, -3, COUNT))
+    before = rng.choice([-1.0, 1.0], COUNT) * 10.0 ** rng.uniform(-6, 1, COUNT)
+    change = -rng.uniform(0.0, 0.02, COUNT)
+    turning = np.where(rng.random(COUNT) < 0.5, 0.0, 10.0 ** rng.uniform(-6, -1, COUNT))
+    zero, none = np.zeros(COUNT), np.zeros((COUNT, 0))
+    newton = np.full(COUNT, ImpactLaw.NEWTON.number)
+    laws = ContactLaws(rng.random(COUNT), zero, newton, zero, none, zero.astype(int))
+    places = np.eye(COUNT), zero[:, None], laws, (), np.arange(COUNT), np.zeros(COUNT, dtype=int)
+    contacts = Contacts(gap, *places, turning=turning[:, None])
+    speeds = before[:, None], (before + change + turning)[:, None]
+    return Approach(contacts, *speeds, H, H)
+
+
+def moved(approach: Approach, gap: float, speed: float) -> Approach:
+    """Gaps and speeds at the start with relative changes; forces change the speeds alike."""
+    more = speed * np.abs(approach.before)
+    contacts = replace(approach.contacts, distance=approach.contacts.distance * (1 + gap))
+    return replace(
+        approach, contacts=contacts, before=approach.before + more, free=approach.free + more
+    )
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_offsets_of_the_first_conditions_have_derivatives(seed: int) -> None:
+    """All branches occur; contacts at which the branch changes with the difference are left out."""
+    scheme, approach = da.AnticipatedImpacts(), approaches(seed)
+    slopes = scheme.slopes(approach, scheme.first(approach), 1e-12)
+    gap, speed = approach.contacts.distance, np.abs(approach.before[:, 0])
+    passing = (scheme.first(approach)[:, 0] > approach.before[:, 0]) & (approach.before[:, 0] > 0)
+    assert passing.any()
+    for name, size, change in (("gap", gap, (STEP, 0.0)), ("speed", speed, (0.0, STEP))):
+        first, second, double = (
+            scheme.first(moved(approach, *(k * part for part in change)))[:, 0] for k in (-1, 1, 2)
+        )
+        start = scheme.first(approach)[:, 0]
+        linear = np.abs(double - 2 * second + start) <= 1e-9 * (np.abs(start) + size * STEP)
+        linear &= (size > 0) & (np.abs(start - first - (second - start)) <= 1e-6 * STEP * speed)
+        assert linear.sum() > COUNT / 2
+        expected = (second - first)[linear] / (2 * STEP * size[linear])
+        rounding = 1e-14 * (np.abs(start) + speed)[linear] / (STEP * size[linear])
+        error = np.abs(getattr(slopes, name)[linear] - expected)
+        assert (error <= 1e-8 * np.abs(expected) + rounding).all()
