@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from structure_desk import LOOK as STRUCTURE_LOOK
@@ -277,3 +279,26 @@ def test_keys_of_a_mechanism_wait_for_its_first_picture(
     (body,) = visit.document["bodies"].values()
     assert body["position"] == ([0.1, 0.2, 0.15] if after else [0.3, 0.2])
     assert not visit.errors_shown()
+
+
+@pytest.mark.thorough
+def test_a_picture_that_is_outdated_when_it_is_fetched_is_no_error(
+    desk: tuple[Desk, Studio],
+) -> None:
+    """A slow page fetches its picture after others of a fast one have replaced it."""
+    visit, _ = desk
+    late: list[Any] = []
+    is_slow = True
+    visit.show(PENDULUMS)
+    visit.page.route("**/picture/*", lambda r: late.append(r) if is_slow else r.continue_())
+    for name in "abcdef":  # more than the server keeps
+        revision = visit.revision
+        operation = f"{{ op: 'set', keys: ['name'], value: '{name}' }}"
+        visit.js(f"studio.change({{ label: 'name', operations: [{operation}] }})")
+        visit.until(f"studio.described?.revision > {revision}", WAIT)
+    visit.until(f"studio.pictures.wanted.number >= {visit.js('studio.described.number')}", WAIT)
+    is_slow = False
+    for route in late:
+        route.continue_()
+    visit.settle()
+    assert visit.document["name"] == "f" and not visit.errors_shown()
