@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 import sys
 from pathlib import Path
 
@@ -49,6 +50,8 @@ class NeverCompiled:
 
 switching.Compilation = NeverCompiled  # type: ignore[assignment,misc]
 gc.set_threshold(50_000, 20, 20)  # models are many objects that stay
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as a shell starts jobs in the background
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

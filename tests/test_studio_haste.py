@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from structure_desk import LOOK as STRUCTURE_LOOK
 from studio_desk import WAIT, Desk, reset
 from studio_runs import Studio
+from studio_walk import BARRIER
 from test_studio_server import page, receive, send
 from test_studio_structures import SQUARE
 
@@ -72,6 +75,25 @@ def test_clicks_before_the_answer_are_carried_out_after_it(desk: tuple[Desk, Stu
     visit.page.keyboard.press("Control+y")  # there is nothing to redo
     visit.until("studio.isAnswered", WAIT)
     assert visit.revision == revision
+
+
+@pytest.mark.thorough
+def test_a_point_that_is_dragged_back_is_shown_at_its_place(desk: tuple[Desk, Studio]) -> None:
+    """The drag changes nothing in the text; the page that computed it shows the text again."""
+    visit, _ = desk
+    visit.show("\n".join(PENDULUMS.splitlines()[:4]) + "\n")
+    visit.until("studio.pictures.live", WAIT)
+    values = "[...studio.pictures.page.design.values]"
+    before, revision, mouse = visit.js(values), visit.revision, visit.page.mouse
+    x, y = visit.place(0.5, 0.1)
+    mouse.move(x, y)
+    mouse.down()
+    mouse.move(x + 40, y - 40, steps=3)
+    assert visit.js(values) != before
+    mouse.move(x, y)
+    mouse.up()
+    visit.page.evaluate(BARRIER)
+    assert visit.revision == revision and visit.js(values) == before
 
 
 @pytest.mark.thorough
@@ -257,3 +279,26 @@ def test_keys_of_a_mechanism_wait_for_its_first_picture(
     (body,) = visit.document["bodies"].values()
     assert body["position"] == ([0.1, 0.2, 0.15] if after else [0.3, 0.2])
     assert not visit.errors_shown()
+
+
+@pytest.mark.thorough
+def test_a_picture_that_is_outdated_when_it_is_fetched_is_no_error(
+    desk: tuple[Desk, Studio],
+) -> None:
+    """A slow page fetches its picture after others of a fast one have replaced it."""
+    visit, _ = desk
+    late: list[Any] = []
+    is_slow = True
+    visit.show(PENDULUMS)
+    visit.page.route("**/picture/*", lambda r: late.append(r) if is_slow else r.continue_())
+    for name in "abcdef":  # more than the server keeps
+        revision = visit.revision
+        operation = f"{{ op: 'set', keys: ['name'], value: '{name}' }}"
+        visit.js(f"studio.change({{ label: 'name', operations: [{operation}] }})")
+        visit.until(f"studio.described?.revision > {revision}", WAIT)
+    visit.until(f"studio.pictures.wanted.number >= {visit.js('studio.described.number')}", WAIT)
+    is_slow = False
+    for route in late:
+        route.continue_()
+    visit.settle()
+    assert visit.document["name"] == "f" and not visit.errors_shown()

@@ -16,6 +16,7 @@ from dalembert.studio.building import BuildingProcess, Request
 from dalembert.studio.child import child_context
 from dalembert.studio.connection import Connection
 from dalembert.studio.draft import Draft, Unconfirmed
+from dalembert.studio.picture_feed import PictureFeed
 from dalembert.studio.pictures import Picture, picture_of
 
 
@@ -30,8 +31,9 @@ def test_a_text_that_is_nested_deep_is_one_problem(text: str) -> None:
 @pytest.mark.parametrize("kind", ["picture", "export", "task"])
 @pytest.mark.parametrize("number", ["9" * 5000, "-1", "0x1", "٣"])
 def test_an_address_with_any_number_is_outdated(kind: str, number: str) -> None:
-    nothing = SimpleNamespace(pages={}, files={}, state=lambda number: None)
-    session: Any = SimpleNamespace(pictures=nothing, exports=nothing, tasks=nothing)
+    nothing = SimpleNamespace(files={}, state=lambda number: None)
+    pictures = PictureFeed(lambda message: None, lambda problems: problems)
+    session: Any = SimpleNamespace(pictures=pictures, exports=nothing, tasks=nothing)
     application = make_application(session, "token", 80, lambda: None)
     headers = {"Host": "127.0.0.1:80"}
     status, _, body = request(application, "GET", f"/token/{kind}/{number}", "", headers)

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from browser import browser  # noqa: F401
 from structure_desk import NEW, desk, page, problems, solved, start, use  # noqa: F401
-from studio_desk import Desk
+from studio_desk import WAIT, Desk
+from studio_walk import BARRIER
 
 import dalembert as da
 from dalembert.io import load_model_file
@@ -251,3 +252,43 @@ def test_a_truss_is_improved_and_saved(desk: Desk, page: tuple[Desk, Path]) -> N
     desk.until("!studio.file.changed", 20)
     assert path.read_text(encoding="utf-8") == desk.text
     assert float(solved(desk.text, page[1])["mass"]) < float(first["mass"])
+
+
+LIVE_TRUSS = (
+    NEW
+    + """
+[nodes]
+a = [0.0, 0.0]
+b = [2.0, 0.0]
+top = [1.0, 0.5]
+
+[elements]
+left = { type = "Truss", connect = ["a", "top"], area = 1e-4, modulus = 2e11 }
+right = { type = "Truss", connect = ["b", "top"], area = 1e-4, modulus = 2e11 }
+
+[[supports]]
+nodes = ["a", "b"]
+
+[[loads]]
+nodes = "top"
+fy = -1000.0
+"""
+)
+
+
+@pytest.mark.thorough
+def test_a_node_that_is_dragged_back_is_shown_at_its_place(desk: Desk) -> None:
+    """The drag changes nothing in the text; the page that computed it shows the text again."""
+    start(desk, LIVE_TRUSS)
+    desk.until("studio.pictures.live", WAIT)
+    values = "[...studio.pictures.page.design.values]"
+    before, revision, mouse = desk.js(values), desk.revision, desk.page.mouse
+    x, y = desk.place(1.0, 0.5)
+    mouse.move(x, y)
+    mouse.down()
+    mouse.move(x + 40, y - 40, steps=3)
+    assert desk.js(values) != before
+    mouse.move(x, y)
+    mouse.up()
+    desk.page.evaluate(BARRIER)
+    assert desk.revision == revision and desk.js(values) == before

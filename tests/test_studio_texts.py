@@ -434,7 +434,7 @@ def random_operations(
     """Operations of one change of the drawing on random elements."""
     body, other = (rng.choice(bodies or ["none"]) for _ in range(2))
     number = round(rng.uniform(0.1, 2.0), 3)
-    if kind == "copy":  # with a joint between the copied parts
+    if kind == "copy":  # two of them with a joint between the copies
         parts = list(dict.fromkeys([body, other]))
         rows = [
             {
@@ -447,8 +447,9 @@ def random_operations(
             for name in parts
         ]
         connect = [{"body": f"$copy_{name}", "at": [0.0, number]} for name in parts]
-        pin = {"type": "Revolute", "connect": connect}
-        return [*rows, {"op": "add", "section": "joints", "base": "", "fields": pin}][:3]
+        pin = {"op": "add", "section": "joints", "base": ""}
+        pin |= {"fields": {"type": "Revolute", "connect": connect}}
+        return [*rows, pin] if len(parts) == 2 else rows
     if kind == "tool" and body != other:
         ends = [{"body": body, "at": [number, 0.0]}, {"body": other, "at": [0.0, 0.1]}]
         section, fields = rng.choice(

@@ -68,7 +68,10 @@ CHANGES = {
 }
 
 
+WITH_STATES = ["hydraulic cylinder", "bristles in revolute", "dc motor in revolute"]
+"""Cases with states, whose rates are no speeds: other coordinates are refused."""
 CHANGED = [(n, c) for n in PLANAR if n in RELATED or n not in CONSTRAINED for c in CHANGES]
+CHANGED = [(n, c) for n, c in CHANGED if c != "coordinates" or n not in WITH_STATES]
 CHANGED += [(n, "speeds") for n in SPATIAL]
 """Other coordinates are linear in the old ones here, and so of the plane."""
 
@@ -287,5 +290,8 @@ def test_wrong_shapes_and_symbols_are_refused():
         change_coordinates(e, ca.SX.ones(4), u)
     with pytest.raises(da.ModelError, match="old ones"):
         change_coordinates(e, e.y, u)
+    for name in WITH_STATES:
+        with pytest.raises(da.ModelError, match="states of elements"):
+            other_coordinates(name)
     with pytest.raises(da.ModelError, match="name 4 independent ones"):
         speeds_by_partition(e, [0, 1, 2])

@@ -85,9 +85,12 @@ def make_application(session: Session, token: str, port: int, stop: Callable[[],
         return Response(json.dumps(choices), 200, HEADERS, "application/json")
 
     async def picture(request: Request) -> Response:
-        page = session.pictures.pages.get(_number(request))
+        number = _number(request)
+        page = session.pictures.pages.get(number)
+        if page is None and session.pictures.is_outdated(number):  # no error of a slow page
+            return Response(status_code=204, headers=HEADERS)
         if page is None:
-            return PlainTextResponse("this picture is outdated", 404, HEADERS)
+            return PlainTextResponse("no such picture", 404, HEADERS)
         return Response(page, 200, HEADERS, "application/json")
 
     async def frame(request: Request) -> Response:

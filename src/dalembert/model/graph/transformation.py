@@ -201,9 +201,12 @@ def coordinates_by(
     Raises
     ------
     ModelError
-        Wrong shape, or coordinates that still depend on the old ones.
+        Wrong shape, coordinates that still depend on the old ones, or elements with states, such as
+        the current of a motor, whose rates are no speeds.
     """
     e, y = equations, new_coordinates
+    if e.states:
+        raise ModelError("include states of elements, which stay; change speeds", "coordinates")
     _check("coordinates", coordinates, (e.coordinate_count, 1))
     if ca.depends_on(coordinates, ca.vertcat(e.y, e.v)):
         raise ModelError("depend on the old ones; write them in t, y' and p", "coordinates")

@@ -197,10 +197,11 @@ export class Drawing {
   /** Keep the view while one draws, although the motion may leave it. @param {boolean} [fits] whether it is fitted to what was drawn outside it */
   keepView(fits = false) { if (this.page) this.page.scene.view.fitted = fits; }
 
-  /** Change of the file by what is dragged. @param {Drag} drag @returns {Change | null} */
+  /** Change of the file by what is dragged; none at its own place. @param {Drag} drag @returns {Change | null} */
   changeOf({ kind, control, from, to, still }) {
     if (!this.document || kind === "box") return null;
     if (control) return moveControl(still, this.document, control, to);
+    if (from.x === to.x && from.y === to.y) return null;
     if (kind === "point") return move(still, this.document, from, to);
     const names = bodiesAmong(this.document, this.selection);
     return transform(still, this.document, this.selection, shift(to.x - from.x, to.y - from.y), `move ${names.length > 1 ? `${names.length} bodies` : names[0]}`);
@@ -245,7 +246,7 @@ export class Drawing {
     const { page, document } = this, design = page?.design;
     if (!page || !document || design?.parameters.length !== drag.values.length) return;
     try {
-      const change = this.changeOf(drag), next = change && valuesAfter(page, document, drag.values, change.operations);
+      const next = valuesAfter(page, document, drag.values, this.changeOf(drag)?.operations ?? []);
       if (next) design.replace(next, "drawing");
     } catch { /* the reason is shown when it is released */ }
   }

@@ -246,9 +246,9 @@ export class SpaceStructure {
 
   /** Let a live page compute what is moved. */
   preview() {
-    const { held, document, boundPage: page, values } = this, design = page?.design, change = held && this.moved(held);
-    if (page && document && design && change && design.parameters.length === values.length) {
-      const next = valuesAfter(page, document, values, change.operations);
+    const { held, document, boundPage: page, values } = this, design = page?.design;
+    if (page && document && design && held && design.parameters.length === values.length) {
+      const next = valuesAfter(page, document, values, this.moved(held)?.operations ?? []);
       if (next) design.replace(next, "drawing");
     }
     this.refresh();

@@ -70,11 +70,11 @@ export function changeOf(structure, { kind, handles, tip, from, to }) {
   return moved(handles, [to.x - from.x, to.y - from.y], [to.x, to.y]);
 }
 
-/** Let a live page compute what is dragged. @param {Structure} structure @param {Drag} drag */
+/** Let a live page compute what is dragged; at the place of the text it shows the text again. @param {Structure} structure @param {Drag} drag */
 export function preview(structure, drag) {
   const { page, document } = structure, design = page?.design;
   if (!page || !document || !design || design.parameters.length !== drag.values.length) return;
-  const change = changeOf(structure, drag), next = change && valuesAfter(page, document, drag.values, change.operations);
+  const next = valuesAfter(page, document, drag.values, changeOf(structure, drag)?.operations ?? []);
   if (next) design.replace(next, "drawing");
 }
 
