@@ -241,7 +241,8 @@ class NonsmoothRun:
                 f"converge (residual {impulses.residual:.3g} m/s after {impulses.rounds} rounds, "
                 f"in a step of {h:.3g} s), the largest of {self.largest_impulse(result)}; use a "
                 f"shorter step{self.further_remedies()}; "
-                "with much friction there may be no solution"
+                "with much friction, or where joints and drivers leave bodies no way to part, there is "
+                "no solution"
             )
             return Status(Outcome.NOT_CONVERGED, text, t, impulses.residual)
         return None
