@@ -184,5 +184,7 @@ def test_wrong_shapes_are_refused():
     with pytest.raises(ModelError, match="touching is 3"):
         contact.Pair(("a", "b"), touching=3)
     ball = spatial.Body("b", mass=1.0, inertia=(1, 1, 1))
-    with pytest.raises(ModelError, match="Socket is not available here"):
+    with pytest.raises(
+        ModelError, match=r"Socket is not available here; give shapes such as contact\.Sphere"
+    ):
         spatial.Collisions("c", [spatial.contact.Socket(ball.center, 1.0)])

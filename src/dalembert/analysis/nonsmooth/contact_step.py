@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from dalembert.analysis.nonsmooth.blocked_contacts import with_rounding
 from dalembert.analysis.nonsmooth.compliant_contacts import CompliantContacts
 from dalembert.analysis.nonsmooth.force_laws import ForceLaws
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
@@ -227,6 +228,7 @@ class ContactStep(ModelGaps):
         v, theta = start.v, self.scheme.theta
         approach = start.approach(contacts, self.rounding)
         impulses, offsets, stuck, compliant = self._impulses(approach, motion, before)
+        impulses = with_rounding(impulses, contacts, motion.mobility, approach.fastest)
         momentum = contacts.directions.T @ impulses.impulses.ravel()
         change, reactions = motion.mobility(momentum)
         after = motion.speeds + change

@@ -147,7 +147,7 @@ class NonsmoothRun:
                     if k == grid.size - 1:
                         break
                 t, h = float(grid[k]), float(grid[k + 1] - grid[k])
-                result = advance(self.step, t, h, log.y, log.v, last)
+                result = advance(self.step_at(grid, k), t, h, log.y, log.v, last)
                 failure = self.failure(t, h, result, log)
                 if failure is None:
                     position = self.corrected(t + h, h, result)
@@ -159,9 +159,10 @@ class NonsmoothRun:
                         )
                         failure = self.not_corrected(t, h, far, position.residual)
                 if failure is not None:
-                    if failure.outcome is not Outcome.NOT_CONVERGED or not self.is_divisible(h):
+                    divided = self.divided(grid, k) if is_divisible(failure) else None
+                    if divided is None:
                         return failure
-                    grid = np.insert(grid, k + 1, t + h / 2)
+                    grid = divided
                     self.divisions += 1
                     continue
                 speeds, result = self.speeds(t, h, position.x, result)
@@ -222,9 +223,22 @@ class NonsmoothRun:
         text = f"{text} at t = {t + h:.9g} s ({reason}); use a shorter step"
         return Status(Outcome.NOT_CONVERGED, text, t, residual * self.model.scales.length)
 
-    def is_divisible(self, h: float) -> bool:
-        """Whether a step that failed is repeated as two of half the length."""
-        return h > 1.5 * self.step.longest / 2**DIVISIONS
+    def step_at(self, grid: np.ndarray, k: int) -> ContactStep:
+        """The step ``k``, after which, among parts of a divided one, no longer one than the next
+        follows."""
+        longest = max(float(grid[k + 1] - grid[k]), following_step(grid, k))
+        within = longest < 0.75 * self.step.longest
+        return replace(self.step, longest=longest) if within else self.step
+
+    def divided(self, grid: np.ndarray, k: int) -> np.ndarray | None:
+        """The grid with the step ``k`` in halves, or the next one if that is longer, as impacts
+        precede the step that has no room for them; None where both are short."""
+        h, following = float(grid[k + 1] - grid[k]), following_step(grid, k)
+        if following > 1.5 * h:
+            return np.insert(grid, k + 2, grid[k + 1] + following / 2)
+        if h > 1.5 * self.step.longest / 2**DIVISIONS:
+            return np.insert(grid, k + 1, grid[k] + h / 2)
+        return None
 
     def failure(self, t: float, h: float, result: StepResult, log: StepLog) -> Status | None:
         """Status of a run whose last step failed; None if it succeeded."""
@@ -241,7 +255,8 @@ class NonsmoothRun:
                 f"converge (residual {impulses.residual:.3g} m/s after {impulses.rounds} rounds, "
                 f"in a step of {h:.3g} s), the largest of {self.largest_impulse(result)}; use a "
                 f"shorter step{self.further_remedies()}; "
-                "with much friction there may be no solution"
+                "with much friction, or where joints and drivers leave bodies no way to part, "
+                "there is no solution"
             )
             return Status(Outcome.NOT_CONVERGED, text, t, impulses.residual)
         return None
@@ -276,3 +291,13 @@ class NonsmoothRun:
             "work of corrections of positions [J]": log.correction_work,
             "maximum energy gained in contacts [J]": float((-record.loss).max(initial=0.0)),
         }
+
+
+def following_step(grid: np.ndarray, k: int) -> float:
+    """Length of the step after the step ``k``; zero after the last one [s]."""
+    return float(grid[k + 2] - grid[k + 1]) if k + 2 < grid.size else 0.0
+
+
+def is_divisible(failure: Status) -> bool:
+    """Whether shorter steps may succeed where one failed."""
+    return failure.outcome is Outcome.NOT_CONVERGED

@@ -36,6 +36,7 @@ from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.wording import unknown
 
 EXAMPLE = "contact.Circle(ball.center, 0.1), contact.HalfPlane(ground)"
+EXAMPLES = {3: "contact.Sphere(ball.center, 0.1), contact.HalfSpace(ground.frame())"}
 
 
 @dataclass(eq=False)
@@ -130,8 +131,8 @@ class Collisions(Element):
                 raise ModelError(error.message, f"{entity}.normal") from None
         elif not takes(type(shape)):
             raise ModelError(
-                f"a {type(shape).__name__} is not available here; give shapes such as {EXAMPLE}, "
-                "or use Contact",
+                f"a {type(shape).__name__} is not available here; give shapes such as "
+                f"{EXAMPLES.get(shape.dimension, EXAMPLE)}, or use Contact",
                 entity,
             )
         return shape
@@ -140,7 +141,8 @@ class Collisions(Element):
         bodies = {shape.carrier.name for shape in self.members}
         if not self.hulls and not self.boundaries and len(bodies) != 1:
             text = "there is no ball nor another shape; give shapes such as "
-            raise ModelError(text + EXAMPLE, self.name)
+            example = EXAMPLES.get(self.members[0].dimension, EXAMPLE)
+            raise ModelError(text + example, self.name)
         first = self.members[0]
         for shape in self.members:
             if shape.dimension != first.dimension:

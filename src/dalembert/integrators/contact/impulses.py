@@ -134,13 +134,18 @@ def _alternating(
     if problem.matrix.by_blocks:
         alternations, few, sweeps = BLOCK_ALTERNATIONS, BLOCK_ITERATIONS, BLOCK_SWEEPS
     few = few if problem.friction.any() else MAX_ITERATIONS
+    residual, few_allowed = problem.residual(impulses), NEWTON_SHARE * allowed
     for _ in range(alternations):
-        impulses = swept(problem, impulses, SWEEP_SHARE * allowed, sweeps)
-        if (residual := problem.residual(impulses)) <= allowed:
-            break
-        impulses = semismooth_newton(problem, impulses, NEWTON_SHARE * allowed, few)
-        if (residual := problem.residual(impulses)) <= allowed:
-            break
+        for method in (
+            lambda guess: swept(problem, guess, SWEEP_SHARE * allowed, sweeps),
+            lambda guess: semismooth_newton(problem, guess, few_allowed, few),
+        ):
+            trial = method(impulses)
+            after = problem.residual(trial)
+            if after <= max(residual, problem.scale):
+                impulses, residual = trial, after
+            if residual <= allowed:
+                return impulses, residual
     return impulses, residual
 
 

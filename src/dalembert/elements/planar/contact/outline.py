@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import combinations
 from typing import Any
 
 import casadi as ca
+import numpy as np
 
 from dalembert.elements.base import Condition, Look, Rows, option
 from dalembert.elements.body import BodyElement
@@ -95,30 +95,33 @@ class Outline(Shape):
         return [Path(self.body, lambda u: outline(corners, u), (0.0, corners.shape[1]), True)]
 
     def conditions(self) -> list[Condition]:
-        corners = self.corners
-        edges = list(zip(corners, corners[1:] + corners[:1], strict=True))
-        area = sum((_cross(a, b) for a, b in edges), ca.SX(0))
-        disjoint = [
-            ca.fmax(_sides(first, second), _sides(second, first))
-            for (i, first), (j, second) in combinations(enumerate(edges), 2)
-            if 1 < j - i < len(edges) - 1
-        ]
+        corners = ca.horzcat(*self.corners)
+        following = ca.horzcat(corners[:, 1:], corners[:, 0])
         conditions = [*super().conditions()]
+        area = ca.sum2(_cross(corners, following))
         conditions.append((area, "its vertices run clockwise; give them anticlockwise"))
-        if disjoint:
+        if (disjoint := _disjoint(corners, following)).numel():
             crossing = "its edges cross each other; give the vertices in their order"
-            conditions.append((ca.vertcat(*disjoint), crossing))
+            conditions.append((disjoint, crossing))
         return conditions
 
 
-Edge = tuple[ca.SX, ca.SX]
-
-
 def _cross(a: ca.SX, b: ca.SX) -> ca.SX:
-    return a[0] * b[1] - a[1] * b[0]
+    """(1, n) cross products of the columns."""
+    return a[0, :] * b[1, :] - a[1, :] * b[0, :]
 
 
-def _sides(edge: Edge, other: Edge) -> ca.SX:
-    """Negative where the ends of the other edge are on different sides of the line of an edge."""
-    start, along = edge[0], edge[1] - edge[0]
-    return _cross(along, other[0] - start) * _cross(along, other[1] - start)
+def _disjoint(corners: ca.SX, following: ca.SX) -> ca.SX:
+    """Not negative where two edges that have no corner in common do not cross, of all pairs."""
+    count = corners.shape[1]
+    first, second = np.triu_indices(count, 2)
+    apart = second - first < count - 1
+    pairs = first[apart].tolist(), second[apart].tolist()
+
+    def sides(edge: list[int], other: list[int]) -> ca.SX:
+        """Negative where the ends of the other edge are on different sides of an edge."""
+        start, along = corners[:, edge], (following - corners)[:, edge]
+        ends = corners[:, other], following[:, other]
+        return _cross(along, ends[0] - start) * _cross(along, ends[1] - start)
+
+    return ca.fmax(sides(*pairs), sides(*pairs[::-1])).T

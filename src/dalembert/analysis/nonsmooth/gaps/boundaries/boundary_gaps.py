@@ -11,6 +11,7 @@ from dalembert.analysis.nonsmooth.gaps.boundaries.boundary_search import Boundar
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapFormulas, GapKind
+from dalembert.analysis.nonsmooth.gaps.hulls.outline_corners import OutlineCorners
 from dalembert.analysis.nonsmooth.gaps.positions import Positions
 from dalembert.analysis.nonsmooth.gaps.searched_gaps import LastPosition, SearchedGaps
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
@@ -36,6 +37,7 @@ class BoundaryGaps(SearchedGaps):
         super().__init__(model, element)
         geometry = self.geometry
         self._boundaries = Boundaries(model, geometry.boundaries)
+        self._corners = OutlineCorners(geometry)
         features = max(
             self._boundaries.features, *(len(hull.corners) for hull in geometry.hulls), 1
         )
@@ -57,7 +59,11 @@ class BoundaryGaps(SearchedGaps):
     def within(self, last: LastPosition) -> list[Contacts]:
         parts = []
         search = BoundarySearch(
-            self.geometry, self._at(last.at, last.configuration.p), last.at, last.reach
+            self.geometry,
+            self._corners,
+            self._at(last.at, last.configuration.p),
+            last.at,
+            last.reach,
         )
         for feet in search.feet():
             if feet.first.size:
@@ -122,7 +128,7 @@ class BoundaryGaps(SearchedGaps):
         placed = self._at(at, configuration.p)
         reach = 0.0 if self._last is None else self._last.requested
         reach = max(reach, 0.1 * float(placed.balls[1].max(initial=0.0)))
-        for feet in BoundarySearch(self.geometry, placed, at, reach).feet():
+        for feet in BoundarySearch(self.geometry, self._corners, placed, at, reach).feet():
             own = self._keys(feet)
             order = np.argsort(own)
             place = np.searchsorted(own, keys, sorter=order)

@@ -18,6 +18,7 @@ from dalembert.analysis.nonsmooth.gaps.boundaries.outline_sides import OutlineSi
 from dalembert.analysis.nonsmooth.gaps.boundaries.smooth_curve import outward
 from dalembert.analysis.nonsmooth.gaps.bounding_balls import bounding_balls
 from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry
+from dalembert.analysis.nonsmooth.gaps.hulls.outline_corners import OutlineCorners
 from dalembert.analysis.nonsmooth.gaps.positions import Positions
 
 ROUNDING = 1e-9
@@ -76,15 +77,22 @@ class BoundarySearch:
     Parameters
     ----------
     geometry : of one element
+    corners : its corners and those beside them
     placed : its boundaries
     at : Positions
     reach : upper limit of the gaps
     """
 
     def __init__(
-        self, geometry: HullGeometry, placed: PlacedBoundaries, at: Positions, reach: float
+        self,
+        geometry: HullGeometry,
+        corners: OutlineCorners,
+        placed: PlacedBoundaries,
+        at: Positions,
+        reach: float,
     ):
-        self.geometry, self.placed, self.at, self.reach = geometry, placed, at, reach
+        self.geometry, self.corners, self.placed = geometry, corners, placed
+        self.at, self.reach = at, reach
         self.smooth = np.flatnonzero(placed.boundaries.curve_of >= 0)
         self.polygons = np.flatnonzero(placed.boundaries.counts > 0)
 
@@ -159,7 +167,13 @@ class BoundarySearch:
         row, number, corner = self._hull_corners(hull)
         hull, b, place = hull[row], b[row], self.at.corners[corner, :2]
         outlines = self.placed.polygons(b)
-        foot, side = OutlineSides(outlines, place).touched(self.at.radii[hull], self.reach)
+        sides = OutlineSides(outlines, place)
+        foot, side = sides.touched(self.at.radii[hull], self.reach)
+        beyond = np.flatnonzero(~sides.above[foot, side])
+        normals = outlines.normals[foot[beyond], side[beyond]]
+        faces = np.ones(foot.size, dtype=bool)
+        faces[beyond] = self.corners.lowest(corner[foot[beyond]], normals, self.at)
+        foot, side = foot[faces], side[faces]
         yield Feet(
             Touch.SIDE,
             b[foot] + self.placed.first_shape,

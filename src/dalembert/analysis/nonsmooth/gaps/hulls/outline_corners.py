@@ -13,6 +13,8 @@ ROUNDING = 1e-9
 """Sine of the angle beyond the normals of both sides within which a ball touches a corner."""
 FLUSH = 0.7
 """The same for edges, which may be nearly parallel to a side."""
+LOWER = 0.1
+"""Sine of the slope of an edge by which the next corner may be lower than one beyond a side."""
 
 
 class OutlineCorners:
@@ -37,6 +39,13 @@ class OutlineCorners:
             if boundary is not None and boundary.vertices:
                 first = geometry.starts[hulls]
                 self._beside[hulls] = np.stack([np.roll(first, 1), np.roll(first, -1)], axis=1)
+        starts, counts = geometry.starts[:-1], np.diff(geometry.starts)
+        corner, size = np.arange(geometry.starts[-1]), np.repeat(counts, counts)
+        first = np.repeat(starts, counts)
+        number = (corner - first)[:, None] + np.array([-1, 1])
+        self._next = first[:, None] + number % size[:, None]
+        corners = self._beside[:, 0] >= 0
+        self._next[starts[corners]] = self._beside[corners]
 
     @property
     def _is_corner(self) -> np.ndarray:
@@ -65,6 +74,13 @@ class OutlineCorners:
                 outside = np.maximum(*along) > tolerance
                 selected[rows] &= self.convex(hulls[rows], at) & ~outside
         return some_pairs(pairs, selected)
+
+    def lowest(self, corners: np.ndarray, normals: np.ndarray, at: Positions) -> np.ndarray:
+        """Mask of corners of hulls below which, along normals (n, 2), no next corner is."""
+        away = at.corners[self._next[corners], :2] - at.corners[corners, None, :2]
+        heights = (away * normals[:, None]).sum(axis=2)
+        mask: np.ndarray = (heights >= -LOWER * np.linalg.norm(away, axis=2)).all(axis=1)
+        return mask
 
     def _sides(self, hulls: np.ndarray, at: Positions) -> tuple[np.ndarray, np.ndarray]:
         """Unit vectors (n, 2) from corners to those before and after them."""
