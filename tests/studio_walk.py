@@ -329,3 +329,20 @@ def walk_randomly(walk: Walk, count: int, edits: dict[Edit, float]) -> None:
             failed = 0
     walk.take_all_back(original)
     walk.check("the original")
+
+
+def drag_back(visit: Desk, at: tuple[float, float]) -> None:
+    """Drag from a place of the picture and back: a page that computes shows the drag, and then the
+    text again, in which nothing has changed."""
+    visit.until("studio.pictures.live", WAIT)
+    values = "[...studio.pictures.page.design.values]"
+    before, revision, mouse = visit.js(values), visit.revision, visit.page.mouse
+    x, y = visit.place(*at)
+    mouse.move(x, y)
+    mouse.down()
+    mouse.move(x + 40, y - 40, steps=3)
+    assert visit.js(values) != before
+    mouse.move(x, y)
+    mouse.up()
+    visit.page.evaluate(BARRIER)
+    assert visit.revision == revision and visit.js(values) == before

@@ -9,7 +9,7 @@ import pytest
 from structure_desk import LOOK as STRUCTURE_LOOK
 from studio_desk import WAIT, Desk, reset
 from studio_runs import Studio
-from studio_walk import BARRIER
+from studio_walk import drag_back
 from test_studio_server import page, receive, send
 from test_studio_structures import SQUARE
 
@@ -82,18 +82,7 @@ def test_a_point_that_is_dragged_back_is_shown_at_its_place(desk: tuple[Desk, St
     """The drag changes nothing in the text; the page that computed it shows the text again."""
     visit, _ = desk
     visit.show("\n".join(PENDULUMS.splitlines()[:4]) + "\n")
-    visit.until("studio.pictures.live", WAIT)
-    values = "[...studio.pictures.page.design.values]"
-    before, revision, mouse = visit.js(values), visit.revision, visit.page.mouse
-    x, y = visit.place(0.5, 0.1)
-    mouse.move(x, y)
-    mouse.down()
-    mouse.move(x + 40, y - 40, steps=3)
-    assert visit.js(values) != before
-    mouse.move(x, y)
-    mouse.up()
-    visit.page.evaluate(BARRIER)
-    assert visit.revision == revision and visit.js(values) == before
+    drag_back(visit, (0.5, 0.1))
 
 
 @pytest.mark.thorough

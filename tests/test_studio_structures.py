@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from browser import browser  # noqa: F401
 from structure_desk import NEW, desk, page, problems, solved, start, use  # noqa: F401
-from studio_desk import WAIT, Desk
-from studio_walk import BARRIER
+from studio_desk import Desk
+from studio_walk import drag_back
 
 import dalembert as da
 from dalembert.io import load_model_file
@@ -280,15 +280,4 @@ fy = -1000.0
 def test_a_node_that_is_dragged_back_is_shown_at_its_place(desk: Desk) -> None:
     """The drag changes nothing in the text; the page that computed it shows the text again."""
     start(desk, LIVE_TRUSS)
-    desk.until("studio.pictures.live", WAIT)
-    values = "[...studio.pictures.page.design.values]"
-    before, revision, mouse = desk.js(values), desk.revision, desk.page.mouse
-    x, y = desk.place(1.0, 0.5)
-    mouse.move(x, y)
-    mouse.down()
-    mouse.move(x + 40, y - 40, steps=3)
-    assert desk.js(values) != before
-    mouse.move(x, y)
-    mouse.up()
-    desk.page.evaluate(BARRIER)
-    assert desk.revision == revision and desk.js(values) == before
+    drag_back(desk, (1.0, 0.5))

@@ -94,6 +94,21 @@ def test_gradients_of_lasting_contacts_beside_divided_steps(scheme, method, fail
     np.testing.assert_allclose(gradient, expected, rtol=1e-5, atol=1e-6 * abs(expected).max())
 
 
+@pytest.mark.few(2)
+@pytest.mark.parametrize("fall", [0.01, 0.03, 0.05])
+@pytest.mark.parametrize("restitution", [0.2, 0.4])
+def test_gradients_of_a_disc_that_comes_to_rest_in_divided_steps(fall, restitution, failing):
+    """Gaps leave room for a next step whose length differs from step to step."""
+    motion = da.solve_nonsmooth(bouncing(fall, restitution), 0.4, step=STEP)
+    assert motion.statistics["divisions of steps"] > 0
+    assert np.unique(motion.record.longest.round(9)).size > 1
+    responses = [da.final("disc.x"), da.final("disc.angle")]
+    direct, adjoint = (
+        da.sensitivity(motion, responses, method=method).values for method in ("direct", "adjoint")
+    )
+    np.testing.assert_allclose(adjoint, direct, rtol=1e-9, atol=1e-9 * abs(direct).max())
+
+
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_the_error_estimate_is_that_of_the_times_of_the_run(scheme, failing):
     motion = da.solve_nonsmooth(bouncing(), 0.1, step=STEP, integrator=scheme)  # in flight

@@ -32,6 +32,7 @@ class ContactRecord:
     offset : (c, k) velocity offset of the condition at the end of the step [m/s]
     curved : (c,) whether the velocities are means over the path of the step, as for concave gaps
     kept : (c,) whether the directions are those at the start of the step, as for impacts
+    longest : (K,) longest step that might follow, for which gaps leave room [s]
     linear : number of components that are not rotations
     loss : (K,) energy dissipated by contacts [J]
     work : (c,) work of the normal force of a compliant contact, zero for a rigid one [J]
@@ -53,6 +54,7 @@ class ContactRecord:
     offset: np.ndarray
     curved: np.ndarray
     kept: np.ndarray
+    longest: np.ndarray
     linear: int
     loss: np.ndarray
     work: np.ndarray

@@ -78,9 +78,9 @@ class PictureFeed:
         latest = (self._latest.get(kind) for kind in KINDS)
         return [message for message in latest if message and message["number"] == self.number]
 
-    def is_outdated(self, name: int) -> bool:
+    def is_outdated(self, number: int) -> bool:
         """Whether the page of this number has been replaced by those of later pictures."""
-        return 0 <= name <= max(self.pages, default=-1) - KEPT
+        return 0 <= number <= max(self.pages, default=-1) - KEPT
 
     def show(self, kind: str, number: int, picture: Picture) -> None:
         """Send a picture to the pages, the still one before the live one."""

@@ -22,13 +22,18 @@ UNRESOLVED = 1e-2
 these, above which the impulses are not a solution [-]."""
 
 
-def with_rounding(
+def without_unresolved(
     impulses: Impulses, contacts: Contacts, mobility: Mobility, fastest: float
 ) -> Impulses:
-    """The impulses; not accepted where rounding of speeds by them exceeds those of the contacts.
+    """The impulses, not accepted if the rounding of their speeds is not small against ``fastest``.
 
-    Speeds by an impulse are differences of those of bodies without joints, which are exact to
-    rounding.
+    With joints, the speeds by an impulse are differences of those that it causes without joints,
+    and have the rounding of these.
+
+    Parameters
+    ----------
+    impulses : solution of the friction problem
+    fastest : the largest speed of a contact without impulses [m/s]
     """
     if not contacts.count or not mobility.joints.shape[0]:
         return impulses

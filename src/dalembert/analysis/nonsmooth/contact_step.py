@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.blocked_contacts import with_rounding
+from dalembert.analysis.nonsmooth.blocked_contacts import without_unresolved
 from dalembert.analysis.nonsmooth.compliant_contacts import CompliantContacts
 from dalembert.analysis.nonsmooth.force_laws import ForceLaws
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
@@ -228,7 +228,7 @@ class ContactStep(ModelGaps):
         v, theta = start.v, self.scheme.theta
         approach = start.approach(contacts, self.rounding)
         impulses, offsets, stuck, compliant = self._impulses(approach, motion, before)
-        impulses = with_rounding(impulses, contacts, motion.mobility, approach.fastest)
+        impulses = without_unresolved(impulses, contacts, motion.mobility, approach.fastest)
         momentum = contacts.directions.T @ impulses.impulses.ravel()
         change, reactions = motion.mobility(momentum)
         after = motion.speeds + change
@@ -245,7 +245,8 @@ class ContactStep(ModelGaps):
         loss = -0.5 * float(momentum @ (after + v)) - compliant.stored(ends)
         solution = contacts, impulses, offsets, stuck, loss, work, compliant.fractions(ends)
         multiplier = motion.multiplier + reactions
-        return StepResult(position, after, multiplier, *solution, impact=start.impact)
+        solved = position, after, multiplier, *solution, start.longest
+        return StepResult(*solved, impact=start.impact)
 
     def _impulses(
         self, approach: Approach, motion: FreeMotion, before: LastImpulses | None

@@ -159,8 +159,8 @@ class NonsmoothRun:
                         )
                         failure = self.not_corrected(t, h, far, position.residual)
                 if failure is not None:
-                    divided = self.divided(grid, k) if is_divisible(failure) else None
-                    if divided is None:
+                    divided = self.divided(grid, k)
+                    if failure.outcome is not Outcome.NOT_CONVERGED or divided is None:
                         return failure
                     grid = divided
                     self.divisions += 1
@@ -224,15 +224,15 @@ class NonsmoothRun:
         return Status(Outcome.NOT_CONVERGED, text, t, residual * self.model.scales.length)
 
     def step_at(self, grid: np.ndarray, k: int) -> ContactStep:
-        """The step ``k``, after which, among parts of a divided one, no longer one than the next
-        follows."""
+        """Functions of the step ``k``; parts of a divided step leave room for impacts in the next
+        part, and not in one of full length."""
         longest = max(float(grid[k + 1] - grid[k]), following_step(grid, k))
         within = longest < 0.75 * self.step.longest
         return replace(self.step, longest=longest) if within else self.step
 
     def divided(self, grid: np.ndarray, k: int) -> np.ndarray | None:
-        """The grid with the step ``k`` in halves, or the next one if that is longer, as impacts
-        precede the step that has no room for them; None where both are short."""
+        """The grid with the step ``k`` divided in halves, or the next one if that is longer: a step
+        may fail as it leaves room for an impact in a long next one. None where both are short."""
         h, following = float(grid[k + 1] - grid[k]), following_step(grid, k)
         if following > 1.5 * h:
             return np.insert(grid, k + 2, grid[k + 1] + following / 2)
@@ -255,8 +255,8 @@ class NonsmoothRun:
                 f"converge (residual {impulses.residual:.3g} m/s after {impulses.rounds} rounds, "
                 f"in a step of {h:.3g} s), the largest of {self.largest_impulse(result)}; use a "
                 f"shorter step{self.further_remedies()}; "
-                "with much friction, or where joints and drivers leave bodies no way to part, "
-                "there is no solution"
+                "there may be no solution with much friction, or where joints and drivers leave "
+                "bodies no way to part"
             )
             return Status(Outcome.NOT_CONVERGED, text, t, impulses.residual)
         return None
@@ -296,8 +296,3 @@ class NonsmoothRun:
 def following_step(grid: np.ndarray, k: int) -> float:
     """Length of the step after the step ``k``; zero after the last one [s]."""
     return float(grid[k + 2] - grid[k + 1]) if k + 2 < grid.size else 0.0
-
-
-def is_divisible(failure: Status) -> bool:
-    """Whether shorter steps may succeed where one failed."""
-    return failure.outcome is Outcome.NOT_CONVERGED

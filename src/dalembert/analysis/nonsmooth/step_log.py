@@ -37,6 +37,7 @@ class StepEntries:
     owner, key, impulse, offset : element, gap, impulse and velocity offset of each pressing contact
     curved : whether the step had means over its path for the gap of a pressing contact
     kept : whether a pressing contact had its directions at the start of the step
+    longest : (K,) longest step that might follow [s]
     loss, friction : (K,) energy dissipated by the contacts, and its part by tangential impulses
     work, fraction : of each pressing contact, as in ``StepResult``
     residual, rounds, converged : (K,) of the solutions of the friction problems
@@ -50,6 +51,7 @@ class StepEntries:
     offset: np.ndarray
     curved: np.ndarray
     kept: np.ndarray
+    longest: np.ndarray
     loss: np.ndarray
     friction: np.ndarray
     work: np.ndarray
@@ -74,6 +76,7 @@ class StepEntries:
             result.offsets[pressing],
             np.isin(contacts.key[pressing], result.curved),
             contacts.kept_mask[pressing],
+            np.array([result.longest]),
             np.array([result.loss]),
             np.array([friction]),
             result.work[pressing],
@@ -89,21 +92,8 @@ class StepEntries:
         impulses."""
         whole, number, flag = np.zeros(0), np.zeros(0, dtype=int), np.zeros(0, dtype=bool)
         table = np.zeros((0, components))
-        entries = (
-            number,
-            number,
-            number,
-            table,
-            table,
-            flag,
-            flag,
-            whole,
-            whole,
-            whole,
-            whole,
-            whole,
-        )
-        none = cls(np.zeros((joints, 0)), *entries, number, flag)
+        entries = [*[number] * 3, *[table] * 2, *[flag] * 2, *[whole] * 6, number, flag]
+        none = cls(np.zeros((joints, 0)), *entries)
         parts = [none, *parts]
         columns = {f.name: [getattr(part, f.name) for part in parts] for f in fields(cls)}
         multiplier = np.concatenate(columns.pop("multiplier"), axis=1)
@@ -228,6 +218,7 @@ class StepLog:
             offset=entries.offset,
             curved=entries.curved,
             kept=entries.kept,
+            longest=entries.longest,
             linear=1 + sum(self.step.groups[:1]),
             loss=loss,
             work=entries.work,

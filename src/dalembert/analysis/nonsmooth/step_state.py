@@ -44,6 +44,7 @@ class StepResult:
     fractions : (n,) length of the step over the duration of compliant contacts, else zero [-]
     curved : keys of the contacts with means over the path; others have directions in the middle
     path : the solution whose displacement is the path of the means
+    longest : longest step that may follow, for which gaps leave room [s]
     impact : impacts at the start of the step; their impulses are part of ``impulses``
     closing : gaps that the linear motion closes; None if the scheme keeps all open
     returning : gaps without impulses that their rate at the start would close
@@ -59,6 +60,7 @@ class StepResult:
     loss: float
     work: np.ndarray
     fractions: np.ndarray
+    longest: float
     curved: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
     path: StepResult | None = None
     impact: ImpactStage | None = None

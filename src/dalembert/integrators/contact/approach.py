@@ -31,7 +31,7 @@ class Approach:
     contacts : Contacts
     before, free : (n, k) relative velocities at the start, and at the end without impulses
     h : step [s], of each contact if they act in different ones
-    longest : longest step, that after this one may have [s]
+    longest : longest step that may follow [s], of each contact if they act in different steps
     begins : True in the first step, which no earlier step could prepare for an impact
     rounding : gap that counts as closed [m]
     struck : (n, k) relative velocities after impacts at the start; None without any
@@ -42,7 +42,7 @@ class Approach:
     before: np.ndarray
     free: np.ndarray
     h: float | np.ndarray
-    longest: float
+    longest: float | np.ndarray
     begins: bool = False
     rounding: float = 0.0
     struck: np.ndarray | None = None

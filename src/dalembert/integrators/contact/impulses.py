@@ -134,18 +134,17 @@ def _alternating(
     if problem.matrix.by_blocks:
         alternations, few, sweeps = BLOCK_ALTERNATIONS, BLOCK_ITERATIONS, BLOCK_SWEEPS
     few = few if problem.friction.any() else MAX_ITERATIONS
-    residual, few_allowed = problem.residual(impulses), NEWTON_SHARE * allowed
-    for _ in range(alternations):
-        for method in (
-            lambda guess: swept(problem, guess, SWEEP_SHARE * allowed, sweeps),
-            lambda guess: semismooth_newton(problem, guess, few_allowed, few),
-        ):
-            trial = method(impulses)
-            after = problem.residual(trial)
-            if after <= max(residual, problem.scale):
-                impulses, residual = trial, after
-            if residual <= allowed:
-                return impulses, residual
+    residual = problem.residual(impulses)
+    for number in range(2 * alternations):
+        if number % 2:
+            trial = semismooth_newton(problem, impulses, NEWTON_SHARE * allowed, few)
+        else:
+            trial = swept(problem, impulses, SWEEP_SHARE * allowed, sweeps)
+        trial_residual = problem.residual(trial)
+        if trial_residual <= max(residual, problem.scale):  # others have diverged
+            impulses, residual = trial, trial_residual
+        if residual <= allowed:
+            break
     return impulses, residual
 
 

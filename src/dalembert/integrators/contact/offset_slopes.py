@@ -95,15 +95,16 @@ def anticipated_slopes(
     one = np.where(overlaps, 0.0, 1.0)
     margin = (gap + h * u / 2) / room
     by_restitution = margin * approach.longest / 2 / room
+    opens = [2 * contacts.distance / h + u, 2 / h + zero, 1 + zero, zero, zero]
     branches = np.array(  # value, derivatives by g, u and e, by the change of speed by forces
         [
             [closing * gap / h, closing / h * one, zero, zero, zero],  # at rest
-            [2 * contacts.distance / h + u, 2 / h + zero, 1 + zero, zero, zero],  # remains open
+            opens,  # remains open
             [bounce, zero, *bounced, zero],  # impact
             [(gap + h * u / 2) / stop, one / stop, h / 2 / stop + zero, zero, zero],  # separates
             [margin, one / room, h / 2 / room, newton * by_restitution, zero],  # room for impacts
             [u, zero, 1 + zero, zero, zero],  # no work
-            [2 * contacts.distance / h + u, 2 / h + zero, 1 + zero, zero, zero],  # turns past
+            opens,  # remains open while it separates
             [offsets[:, 0], zero, zero, zero, 1 + zero],  # approaches as forces change its speed
         ]
     )

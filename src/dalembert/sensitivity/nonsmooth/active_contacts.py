@@ -22,6 +22,7 @@ class ActiveContacts:
     impulses, offsets : (n, k)
     curved : (n,) mask of means over the path of the step
     kept : (n,) mask of directions at the start of the step
+    longest : (n,) longest step that might follow [s]
     """
 
     keys: np.ndarray
@@ -29,6 +30,7 @@ class ActiveContacts:
     offsets: np.ndarray
     curved: np.ndarray
     kept: np.ndarray
+    longest: np.ndarray
 
     @classmethod
     def of(cls, result: StepResult) -> ActiveContacts:
@@ -44,11 +46,12 @@ class ActiveContacts:
                     rest = impulses[i] - own
                     impulses[i] = np.where(abs(rest) > ROUNDING * abs(impulses[i]), rest, 0.0)
         kept = result.contacts.kept_mask[rows]
-        return cls(keys[rows], impulses, result.offsets[rows], curved, kept)
+        longest = np.full(rows.size, result.longest)
+        return cls(keys[rows], impulses, result.offsets[rows], curved, kept, longest)
 
     def some(self, selected: np.ndarray) -> ActiveContacts:
         """The selected contacts."""
-        fields = self.keys, self.impulses, self.offsets, self.curved, self.kept
+        fields = self.keys, self.impulses, self.offsets, self.curved, self.kept, self.longest
         return ActiveContacts(*(field[selected] for field in fields))
 
     def pressing(self, impulses: np.ndarray) -> ActiveContacts:

@@ -91,7 +91,7 @@ class ContactEquations:
         turning[soft], turning[active.curved] = 0.0, 0.0
         distance = step.cleared(values.distance, turning, h)
         contacts = Contacts(distance, w, np.zeros((count, k)), laws, groups, keys, 0 * keys)
-        approach = Approach(contacts, values.before, values.after, h, step.longest)
+        approach = Approach(contacts, values.before, values.after, h, active.longest)
         if impact is not None:
             hit = np.isin(np.arange(count), impact.rows)
             approach = replace(approach, struck=impact.struck, hit=hit)

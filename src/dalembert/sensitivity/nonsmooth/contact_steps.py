@@ -193,7 +193,8 @@ class ContactSteps:
         before = self._last(k - 1)
         if before is not None:  # from its own impulses, as solutions may not be unique
             before = replace(before, pressing=self._impulses(k).pressing)
-        result: StepResult | None = advance(self.step, t, h, y, v, before)
+        step = replace(self.step, longest=float(self.record.longest[k]))
+        result: StepResult | None = advance(step, t, h, y, v, before)
         results = []
         while result is not None:
             results.append(result)

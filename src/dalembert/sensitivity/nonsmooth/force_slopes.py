@@ -86,7 +86,8 @@ class ForceSlopes:
         count = approach.before.shape[0]
         rigid = ~np.isin(np.arange(count), self.rows)
         contacts = approach.contacts.some(np.flatnonzero(rigid))
-        state = approach.before[rigid], approach.free[rigid], approach.h, approach.longest
+        longest = np.broadcast_to(approach.longest, rigid.shape)[rigid]
+        state = approach.before[rigid], approach.free[rigid], approach.h, longest
         own = scheme.slopes(Approach(contacts, *state), offsets[rigid], rounding)
         values = {}
         for field in fields(OffsetSlopes):

@@ -27,7 +27,8 @@ class RecordedContacts:
     def __init__(self, record: ContactRecord):
         order = np.lexsort((record.key, record.step))
         fields = record.key, record.impulse, record.offset, record.curved, record.kept
-        self.all, self.owner = ActiveContacts(*fields).some(order), record.step[order]
+        active = ActiveContacts(*fields, record.longest[record.step])
+        self.all, self.owner = active.some(order), record.step[order]
         self.first = np.searchsorted(self.owner, np.arange(record.t.size))
 
     def of(self, k: int) -> ActiveContacts:

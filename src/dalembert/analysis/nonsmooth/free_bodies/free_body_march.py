@@ -235,6 +235,7 @@ class FreeBodyMarch:
             offset=offsets,
             curved=curved,
             kept=kept,
+            longest=np.full(count, self._step.longest),
             loss=numbers[:, LOSS],
             friction=numbers[:, FRICTION],
             work=zero,
