@@ -88,12 +88,12 @@ def test_the_spin_reverses():
 
 
 @pytest.mark.thorough
-def test_steps_reverse_the_spin_with_errors_of_first_order():
-    """Moments of inertia differ, so that gyroscopic moments are of first order."""
+def test_steps_reverse_the_spin():
+    """The gap is a formula of the surface, whose contact moves in the step: order 1.6."""
     times, errors = np.linspace(0, TIME, 31), []
     for step in (2e-3, 1e-3):
         motion = da.solve_nonsmooth(rattleback(), TIME, step=step, outputs=times)
         assert motion.status.success
         turned = motion["stone.angular_velocity"].values
         errors.append(np.abs(turned - exact()).max())
-    assert errors[0] < 0.1 and 1.7 < errors[0] / errors[1] < 2.6
+    assert errors[0] < 0.05 and errors[0] > 2.8 * errors[1]

@@ -138,7 +138,7 @@ def _opened(
     for _ in range(REPETITIONS):
         if not np.isfinite(result.y).all():
             break
-        late = step.late(start, result)
+        late = start.late(result, step.rounding)
         if late.size:
             strikes = np.append(strikes, late)
             start = step.struck(whole, contacts.some(np.isin(contacts.key, strikes)))

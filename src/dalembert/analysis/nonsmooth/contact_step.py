@@ -12,6 +12,7 @@ from dalembert.analysis.nonsmooth.compliant_contacts import CompliantContacts
 from dalembert.analysis.nonsmooth.force_laws import ForceLaws
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.model_gaps import ModelGaps
+from dalembert.analysis.nonsmooth.gyroscopic import SAME_TURN, turn_error
 from dalembert.analysis.nonsmooth.impact_stage import impact_stage
 from dalembert.analysis.nonsmooth.middle_directions import (
     in_middle,
@@ -172,17 +173,6 @@ class ContactStep(ModelGaps):
         stage = impact_stage(approach, start.motion.mobility, self.solver)
         return start if stage is None else start.after(stage)
 
-    def late(self, start: StepStart, result: StepResult) -> np.ndarray:
-        """Keys of the pressing contacts by other laws than Newton's that close fast, but take no
-        part in the impacts of the start."""
-        contacts = result.contacts
-        other = ~contacts.laws.follows(ImpactLaw.NEWTON) & (result.impulses.impulses[:, 0] > 0)
-        if not other.any():
-            return contacts.key[:0]
-        approach = start.approach(contacts, self.rounding)
-        late: np.ndarray = contacts.key[other & approach.impacting & ~approach.hit]
-        return late
-
     def solved(
         self, start: StepStart, contacts: Contacts, before: LastImpulses | None
     ) -> StepResult:
@@ -192,7 +182,7 @@ class ContactStep(ModelGaps):
         does not converge, those of the solution that changes least.
         """
         if not self.smooth.takes_means(self.scheme.theta):
-            return self._solved(start, start.motion, contacts, before)
+            return self._turned(start, contacts, before)
         pressed = before is not None and before.pressing[0].size > 0
         after, last, warm, best = start.v if pressed else start.free, np.inf, before, None
         stuck = contacts.key[:0] if before is None else before.stuck
@@ -210,6 +200,24 @@ class ContactStep(ModelGaps):
             after, last, best = result.v, change, result
             warm = replace(result.last, stuck=stuck)
         return best or self._solved(start, start.motion, contacts, before)
+
+    def _turned(
+        self, start: StepStart, contacts: Contacts, before: LastImpulses | None
+    ) -> StepResult:
+        """A step with gyroscopic forces of the mean speeds of its solution, by repetition."""
+        smooth, theta, last = self.smooth, self.scheme.theta, np.inf
+        result = self._solved(start, start.motion, contacts, before)
+        stuck, mean = contacts.key[:0] if before is None else before.stuck, start.smooth.mean
+        sizes = self.model.scales.displacements[smooth.turning] / start.h
+        for _ in range(PATHS if smooth.turning.size else 0):
+            own = (start.v + theta * (result.v - start.v))[smooth.turning]
+            error = turn_error(own, mean, sizes)
+            if not result.impulses.accepted or error <= SAME_TURN or not error < last:
+                break
+            mean, last = own, error
+            motion = start.with_impact(smooth.turned(start.smooth, theta, mean))
+            result = self._solved(start, motion, contacts, replace(result.last, stuck=stuck))
+        return result
 
     def _change(self, start: StepStart, speeds: np.ndarray, other: np.ndarray) -> float:
         """Largest difference of speeds times the largest displacement, by the natural ones."""

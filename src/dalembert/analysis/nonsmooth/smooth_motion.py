@@ -70,6 +70,8 @@ class SmoothStep:
     ----------
     t, h, y, v, p : start, length, state and parameters
     force, mass : at the middle of the step
+    mean : (k,) mean speeds with which gyroscopic forces are computed
+    joint_rates : (m,) rates of the joints by the impulses
     free : the motion without impulses
     states : change of the states of first order
     """
@@ -81,6 +83,8 @@ class SmoothStep:
     p: np.ndarray
     force: np.ndarray
     mass: Matrix
+    mean: np.ndarray
+    joint_rates: np.ndarray
     free: FreeMotion
     states: StateChange
 
@@ -91,7 +95,8 @@ class SmoothMotion:
         (M − h θ D − h² θ² K)(v⁺ − v) = h F − Cᵀ Λ,      C (σ v⁺ + (1−σ) v) = −Φ_t
 
     with ``F = f − d``, ``D = ∂F/∂v``, ``K = (∂F/∂y) A`` at ``y ⊕ θ h v``, ``v``; for linear forces
-    this is the θ-method itself. Gyroscopic forces of free bodies do no work (``smooth_forces``).
+    this is the θ-method itself. Gyroscopic forces of free bodies do no work (``MeanForces``); the
+    step is repeated with the mean speeds of its solution (``turned``).
     ``C`` and ``Φ_t`` are taken at ``y ⊕ σ h v``, ``σ = max(θ, 1/2)``:
     with constraints on the speeds at the end alone the centripetal forces within the step are lost.
     States of first order are eliminated (``step_forces``). Steps by the midpoint rule with joints
@@ -104,6 +109,7 @@ class SmoothMotion:
     Attributes
     ----------
     forces, lead : formulas of the forces, and the symbol of ``θ h`` in them
+    turning : (k,) numbers of the speeds with gyroscopic forces
     coupling : independent groups of speeds
     prescribes : whether joints prescribe speeds that depend on time
     """
@@ -127,7 +133,9 @@ class SmoothMotion:
         inputs_at_position = [e.t, e.y, e.p]
         still = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
         inputs = [e.t, e.y, e.v, e.p, lead]
-        self._forces = Patterned("forces", inputs, forces.all)
+        self.turning = forces.turning
+        first = forces.with_mean(forces.predicted)
+        self._forces = Patterned("forces", inputs, [*first.all, forces.predicted])
         self._mass = Patterned("mass", [e.y, e.p], [e.mass])
         magnitudes = ca.mtimes(ca.fabs(position_lift(e)).T, ca.fabs(e.y))
         rounding = ROUNDING * ca.mtimes(ca.fabs(e.position_jacobian), magnitudes)
@@ -154,19 +162,39 @@ class SmoothMotion:
         fraction = constrained_fraction(theta)
         middle, between = self._go(y, theta * h * v), self._go(y, fraction * h * v)
         arguments = t + theta * h, middle, v, p, theta * h
-        force, damping, stiffness, rates, gain = self._forces(*arguments)
+        force, damping, stiffness, rates, gain, mean = self._forces(*arguments)
         mass = self._mass(middle, p)[0]
         matrix = mass
         if self._reacts:
             matrix = mass - h * theta * damping - (h * theta) ** 2 * stiffness
         joints, still = self._joints(t + fraction * h, between, p)[:2]
         mobility = Mobility(matrix, joints, self.coupling)
-        change, multiplier = mobility(h * force, -(still + joints @ v) / fraction)
+        joint_rates = -(still + joints @ v) / fraction
+        change, multiplier = mobility(h * force, joint_rates)
         free, states = (
             FreeMotion(v + change, multiplier, mobility),
             StateChange(self._states, h * rates, gain),
         )
-        return SmoothStep(t, h, y, v, p, force, mass, free, states)
+        return SmoothStep(t, h, y, v, p, force, mass, mean, joint_rates, free, states)
+
+    def turned(self, start: SmoothStep, theta: float, mean: np.ndarray) -> FreeMotion:
+        """The motion with gyroscopic forces of the mean speeds ``mean`` (k,)."""
+        h, p = start.h, start.p
+        middle = self._go(start.y, theta * h * start.v)
+        force, damping, stiffness = self._with_mean(
+            start.t + theta * h, middle, start.v, p, theta * h, mean
+        )
+        matrix = start.mass - h * theta * damping - (h * theta) ** 2 * stiffness
+        mobility = Mobility(matrix, start.free.mobility.joints, self.coupling)
+        change, multiplier = mobility(h * force, start.joint_rates)
+        return FreeMotion(start.v + change, multiplier, mobility)
+
+    @cached_property
+    def _with_mean(self) -> Patterned:
+        """``(t, y, v, p, θ h, v̄) → F, D, K``."""
+        e, forces = self._equations, self.forces
+        inputs = [e.t, e.y, e.v, e.p, self.lead, forces.mean]
+        return Patterned("turned", inputs, forces.all[:3])
 
     def along(self, start: SmoothStep, after: np.ndarray) -> FreeMotion:
         """The motion with joints and forces along the path with speeds ``after`` at its end.

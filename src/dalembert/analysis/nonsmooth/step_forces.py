@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
+import numpy as np
 
-from dalembert.analysis.nonsmooth.gyroscopic import smooth_forces
+from dalembert.analysis.nonsmooth.gyroscopic import mean_forces
 from dalembert.model.graph.equations import Equations
 
 
@@ -27,6 +28,9 @@ class StepForces:
     stiffness : ``(∂F/∂y) A``
     rates : ``N⁻¹ f`` (n_x,)
     gain : ``G`` (n_x, n)
+    turning, mean, predicted : numbers of the speeds with gyroscopic forces, the symbol of their
+        means over the step, on which ``driving`` and ``damping`` depend, and these means without
+        impulses (``MeanForces``)
     """
 
     driving: ca.SX
@@ -34,11 +38,21 @@ class StepForces:
     stiffness: ca.SX
     rates: ca.SX
     gain: ca.SX
+    turning: np.ndarray
+    mean: ca.SX
+    predicted: ca.SX
 
     @property
     def all(self) -> list[ca.SX]:
-        """All of them, in this order."""
+        """All forces and rates, in this order."""
         return [self.driving, self.damping, self.stiffness, self.rates, self.gain]
+
+    def with_mean(self, mean: ca.SX) -> StepForces:
+        """The forces with some mean speeds (k,)."""
+        if not self.turning.size:
+            return self
+        parts = [ca.substitute(part, self.mean, mean) for part in (self.driving, self.damping)]
+        return replace(self, driving=parts[0], damping=parts[1], mean=mean)
 
 
 def step_forces(e: Equations, lead: ca.SX) -> StepForces:
@@ -49,11 +63,13 @@ def step_forces(e: Equations, lead: ca.SX) -> StepForces:
     e : equations of the model
     lead : symbol of ``θ h``
     """
-    driving, damping = smooth_forces(e, lead)
+    means = mean_forces(e, lead)
+    driving, damping = means.driving, means.damping
+    turning = means.rows, means.mean, means.predicted
     force, states = ca.densify(e.force - e.bias), list(e.states)
     if not states:
         nothing = ca.SX(0, 1), ca.SX(0, e.speed_count)
-        return StepForces(driving, damping, e.by_displacement(force), *nothing)
+        return StepForces(driving, damping, e.by_displacement(force), *nothing, *turning)
     x, f, lift = e.y[states], ca.densify(e.pose_rate[states]), position_lift(e)
 
     def by_displacement(expression: ca.SX) -> ca.SX:
@@ -70,6 +86,7 @@ def step_forces(e: Equations, lead: ca.SX) -> StepForces:
         by_displacement(force),
         rates,
         gain,
+        *turning,
     )
 
 

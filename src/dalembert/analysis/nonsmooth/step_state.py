@@ -8,6 +8,7 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.impact_stage import ImpactStage
 from dalembert.analysis.nonsmooth.smooth_motion import FreeMotion, SmoothStep
+from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.integrators.contact.impulses import Impulses
@@ -139,6 +140,17 @@ class StepStart:
         change = contacts.directions @ self.impact.change
         struck = approach.before + change.reshape(approach.before.shape)
         return replace(approach, struck=struck, hit=self.impact.rows(contacts))
+
+    def late(self, result: StepResult, rounding: float) -> np.ndarray:
+        """Keys of the pressing contacts by other laws than Newton's that close fast, but take no
+        part in the impacts of the start."""
+        contacts = result.contacts
+        other = ~contacts.laws.follows(ImpactLaw.NEWTON) & (result.impulses.impulses[:, 0] > 0)
+        if not other.any():
+            return contacts.key[:0]
+        approach = self.approach(contacts, rounding)
+        late: np.ndarray = contacts.key[other & approach.impacting & ~approach.hit]
+        return late
 
 
 def warm_start(

@@ -126,7 +126,7 @@ static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, ca
   casadi_inertia_blocks(arg, res, iw);
   casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
   for (k=0; k<iw[25]; ++k) {
-    for (r=0; r<rows; ++r) velocity[r] = res[25][r] + res[26][r];
+    for (r=0; r<rows; ++r) velocity[r] = res[48][r] + res[26][r];
     rounds += casadi_solution(arg, res, iw, w, arg[36][1], scale);
     residual = res[11][1];
     allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
@@ -135,7 +135,7 @@ static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, ca
     casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], res[0], rows, iw[3],
       res[10]);
     for (r=0; r<rows; ++r) {
-      res[5][r] = res[25][r] + casadi_row(arg[0], (const int*) arg[10], ((const int*) arg[9])[r],
+      res[5][r] = res[48][r] + casadi_row(arg[0], (const int*) arg[10], ((const int*) arg[9])[r],
         ((const int*) arg[9])[r+1], res[10]);
     }
     if (!casadi_next_offsets(arg, res, iw, limits[0])) break;
@@ -186,6 +186,42 @@ static void casadi_record(const casadi_real** arg, casadi_real** res, casadi_int
   iw[21] += pressing;
   ++iw[20];
 }
+/* other forces of the same step: its responses, and the velocities at its end without impulses */
+static void casadi_other_forces(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
+  const int* contact = (const int*) arg[51];
+  const int* row = (const int*) arg[9];
+  casadi_int i, j, r;
+  for (j=0; j<iw[3]; ++j) res[10][j] = res[19][j] - res[49][j];
+  for (i=0; i<iw[0]; ++i, contact+=6) casadi_response_rows(arg, res, iw, i, contact[1], contact[3]);
+  for (r=0; r<iw[0]*iw[1]; ++r) {
+    res[48][r] = res[25][r]
+      + casadi_row(arg[0], (const int*) arg[10], row[r], row[r+1], res[10]);
+  }
+}
+/* contacts of a step, with the velocities that it has without impulses, also in res[48], and the speeds
+   in res[49]; the outcome */
+static casadi_int casadi_prepare(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    casadi_real* deepest) {
+  casadi_real* v = (casadi_real*) arg[22];
+  casadi_real h = arg[36][0], reach[2];
+  casadi_int j, r;
+  reach[0] = 0;
+  reach[1] = 0;
+  casadi_fastest(arg, iw, v, reach);
+  casadi_fastest(arg, iw, res[19], reach);
+  for (j=0; j<2; ++j) reach[j] = arg[37][17]*h*reach[j];
+  res[11][3] = reach[0]>reach[1] ? reach[0] : reach[1];
+  if (!casadi_listed(arg, iw, res[11][3])) return 2;
+  deepest[0] = casadi_contacts(arg, res, iw, reach);
+  if (iw[0]>iw[19]) return 7;
+  casadi_take_middle(arg, res, iw);
+  for (r=0; r<iw[0]*iw[1]; ++r) res[48][r] = res[25][r];
+  for (j=0; j<iw[3]; ++j) res[49][j] = res[19][j];
+  if (((const casadi_int*) arg[47])[6]==2) return 0;
+  if (iw[21]+iw[0]>iw[22]) return 3;
+  if (!(deepest[0]>=-arg[36][2])) return 4;
+  return casadi_contact_places(arg, res, iw) ? 5 : 0;
+}
 /* a step; iw[6] is its outcome: 0 done, 1 singular inertia, 2 the list is outdated, 3 more
    contacts than memory of the record, 4 a gap is closed, 5 the order of elimination misses a pair of
    bodies, 6 the impulses did not converge, 7 more contacts than memory */
@@ -194,10 +230,11 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   const int* start = (const int*) arg[30];
   casadi_real* v = (casadi_real*) arg[22];
   casadi_real* free = res[19];
-  casadi_real h = arg[36][0], reach[2], deepest;
-  casadi_int j, rounds = 0;
+  const casadi_real* last = res[30] + 6*iw[20];
+  casadi_real h = arg[36][0], deepest[1];
+  casadi_int j, rounds = 0, call = ((const casadi_int*) arg[47])[6];
   iw[6] = 0;
-  if (((const casadi_int*) arg[47])[6]==1) {
+  if (call==1) {
     casadi_path(arg, res, iw);
     return 0;
   }
@@ -205,35 +242,23 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (casadi_invert(arg, res, iw, w)) return 0;
   for (j=0; j<iw[3]; ++j) free[j] = v[j];
   casadi_accelerate(res[20], start, iw[16], iw[9], h, arg[23], free);
-  reach[0] = 0;
-  reach[1] = 0;
-  casadi_fastest(arg, iw, v, reach);
-  casadi_fastest(arg, iw, free, reach);
-  for (j=0; j<2; ++j) reach[j] = arg[37][17]*h*reach[j];
-  res[11][3] = reach[0]>reach[1] ? reach[0] : reach[1];
-  iw[6] = 2;
-  if (!casadi_listed(arg, iw, res[11][3])) return 0;
-  deepest = casadi_contacts(arg, res, iw, reach);
-  iw[6] = 7;
-  if (iw[0]>iw[19]) return 0;
-  casadi_take_middle(arg, res, iw);
-  iw[6] = 0;
-  if (((const casadi_int*) arg[47])[6]==2) return 0;
-  iw[6] = 3;
-  if (iw[21]+iw[0]>iw[22]) return 0;
-  iw[6] = 4;
-  if (!(deepest>=-arg[36][2])) return 0;
-  iw[6] = 5;
-  if (casadi_contact_places(arg, res, iw)) return 0;
+  if (call==3) {
+    casadi_other_forces(arg, res, iw);
+    deepest[0] = last[0];
+  } else {
+    iw[6] = casadi_prepare(arg, res, iw, deepest);
+    if (iw[6] || call==2) return 0;
+  }
   iw[6] = 6;
   for (j=0; j<iw[3]; ++j) res[10][j] = 0;
   if (iw[0]>0) rounds = casadi_impulses(arg, res, iw, w);
   if (rounds<0) return 0;
+  if (call==3) rounds += last[4];
   for (j=0; j<iw[3]; ++j) {
     free[j] += res[10][j];
     if (!(fabs(free[j])<1e300)) return 0;
   }
-  casadi_record(arg, res, iw, deepest, rounds);
+  casadi_record(arg, res, iw, deepest[0], rounds);
   for (j=0; j<iw[3]; ++j) {
     res[28][j] = h*(0.5*free[j] + 0.5*v[j]);
     v[j] = free[j];

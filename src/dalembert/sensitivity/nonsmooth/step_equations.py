@@ -17,6 +17,7 @@ import scipy
 from dalembert.analysis.nonsmooth.path_forces import path_forces, takes_means
 from dalembert.analysis.nonsmooth.smooth_motion import constrained_fraction
 from dalembert.analysis.nonsmooth.step_forces import (
+    StepForces,
     states_moved_by_speeds,
     step_forces,
 )
@@ -67,7 +68,8 @@ class StepEquations:
     """
 
     def __init__(self, e: Equations, theta: float):
-        self.e, self.theta, self.h = e, theta, ca.SX.sym("h")
+        self.e, self.theta = e, theta
+        self.h, self._lead = ca.SX.sym("h"), ca.SX.sym("lead")
         self.speeds = ca.SX.sym("speeds", e.v.numel())
         self.multiplier = ca.SX.sym("multiplier", e.constraint_count)
         self.z = ca.vertcat(self.speeds, self.multiplier)
@@ -84,9 +86,11 @@ class StepEquations:
         """From the start of a step to its end, before corrections."""
         e, h, after = self.e, self.h, self.speeds
         if not takes_means(e, self.theta):
-            return self.linear
+            turning = self._forces.turning.tolist()
+            mean = self.theta * after + (1 - self.theta) * e.v
+            return self._linear(mean[turning]) if turning else self.linear
         means = path_forces(e, h, (e.v + after) / 2)
-        momentum, states = self._linear_parts
+        momentum, states = self._linear_parts()
         if not e.states:
             mass = ca.Function("mass", [e.y, e.p], [e.mass])
             middle = mass(e.manifold.going(e.y, h * e.v / 2), e.p)
@@ -97,8 +101,14 @@ class StepEquations:
 
     @cached_property
     def linear(self) -> SmoothMap:
-        """The step with forces linearised about its start and joints at one position."""
-        momentum, states = self._linear_parts
+        """The step without impulses, with forces linearised about its start and joints at one
+        position."""
+        return self._linear()
+
+    def _linear(self, mean: ca.SX | None = None) -> SmoothMap:
+        """The linearised step with gyroscopic forces of the mean speeds ``mean``, by default those
+        without impulses."""
+        momentum, states = self._linear_parts(mean)
         e, h, after, part = self.e, self.h, self.speeds, constrained_fraction(self.theta)
         between = e.manifold.going(e.y, part * h * e.v)
         jacobian, by_time, _ = self._joints(e.t + part * h, between, e.p)
@@ -106,15 +116,19 @@ class StepEquations:
         return self._map(momentum + ca.mtimes(jacobian.T, self.multiplier), rates, states)
 
     @cached_property
-    def _linear_parts(self) -> tuple[ca.SX, ca.SX]:
+    def _forces(self) -> StepForces:
+        return step_forces(self.e, self._lead)
+
+    def _linear_parts(self, mean: ca.SX | None = None) -> tuple[ca.SX, ca.SX]:
         """Momentum balance with linearised forces, without joints, and the change of the states."""
-        e, h, theta, after = self.e, self.h, self.theta, self.speeds
-        lead = ca.SX.sym("lead")
-        outputs = [e.mass, *step_forces(e, lead).all]
-        smooth = ca.Function("smooth", [e.t, e.y, e.v, e.p, lead], outputs)
+        e, h, theta, after, forces = self.e, self.h, self.theta, self.speeds, self._forces
+        inputs = [e.t, e.y, e.v, e.p, self._lead]
+        smooth = ca.Function("smooth", [*inputs, forces.mean], [e.mass, *forces.all])
         middle = e.manifold.going(e.y, theta * h * e.v)
         arguments = e.t + theta * h, middle, e.v, e.p, theta * h
-        mass, force, damping, stiffness, rates, gain = smooth(*arguments)
+        if mean is None:
+            mean = ca.Function("predicted", inputs, [forces.predicted])(*arguments)
+        mass, force, damping, stiffness, rates, gain = smooth(*arguments, mean)
         matrix = mass - h * theta * damping - (h * theta) ** 2 * stiffness
         change = h * rates + ca.mtimes(gain, after - e.v)
         return ca.mtimes(matrix, after - e.v) - h * force, change

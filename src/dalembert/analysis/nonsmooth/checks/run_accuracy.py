@@ -2,7 +2,7 @@
 
 With steps of ``q`` times the length, the error of a run is the difference of both runs over ``q −
 1``, as the schemes are of first order, or over ``q² − 1`` with force laws alone, and for
-``AnticipatedImpacts`` in the plane without impacts. The estimate includes errors of the instants of
+``AnticipatedImpacts`` without impacts. The estimate includes errors of the instants of
 impacts and their amplification by the motion. An impact is applied at an end of a step: half of
 those of ``q = 2`` are among the ends of steps of the run, so that both runs often have the same
 error, and those of periodic motions again and again. Therefore eight steps are repeated as five.
@@ -70,8 +70,7 @@ class RunAccuracy:
         if not status.success:
             return ErrorEstimate(np.inf, "", float(status.time), RATIO)
         y, times = record.ends.y, record.t[compared]
-        turns = bool(model.equations.manifold.attitudes)  # gyroscopic moments are of first order
-        lasting = self.step.scheme.anticipates and not (turns or record.kept.any())
+        lasting = self.step.scheme.anticipates and not record.kept.any()
         order = 2 if lasting or self.step.force_laws.are_all else 1
         error = y[:, compared] - positions[:, np.searchsorted(grid, times)]
         error = error / ((SHORT / LONG) ** order - 1)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from dalembert.analysis.nonsmooth.advance import REPETITIONS, inexact_depth
-from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.contact_step import PATHS, ContactStep
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import (
     FreeBodyMotion,
     free_body_motion,
@@ -28,6 +28,7 @@ from dalembert.analysis.nonsmooth.free_bodies.step_outcome import (
     ROUNDS_OF,
     StepOutcome,
 )
+from dalembert.analysis.nonsmooth.gyroscopic import SAME_TURN, turn_error
 from dalembert.analysis.nonsmooth.step_log import StepEntries, StepLog
 from dalembert.analysis.nonsmooth.step_state import LastImpulses
 from dalembert.integrators.contact.schemes import AnticipatedImpacts
@@ -59,7 +60,11 @@ class FreeBodyMarch:
         places, t, v, p = FixedCalls(motion.places, compiled=False), self._t, steps.v, step.p
         geometry = steps.corners, steps.references, steps.normals, steps.velocities
         forces = FixedCalls(motion.forces, compiled=False)
-        self._forces = forces.on([t, self._y, v, p, self._h], [steps.force, steps.inertia])
+        state, mean = [t, self._y, v, p, self._h], np.zeros(step.smooth.turning.size)
+        self._forces = forces.on(state, [steps.force, steps.inertia, mean])
+        turned = FixedCalls(motion.turned, compiled=False)
+        self._turned = turned.on([*state, mean], [steps.force, steps.inertia])
+        self._mean = mean
         self._manifold = step.model.equations.manifold
         self._part, self._half = np.zeros_like(steps.v), np.zeros_like(steps.v)
 
@@ -204,7 +209,20 @@ class FreeBodyMarch:
         steps.warm(*self._last.pressing)
 
     def _attempt(self) -> StepOutcome:
-        return self._steps() if self._forces() else StepOutcome.UNSOLVED
+        """The step, repeated with the mean speeds of its solution in the gyroscopic forces."""
+        steps, before, last = self._steps, self._steps.v.copy(), np.inf
+        rows, scales = self._step.smooth.turning, self._step.model.scales.displacements
+        outcome = steps() if self._forces() else StepOutcome.UNSOLVED
+        for _ in range(PATHS if rows.size else 0):
+            if outcome is not StepOutcome.DONE:
+                break
+            mean = ((before + steps.v) / 2)[rows]
+            error = turn_error(mean, self._mean, scales[rows] / self._h)
+            if error <= SAME_TURN or not error < last:
+                break
+            self._mean[:], last, steps.v[:] = mean, error, before
+            outcome = steps.again() if self._turned() else StepOutcome.UNSOLVED
+        return outcome
 
     def _transfer(self, grid: np.ndarray, begin: int, end: int, log: StepLog) -> int:
         """Append the recorded steps from ``begin`` to ``end`` to the log; the end."""

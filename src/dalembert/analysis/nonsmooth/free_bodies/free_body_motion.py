@@ -30,7 +30,9 @@ class FreeBodyMotion:
 
     Attributes
     ----------
-    forces : ``(t, y, v, p, h) → F, A``, forces and entries of the matrix of a step by rows
+    forces : ``(t, y, v, p, h) → F, A, v̄``, forces and entries of the matrix of a step by rows, and
+        mean speeds of gyroscopic forces
+    turned : ``(t, y, v, p, h, v̄) → F, A`` with other mean speeds
     places : ``(t, y, δ, p) → y ⊕ δ, corners, references, normals, J`` of shapes there
     shapes : StepShapes
     starts, columns : pattern of ``A`` by rows
@@ -41,6 +43,7 @@ class FreeBodyMotion:
     """
 
     forces: ca.Function
+    turned: ca.Function
     places: ca.Function
     shapes: StepShapes
     starts: np.ndarray
@@ -91,8 +94,7 @@ def _functions(model: Model) -> FreeBodyMotion | None:
         return None
     n = e.speed_count
     first, body_of = np.cumsum([0, *bodies]), np.repeat(np.arange(len(bodies)), bodies)
-    forces, matrix, h = _step_formulas(model)
-    pattern = matrix.T.sparsity()
+    forces, turned, pattern = _step_formulas(model)
     column, row = np.array(pattern.row(), dtype=np.int32), _columns(pattern)
     jacobian = ca.jacobian(shapes.twists, e.v)
     body, velocities = _shape_velocities(shapes, jacobian, body_of, first)
@@ -106,9 +108,9 @@ def _functions(model: Model) -> FreeBodyMotion | None:
     cuts = np.cumsum([0, moved.numel(), *(part.numel() for part in geometry)])
     parts = [placed[i:j] for i, j in pairwise(cuts.tolist())]
     inputs = [e.t, e.y, e.manifold.delta, e.p]
-    entries = stack(matrix.T.nonzeros())  # type: ignore[arg-type]
     return FreeBodyMotion(
-        forces=condensed("forces", [e.t, e.y, e.v, e.p, h], [forces, ca.densify(entries)]),
+        forces=forces,
+        turned=turned,
         places=condensed("places", inputs, [ca.densify(part) for part in parts]),
         shapes=shapes,
         constants=Kernel(ca.Function("constants", [e.p], [ca.densify(shapes.constants)])),
@@ -120,17 +122,24 @@ def _functions(model: Model) -> FreeBodyMotion | None:
     )
 
 
-def _step_formulas(model: Model) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """``F``, ``A`` and the symbol ``h`` of a step by the midpoint rule, from its start."""
+def _step_formulas(model: Model) -> tuple[ca.Function, ca.Function, ca.Sparsity]:
+    """Functions ``forces`` and ``turned`` of a step by the midpoint rule, from its start, and the
+    pattern of ``Aᵀ``."""
     e, smooth, h = model.equations, smooth_motion(model), ca.SX.sym("h")
-    half, forces = AnticipatedImpacts.theta * h, smooth.forces
-    matrix = ca.sparsify(e.mass - half * forces.damping - half**2 * forces.stiffness)
+    half, formulas = AnticipatedImpacts.theta * h, smooth.forces
+    inputs = [e.t, e.y, e.v, e.p, h]
     symbols = ca.vertcat(e.t, e.y, smooth.lead)
     middle = ca.vertcat(e.t + half, e.manifold.retract(e.y, half * e.v), half)
-    outputs = ca.vertcat(ca.densify(forces.driving), stack(matrix.nonzeros()))  # type: ignore[arg-type]
-    outputs = ca.substitute(outputs, symbols, ca.densify(middle))
-    n = e.speed_count
-    return outputs[:n], ca.SX(matrix.sparsity(), outputs[n:]), h
+    functions, first = [], formulas.with_mean(formulas.predicted)
+    for name, forces, means in (("forces", first, [first.mean]), ("turned", formulas, [])):
+        matrix = ca.sparsify(e.mass - half * forces.damping - half**2 * forces.stiffness)
+        entries = stack(matrix.T.nonzeros())  # type: ignore[arg-type]
+        outputs = [ca.densify(part) for part in (forces.driving, entries, *means)]
+        sizes = np.cumsum([part.numel() for part in outputs])[:-1].tolist()
+        at = ca.substitute(ca.vertcat(*outputs), symbols, ca.densify(middle))
+        own = inputs if means else [*inputs, formulas.mean]
+        functions.append(condensed(name, own, ca.vertsplit(at, [0, *sizes, at.numel()])))
+    return functions[0], functions[1], matrix.T.sparsity()
 
 
 def _shape_velocities(

@@ -8,10 +8,13 @@ from dalembert.analysis.nonsmooth.advance import AHEAD
 from dalembert.analysis.nonsmooth.contact_step import JAMMED, ROUNDS, ContactStep
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
 from dalembert.analysis.nonsmooth.free_bodies.path_contacts import (
+    AGAIN,
+    CALL,
     COUNT,
     FEATURES,
     OFFSET,
     SIZES,
+    STEP,
     PathContacts,
     contact_arrays,
 )
@@ -183,6 +186,14 @@ class FreeBodySteps(PathContacts):
                 return outcome
         return StepOutcome.UNSOLVED
 
+    def again(self) -> StepOutcome:
+        """The last step, whose entry in the record is removed, with the forces in the arrays."""
+        self.remove_last()
+        self._sizes[CALL] = AGAIN
+        outcome = self()
+        self._sizes[CALL] = STEP
+        return outcome
+
     def warm(self, keys: np.ndarray, impulses: np.ndarray) -> None:
         """Initial impulses of contacts with some keys, zero for others."""
         count = keys.size
@@ -296,20 +307,14 @@ class FreeBodySteps(PathContacts):
         outputs += [whole(contacts * (2 * widest) ** 2), real(n), *self._inverses, real(contacts)]
         self._speeds = real(rows), real(rows)
         outputs += [self._pair_of, *self._speeds, real(rows), real(rows), self.displacement]
-        outputs += [self._last[1]]
-        outputs += [self.numbers, *recorded[:3], real(3 * rows)]
+        outputs += [self._last[1], self.numbers, *recorded[:3], real(3 * rows)]
         outputs += [*(real(rows) for _ in range(8)), real(contacts), real(rows * k)]
-        outputs += [whole(contacts), self._kept, real(n)]
+        outputs += [whole(contacts), self._kept, real(n), real(rows), real(n)]
         blocks, size = self.counts[[BLOCKS, SIZE]]
         work = 12 * k**2 + 3 * k * (k + 1) + 2 * k + 4 * k * widest
         work = int(max(work, blocks * size + size**2))
         self.counts[[WORK, CONTACTS, RECORDED]] = work, contacts, records
         assert self._code is not None
-        self._loop = Loop(
-            self._code,
-            inputs,
-            outputs,
-            list(self.counts),
-            work + rows + MEMORY + contacts + 2 + entries,
-        )
+        memory = work + rows + MEMORY + contacts + 2 + entries
+        self._loop = Loop(self._code, inputs, outputs, list(self.counts), memory)
         self.counts = self._loop.counts

@@ -13,8 +13,9 @@ from dalembert.integrators.contact.machine_code import Loop
 CALL, PATH, BEFORE, SIZES = range(6, 10)
 """Places among the sizes of the shapes: kind of the call, and the numbers of contacts of the path
 and of the step before; number of all sizes."""
-STEP, ON_PATH, ALL = range(3)
-"""Kinds of calls: a step, and evaluations of the contacts of the path or of all contacts."""
+STEP, ON_PATH, ALL, AGAIN = range(4)
+"""Kinds of calls: a step, evaluations of the contacts of the path or of all contacts, and the last
+step with other forces."""
 FEATURES, OFFSET = 1, 3
 """Places of the number of features of all hulls, and of the offset of the keys of their contacts,
 among the sizes of the shapes."""
