@@ -108,7 +108,7 @@ def _closed(
         if not added.count:
             break
         contacts = Contacts.joined([contacts, added])
-        again = step.solved(step.struck(start, contacts), contacts, result.last)
+        again = step.solved(step.struck(start, contacts), contacts, result.last, result.v)
         if not again.impulses.accepted:
             short = again.impulses.residual * start.h < UNSOLVED * -step.deepest(at_end)
             return again if short else result
@@ -213,4 +213,4 @@ def _solved_on_path(
     """Solution with means over the path of the last one for curved gaps."""
     own = contacts.some(curved)
     path = Contacts.joined([contacts.some(~curved), path_means(step, start, own, last)])
-    return replace(step.solved(start, path, last.last), curved=np.sort(own.key), path=last)
+    return replace(step.solved(start, path, last.last, last.v), curved=np.sort(own.key), path=last)

@@ -48,7 +48,8 @@ def _free_speeds(impulses: np.ndarray, contacts: Contacts, mobility: Mobility) -
     """Bound on the normal speeds of a contact by the normal impulses, without joints [m/s]."""
     inertia = np.abs(mobility.matrix.diagonal())
     inverse = np.divide(1.0, inertia, out=np.zeros(inertia.size), where=inertia > 0)
-    width = contacts.drift.shape[1]
-    rows = scipy.sparse.csr_array(contacts.directions)[np.arange(contacts.count) * width]
-    roots = np.sqrt(rows.multiply(rows) @ inverse)
+    rows = scipy.sparse.csr_array(contacts.directions)
+    row = np.repeat(np.arange(rows.shape[0]), np.diff(rows.indptr))
+    squares = np.bincount(row, rows.data**2 * inverse[rows.indices], rows.shape[0])
+    roots = np.sqrt(squares[:: contacts.drift.shape[1]])
     return float(roots.max() * (roots @ np.abs(impulses[:, 0])))

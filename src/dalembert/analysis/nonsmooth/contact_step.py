@@ -174,17 +174,24 @@ class ContactStep(ModelGaps):
         return start if stage is None else start.after(stage)
 
     def solved(
-        self, start: StepStart, contacts: Contacts, before: LastImpulses | None
+        self,
+        start: StepStart,
+        contacts: Contacts,
+        before: LastImpulses | None,
+        after: np.ndarray | None = None,
     ) -> StepResult:
-        """A step with some contacts; impulses of the step ``before`` are the starting point.
+        """A step with some contacts; impulses of the step ``before`` are the starting point, and
+        so are the speeds ``after`` at the end of a similar step.
 
         Means over the path of the step are those of its own solution, by repetition; where this
         does not converge, those of the solution that changes least.
         """
         if not self.smooth.takes_means(self.scheme.theta):
-            return self._turned(start, contacts, before)
-        pressed = before is not None and before.pressing[0].size > 0
-        after, last, warm, best = start.v if pressed else start.free, np.inf, before, None
+            return self._turned(start, contacts, before, after)
+        if after is None:
+            pressed = before is not None and before.pressing[0].size > 0
+            after = start.v if pressed else start.free
+        last, warm, best = np.inf, before, None
         stuck = contacts.key[:0] if before is None else before.stuck
         for _ in range(PATHS):
             motion = start.with_impact(self.smooth.along(start.smooth, after))
@@ -202,21 +209,29 @@ class ContactStep(ModelGaps):
         return best or self._solved(start, start.motion, contacts, before)
 
     def _turned(
-        self, start: StepStart, contacts: Contacts, before: LastImpulses | None
+        self,
+        start: StepStart,
+        contacts: Contacts,
+        before: LastImpulses | None,
+        after: np.ndarray | None,
     ) -> StepResult:
         """A step with gyroscopic forces of the mean speeds of its solution, by repetition."""
-        smooth, theta, last = self.smooth, self.scheme.theta, np.inf
-        result = self._solved(start, start.motion, contacts, before)
-        stuck, mean = contacts.key[:0] if before is None else before.stuck, start.smooth.mean
-        sizes = self.model.scales.displacements[smooth.turning] / start.h
-        for _ in range(PATHS if smooth.turning.size else 0):
-            own = (start.v + theta * (result.v - start.v))[smooth.turning]
-            error = turn_error(own, mean, sizes)
+        turning, theta, last, warm = self.smooth.turning, self.scheme.theta, np.inf, before
+        motion, mean = start.motion, start.smooth.mean
+        if not turning.size:
+            return self._solved(start, motion, contacts, before)
+        stuck = contacts.key[:0] if before is None else before.stuck
+        sizes = self.model.scales.displacements[turning] / start.h
+        for _ in range(PATHS):
+            if after is not None:
+                mean = (start.v + theta * (after - start.v))[turning]
+                motion = start.with_impact(self.smooth.turned(start.smooth, theta, mean))
+            result = self._solved(start, motion, contacts, warm)
+            after, warm = result.v, replace(result.last, stuck=stuck)
+            error = turn_error((start.v + theta * (after - start.v))[turning], mean, sizes)
             if not result.impulses.accepted or error <= SAME_TURN or not error < last:
                 break
-            mean, last = own, error
-            motion = start.with_impact(smooth.turned(start.smooth, theta, mean))
-            result = self._solved(start, motion, contacts, replace(result.last, stuck=stuck))
+            last = error
         return result
 
     def _change(self, start: StepStart, speeds: np.ndarray, other: np.ndarray) -> float:

@@ -19,6 +19,8 @@ from dalembert.symbolic.evaluation.kernel import Matrix, dense_array
 
 DENSE = 100
 """Upper limit of rows below which the matrix itself is cheaper than its factors."""
+SMALL = 20_000
+"""Upper limit of entries below which products of dense matrices are cheaper than sparse ones."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +80,8 @@ class Delassus:
         if np.array_equal(w.indices, x.indices):
             row = np.repeat(np.arange(self.shift.size), np.diff(w.indptr))
             return np.bincount(row, w.data * x.data, self.shift.size)
+        if w.shape[0] * w.shape[1] <= SMALL:
+            return np.einsum("ij,ij->i", w.toarray(), x.toarray())
         return np.asarray(w.multiply(x).sum(axis=1)).ravel()
 
     def shifted(self, diagonal: np.ndarray) -> Delassus:

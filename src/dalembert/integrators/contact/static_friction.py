@@ -62,9 +62,12 @@ def solve_with_static_friction(
     rounds, slips = 0, np.zeros_like(static)
     higher = laws.higher_at_rest
     while True:
-        friction = problem.friction.copy()
-        friction[static, :1] = laws.static_friction[static, None]
-        solution = solver.solve(replace(problem, friction=friction), start)
+        own = problem
+        if static.any():
+            friction = problem.friction.copy()
+            friction[static, :1] = laws.static_friction[static, None]
+            own = replace(problem, friction=friction)
+        solution = solver.solve(own, start)
         start, rounds = solution.impulses, rounds + solution.rounds
         if not higher.any() or not solution.accepted:
             break

@@ -24,12 +24,13 @@ def selected_of(
         return sources[0].selected(configuration, keys)
     numbers, own = np.divmod(keys, offset)
     parts, order = [], []
-    for number, source in enumerate(sources):
+    for number in np.unique(numbers) if keys.size else range(len(sources)):
         rows = np.flatnonzero(numbers == number)
-        gaps = source.selected(configuration, own[rows])
+        gaps = sources[number].selected(configuration, own[rows])
         parts.append(replace(gaps, key=keys[rows]))
         order.append(rows)
-    return Contacts.joined(parts).some(np.argsort(np.concatenate(order)))
+    joined, place = Contacts.joined(parts), np.argsort(np.concatenate(order))
+    return joined if (np.diff(place) > 0).all() else joined.some(place)
 
 
 def separating_of(
