@@ -12,7 +12,7 @@ from dalembert.analysis.nonsmooth.compliant_contacts import CompliantContacts
 from dalembert.analysis.nonsmooth.force_laws import ForceLaws
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.model_gaps import ModelGaps
-from dalembert.analysis.nonsmooth.gyroscopic import SAME_TURN, turn_error
+from dalembert.analysis.nonsmooth.gyroscopic import SAME_TURN, convergence_rate, turn_error
 from dalembert.analysis.nonsmooth.impact_stage import impact_stage
 from dalembert.analysis.nonsmooth.middle_directions import (
     in_middle,
@@ -183,62 +183,46 @@ class ContactStep(ModelGaps):
         """A step with some contacts; impulses of the step ``before`` are the starting point, and
         so are the speeds ``after`` at the end of a similar step.
 
-        Means over the path of the step are those of its own solution, by repetition; where this
-        does not converge, those of the solution that changes least.
+        Means over the step, of its path or of gyroscopic forces, are those of its own solution, by
+        repetition; where this does not converge, those of the solution that changes least.
         """
-        if not self.smooth.takes_means(self.scheme.theta):
-            return self._turned(start, contacts, before, after)
+        smooth, theta = self.smooth, self.scheme.theta
+        if not (smooth.takes_means(theta) or smooth.turning.size):
+            return self._solved(start, start.motion, contacts, before)
         if after is None:
-            pressed = before is not None and before.pressing[0].size > 0
-            after = start.v if pressed else start.free
+            after = self._first_guess(start, before)
         last, warm, best = np.inf, before, None
         stuck = contacts.key[:0] if before is None else before.stuck
         for _ in range(PATHS):
-            motion = start.with_impact(self.smooth.along(start.smooth, after))
+            motion = start.with_impact(smooth.repeated(start.smooth, theta, after))
             result = self._solved(start, motion, contacts, warm)
             if not result.impulses.accepted:
                 break
-            change = self._change(start, result.v, after)
-            ratio = change / last if 0 < last < np.inf else 1.0
-            if change * min(ratio, 1.0) <= SAME_PATH:
+            error = self._error_of_means(start, result.v, after)
+            if error * convergence_rate(error, last) <= 1.0:
                 return result
-            if not change < last:
+            if not error < last:
                 break
-            after, last, best = result.v, change, result
+            after, last, best = result.v, error, result
             warm = replace(result.last, stuck=stuck)
         return best or self._solved(start, start.motion, contacts, before)
 
-    def _turned(
-        self,
-        start: StepStart,
-        contacts: Contacts,
-        before: LastImpulses | None,
-        after: np.ndarray | None,
-    ) -> StepResult:
-        """A step with gyroscopic forces of the mean speeds of its solution, by repetition."""
-        turning, theta, last, warm = self.smooth.turning, self.scheme.theta, np.inf, before
-        motion, mean = start.motion, start.smooth.mean
-        if not turning.size:
-            return self._solved(start, motion, contacts, before)
-        stuck = contacts.key[:0] if before is None else before.stuck
-        sizes = self.model.scales.displacements[turning] / start.h
-        for _ in range(PATHS):
-            if after is not None:
-                mean = (start.v + theta * (after - start.v))[turning]
-                motion = start.with_impact(self.smooth.turned(start.smooth, theta, mean))
-            result = self._solved(start, motion, contacts, warm)
-            after, warm = result.v, replace(result.last, stuck=stuck)
-            error = turn_error((start.v + theta * (after - start.v))[turning], mean, sizes)
-            if not result.impulses.accepted or error <= SAME_TURN or not error < last:
-                break
-            last = error
-        return result
+    def _first_guess(self, start: StepStart, before: LastImpulses | None) -> np.ndarray:
+        """Speeds at the end of a step, for its means."""
+        if self.smooth.takes_means(self.scheme.theta):
+            return start.v if before is not None and before.pressing[0].size else start.free
+        after, rows = start.v.copy(), self.smooth.turning
+        after[rows] += (start.smooth.mean - start.v[rows]) / (self.scheme.theta or 1.0)
+        return after
 
-    def _change(self, start: StepStart, speeds: np.ndarray, other: np.ndarray) -> float:
-        """Largest difference of speeds times the largest displacement, by the natural ones."""
-        size = self.model.scales.displacements / start.h
-        largest = np.abs(np.array([start.v, speeds, other]) / size).max(initial=0.0)
-        return float(np.abs((speeds - other) / size).max(initial=0.0) * largest)
+    def _error_of_means(self, start: StepStart, speeds: np.ndarray, assumed: np.ndarray) -> float:
+        """Error of the means of a step with other speeds at its end, by the permitted one."""
+        size, rows = self.model.scales.displacements / start.h, self.smooth.turning
+        if not self.smooth.takes_means(self.scheme.theta):
+            ends = [start.v + self.scheme.theta * (v - start.v) for v in (speeds, assumed)]
+            return turn_error(ends[0][rows], ends[1][rows], size[rows]) / SAME_TURN
+        largest = np.abs(np.array([start.v, speeds, assumed]) / size).max(initial=0.0)
+        return float(np.abs((speeds - assumed) / size).max(initial=0.0) * largest) / SAME_PATH
 
     def _solved(
         self,

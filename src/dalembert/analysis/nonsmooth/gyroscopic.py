@@ -13,9 +13,9 @@ from dalembert.model.graph.equations import Equations
 PROBES, ROUNDING = 3, 1e-12
 """Number of random speeds, and ratio of forces or their power to their terms that counts as zero
 [-]."""
-SAME_TURN = 1e-10
-"""Estimated error of the turn of a step, below which it is not repeated with other mean speeds
-[-]."""
+SAME_TURN = 1e-14
+"""Estimated error of the turn of a step after the next repetition with other mean speeds, below
+which it is not repeated [-]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,3 +113,8 @@ def turn_error(speeds: np.ndarray, assumed: np.ndarray, sizes: np.ndarray) -> fl
     instead of ``speeds`` [-]; ``sizes`` are the natural displacements per step."""
     difference = np.abs((speeds - assumed) / sizes).max(initial=0.0)
     return float(difference * np.abs(speeds / sizes).max(initial=0.0))
+
+
+def convergence_rate(error: float, last: float) -> float:
+    """Factor by which the next repetition reduces an error after one of ``last``."""
+    return min(error / last, 1.0) if last < np.inf else 1.0

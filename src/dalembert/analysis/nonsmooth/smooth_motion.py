@@ -96,11 +96,11 @@ class SmoothMotion:
 
     with ``F = f − d``, ``D = ∂F/∂v``, ``K = (∂F/∂y) A`` at ``y ⊕ θ h v``, ``v``; for linear forces
     this is the θ-method itself. Gyroscopic forces of free bodies do no work (``MeanForces``); the
-    step is repeated with the mean speeds of its solution (``turned``).
+    step is repeated with the mean speeds of its solution.
     ``C`` and ``Φ_t`` are taken at ``y ⊕ σ h v``, ``σ = max(θ, 1/2)``:
     with constraints on the speeds at the end alone the centripetal forces within the step are lost.
     States of first order are eliminated (``step_forces``). Steps by the midpoint rule with joints
-    are repeated with means over their path (``along``, ``path_forces``).
+    are repeated with means over their path (``path_forces``).
 
     Parameters
     ----------
@@ -177,7 +177,21 @@ class SmoothMotion:
         )
         return SmoothStep(t, h, y, v, p, force, mass, mean, joint_rates, free, states)
 
-    def turned(self, start: SmoothStep, theta: float, mean: np.ndarray) -> FreeMotion:
+    @cached_property
+    def _with_mean(self) -> Patterned:
+        """``(t, y, v, p, θ h, v̄) → F, D, K``."""
+        e, forces = self._equations, self.forces
+        inputs = [e.t, e.y, e.v, e.p, self.lead, forces.mean]
+        return Patterned("turned", inputs, forces.all[:3])
+
+    def repeated(self, start: SmoothStep, theta: float, after: np.ndarray) -> FreeMotion:
+        """The motion with means over the step with speeds ``after`` at its end: of joints and
+        forces, or, without joints, of gyroscopic forces."""
+        if self.takes_means(theta):
+            return self._along(start, after)
+        return self._turned(start, theta, (start.v + theta * (after - start.v))[self.turning])
+
+    def _turned(self, start: SmoothStep, theta: float, mean: np.ndarray) -> FreeMotion:
         """The motion with gyroscopic forces of the mean speeds ``mean`` (k,)."""
         h, p = start.h, start.p
         middle = self._go(start.y, theta * h * start.v)
@@ -189,14 +203,7 @@ class SmoothMotion:
         change, multiplier = mobility(h * force, start.joint_rates)
         return FreeMotion(start.v + change, multiplier, mobility)
 
-    @cached_property
-    def _with_mean(self) -> Patterned:
-        """``(t, y, v, p, θ h, v̄) → F, D, K``."""
-        e, forces = self._equations, self.forces
-        inputs = [e.t, e.y, e.v, e.p, self.lead, forces.mean]
-        return Patterned("turned", inputs, forces.all[:3])
-
-    def along(self, start: SmoothStep, after: np.ndarray) -> FreeMotion:
+    def _along(self, start: SmoothStep, after: np.ndarray) -> FreeMotion:
         """The motion with joints and forces along the path with speeds ``after`` at its end.
 
         With ``A = M − h θ D − h² θ² K``, whose solution for ``v⁺ = after`` is that of the means,

@@ -28,7 +28,7 @@ from dalembert.analysis.nonsmooth.free_bodies.step_outcome import (
     ROUNDS_OF,
     StepOutcome,
 )
-from dalembert.analysis.nonsmooth.gyroscopic import SAME_TURN, turn_error
+from dalembert.analysis.nonsmooth.gyroscopic import SAME_TURN, convergence_rate, turn_error
 from dalembert.analysis.nonsmooth.step_log import StepEntries, StepLog
 from dalembert.analysis.nonsmooth.step_state import LastImpulses
 from dalembert.integrators.contact.schemes import AnticipatedImpacts
@@ -218,7 +218,7 @@ class FreeBodyMarch:
                 break
             mean = ((before + steps.v) / 2)[rows]
             error = turn_error(mean, self._mean, scales[rows] / self._h)
-            if error <= SAME_TURN or not error < last:
+            if error * convergence_rate(error, last) <= SAME_TURN or not error < last:
                 break
             self._mean[:], last, steps.v[:] = mean, error, before
             outcome = steps.again() if self._turned() else StepOutcome.UNSOLVED
