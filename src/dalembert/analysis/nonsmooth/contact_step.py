@@ -181,7 +181,7 @@ class ContactStep(ModelGaps):
         after: np.ndarray | None = None,
     ) -> StepResult:
         """A step with some contacts; impulses of the step ``before`` are the starting point, and
-        so are the speeds ``after`` at the end of a similar step.
+        so are the speeds ``after`` at the end of a similar step for means over its path.
 
         Means over the step, of its path or of gyroscopic forces, are those of its own solution, by
         repetition; where this does not converge, those of the solution that changes least.
@@ -189,7 +189,7 @@ class ContactStep(ModelGaps):
         smooth, theta = self.smooth, self.scheme.theta
         if not (smooth.takes_means(theta) or smooth.turning.size):
             return self._solved(start, start.motion, contacts, before)
-        if after is None:
+        if after is None or not smooth.takes_means(theta):
             after = self._first_guess(start, before)
         last, warm, best = np.inf, before, None
         stuck = contacts.key[:0] if before is None else before.stuck
