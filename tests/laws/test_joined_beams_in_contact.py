@@ -49,3 +49,18 @@ def test_distant_parts_of_joined_beams_touch():
     second = system.add(planar.Beam("second", first.end, **data))
     system.add(planar.Collisions("touch", [contact.BeamLine(b, 0.005) for b in (first, second)]))
     assert closed_gaps(system.build()) > 0  # the ends of an open ring are at one place
+
+
+def test_the_full_turn_of_a_closed_belt_is_reported():
+    """Planar angles are not periodic: the last clamp of a ring is a full turn after the first."""
+    system, half = da.System("ring"), DATA | BENDING[2] | {"length": 0.3, "elements": 6}
+    half |= {"curvature": 2 * math.pi / 0.6}
+    first = system.add(planar.Beam("first", position=(0, 0), angle=0.0, **half))
+    turned = system.parameter("turned", 0.0)
+    system.add(planar.Beam("second", first.end, first.start, angle_j=turned, **half))
+    model, cure = system.build(), "add 1 times 2 pi to angle_j"
+    options = {"step": 1e-3, "integrator": da.BackwardEuler()}
+    assert any(cure in text for text in da.solve_dynamics(model, 1e-3, **options).warnings)
+    closed = da.solve_dynamics(model, 1e-3, parameters={"turned": 2 * math.pi}, **options)
+    assert not closed.warnings
+    assert closed["second.strain_energy"].values[-1] < 1e-9
