@@ -233,3 +233,21 @@ def test_dense_factors_solve_for_columns_together_and_one_by_one(shape, limit, m
         solution = factors.solve(rhs, trans)
         assert solution.shape == shape
         np.testing.assert_allclose(own @ solution, rhs, atol=1e-12)
+
+
+@pytest.mark.parametrize("trans", ["N", "T"])
+def test_sparse_factors_solve_for_groups_of_columns(trans):
+    """More columns at once are left to threads of BLAS, which start slowly."""
+    system, rhs = matrix("general"), np.random.default_rng(2).normal(size=(60, 21))
+    factors, widths = SuperLUFactors(system), []
+
+    class Recorded:
+        def solve(self, part, trans):
+            widths.append(part.shape[1])
+            return factors.solve(part, trans)
+
+    group = SuperLUFactors(system)
+    group._factors = Recorded()
+    left = system if trans == "N" else system.T
+    np.testing.assert_allclose(left @ group.solve(rhs, trans), rhs, atol=1e-10)
+    assert sum(widths) == 21 and max(widths) <= 8

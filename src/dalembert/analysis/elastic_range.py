@@ -214,25 +214,44 @@ def _strain_warnings(model: Model, times: np.ndarray, y: np.ndarray, p: np.ndarr
     warnings = []
     for beam, function in strains_of(model):
         parameters = np.tile(p[:, None], times.size)
-        values = function.map(times.size)(times, y, parameters).full().max(axis=0)
+        strains, turns = function.map(times.size)(times, y, parameters)
+        values = strains.full().max(axis=0)
         k = int(np.argmax(values))
         if values[k] > STRAIN:
+            cure = _full_turns(float(turns[k])) or (
+                "use a stiffer or longer beam, or take its forces as estimates"
+            )
             warnings.append(
                 f"{beam.name} at t = {times[k]:.6g} s: strain {values[k]:.2g} (outer fibre of a "
                 f"solid section with these rigidities); its linear law of small strains errs by "
-                f"about {percent(values[k] / 2)} there; use a stiffer or longer beam, or take its "
-                "forces as estimates"
+                f"about {percent(values[k] / 2)} there; {cure}"
             )
     return warnings
 
 
+def _full_turns(turn: float) -> str:
+    """Cure for a planar beam whose second end is clamped by full turns away from its natural shape,
+    as that of a closed belt, for the rotation between them [rad]; none within half a turn."""
+    count = -round(turn / (2 * np.pi))
+    if not count:
+        return ""
+    return (
+        f"its second end is turned by {-count:+d} full turns against its natural shape, as planar "
+        f"angles are not periodic; where these are not meant, add {count} times 2 pi to angle_j"
+    )
+
+
 @once
 def strains_of(model: Model) -> list[tuple[Beam, ca.Function]]:
-    """``(t, y, p) → (points,)`` magnitudes of strains at the outer fibre of each beam."""
+    """``(t, y, p) → (points,), ()`` magnitudes of strains at the outer fibre of each beam, and the
+    rotation of its second end against its natural shape, of planar beams [rad]."""
     e, functions = model.all_equations, []
     for beam in (part for part in model.parts.elements.values() if isinstance(part, Beam)):
         sizes = [ca.norm_2(beam.fibre_strain(strain)) for strain, _ in beam.strains]
-        column = model.at_ground(ca.vertcat(*sizes))
-        function = ca.Function("strain", [e.t, e.y, e.p], [column])
+        turn = ca.SX(0)
+        if beam.dimension == 2:
+            turn = beam.sections[-1].turn - beam.natural_pose(beam.count - 1)[1]
+        columns = [model.at_ground(ca.vertcat(*sizes)), model.at_ground(ca.densify(turn))]
+        function = ca.Function("strain", [e.t, e.y, e.p], columns)
         functions.append((beam, function))
     return functions

@@ -18,6 +18,11 @@ WITHOUT_PIVOTS = {**SYMMETRIC, "diag_pivot_thresh": 0.0, "options": {"SymmetricM
 """Diagonal pivots without exchanges, which preserves sparsity."""
 
 
+COLUMNS = 8
+"""Number of columns that SuperLU solves at once. BLAS solves more of them in threads, whose start
+takes longer than the solution where matrices are small or other programs use the processor."""
+
+
 class SuperLUFactors(Factors):
     """``P_r A P_c = L U`` (Demmel et al., SIAM J. Matrix Anal. Appl. 20, 1999).
 
@@ -47,7 +52,10 @@ class SuperLUFactors(Factors):
             ) from None
 
     def solve(self, rhs: np.ndarray, trans: str = "N") -> np.ndarray:
-        return self._factors.solve(rhs, trans)
+        if rhs.ndim == 1 or rhs.shape[1] <= COLUMNS:
+            return self._factors.solve(rhs, trans)
+        parts = np.split(rhs, range(COLUMNS, rhs.shape[1], COLUMNS), axis=1)
+        return np.hstack([self._factors.solve(part, trans) for part in parts])
 
     @property
     def negative(self) -> int:

@@ -132,5 +132,5 @@ def _sizes(model: Model, bodies: ca.Function) -> ca.Function:
     t, x, p = bodies.sx_in()
     y = bodies.call([t, x, p])[0]
     coordinates = [ca.norm_inf(function(y)) for function in coordinates_of(model)]
-    strains = [ca.mmax(function(t, y, p)) for _, function in strains_of(model)]
+    strains = [ca.mmax(function(t, y, p)[0]) for _, function in strains_of(model)]
     return ca.Function("sizes", [t, x, p], [ca.vertcat(*coordinates, *strains), y], {"cse": True})

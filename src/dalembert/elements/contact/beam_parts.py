@@ -40,12 +40,6 @@ class BeamPart:
         """Inertial components of a vector in inertial axes."""
         return local
 
-    @property
-    def clamps(self) -> dict[int, object]:
-        """Number of the node → owner of the body that an end of the beam is clamped to."""
-        last = self.beam.count - 1
-        return {k: self.beam.node(k).owner for k in (0, last) if k not in self.beam.nodes}
-
 
 class Knot(BeamPart):
     """A cross-section at a node; points are in inertial axes."""
