@@ -14,7 +14,11 @@ from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.nonsmooth.advance import advance
 from dalembert.analysis.nonsmooth.between_steps import interpolate
 from dalembert.analysis.nonsmooth.checks.contact_check import ContactCheck
-from dalembert.analysis.nonsmooth.checks.missing_impacts import missing_impact_warnings
+from dalembert.analysis.nonsmooth.checks.missing_impacts import (
+    largest,
+    missing_impact_warnings,
+    unsearched_impacts,
+)
 from dalembert.analysis.nonsmooth.checks.passages import passage_warnings
 from dalembert.analysis.nonsmooth.checks.run_accuracy import RunAccuracy
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
@@ -110,7 +114,9 @@ class NonsmoothRun:
         status = replace(status, residual=max(status.residual, check.residual))
         trajectory = interpolate(self.model, record, times)
         warnings = passage_warnings(log.passages)
-        warnings += missing_impact_warnings(log.missing_impacts, check.energy.moved)
+        unsearched = unsearched_impacts(self.step, record, np.array(log.compiled, dtype=int))
+        missing = largest([*log.missing_impacts, *unsearched])
+        warnings += missing_impact_warnings(missing, check.energy.moved)
         warnings += check.warnings
         warnings += elastic_warnings(self.model, trajectory, self.p)
         status = check.verify(status)

@@ -108,6 +108,7 @@ class StepLog:
     t, y, v : the last state
     passages : shapes that moved through each other
     missing_impacts : impacts that steps missed, by descending energy
+    compiled : numbers of the steps in machine code, which are not searched for such impacts
     scheme_losses : (K+1,) energy dissipated by the scheme, once recorded [J]
     correction_work : work of the corrections of positions, positive where they lift, once recorded
         [J]
@@ -123,6 +124,7 @@ class StepLog:
         self.speed_inputs: list[float] = []
         self.passages: list[Passage] = []
         self.missing_impacts: list[MissingImpact] = []
+        self.compiled: list[int] = []
         self.depths, self.stored = [self._depth(t, y)], [self._stored(t, y)]
         self.scheme_losses, self.correction_work = np.zeros(1), 0.0
 
@@ -174,6 +176,7 @@ class StepLog:
     ) -> None:
         """Append K steps without corrections or force laws: times, states by rows and penetrations
         at their ends."""
+        self.compiled += range(len(self.lengths), len(self.lengths) + t.size)
         self.lengths += list(np.diff(t, prepend=self.t))
         self.times += list(t)
         self.uncorrected += list(y)
