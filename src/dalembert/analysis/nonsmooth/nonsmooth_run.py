@@ -35,6 +35,7 @@ from dalembert.analysis.nonsmooth.touching_shapes import (
     refuse_filled_bores,
     refuse_lonely_shapes,
     refuse_moving_places,
+    refuse_overlaps,
 )
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.timeline import (
@@ -99,6 +100,8 @@ class NonsmoothRun:
         state = self.model.assemble(self.p, self.start)
         refuse_concentric(self.step, self.start, state.y)
         refuse_filled_bores(self.step, self.start, state.y)
+        if self.analysis.integrator.projection:  # otherwise initial gaps are never corrected
+            refuse_overlaps(self.step, self.start, state.y)
         self.state = state.y, state.v
         log = StepLog(self.step, self.start, *self.state)
         grid = uniform_grid(self.start, self.end, self.h)

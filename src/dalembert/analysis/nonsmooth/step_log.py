@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.analysis.dynamics.residual_check import energy_errors
 from dalembert.analysis.model_residuals import ModelResiduals
 from dalembert.analysis.nonsmooth.between_steps import between
+from dalembert.analysis.contact.gap_checks import ROUNDED
 from dalembert.analysis.nonsmooth.checks.missing_impacts import (
     MissingImpact,
     find_missing_impact,
@@ -273,7 +274,8 @@ class StepLog:
         """(K+1,) energy dissipated by the scheme since the start [J].
 
         With ``θ = ½`` it is exchanged where positions are corrected, and where speeds are made
-        consistent with the joints; gains are left as errors of the balance. Other ``θ`` exchange
+        consistent with the joints; gains are left as errors of the balance, but for an overlap of the
+        start within rounding, which the first correction removes: its work is put in. Other ``θ`` exchange
         all that is missing in the balance. As they shift positions by ``h (θ − ½)(v⁺ − v)``, an
         impact returns what the fall before it lost: only the net loss since the start counts, and a
         net gain is an error.
@@ -286,6 +288,9 @@ class StepLog:
                 for y in (ends.y[:, 1:], np.stack(self.uncorrected, 1))
             )
         )
+        if 0 < self.depths[0] <= ROUNDED * model.scales.length:  # of rounded input, no error
+            ends.work[1, 1:] += max(work[0], 0.0)
+            work[0] = min(work[0], 0.0)
         self.correction_work = float(work.sum())
         if self.step.scheme.theta != 0.5:
             energies = ModelResiduals(model, ends, p).energies
