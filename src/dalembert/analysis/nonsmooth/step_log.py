@@ -7,10 +7,10 @@ from dataclasses import dataclass, fields
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.contact.gap_checks import ROUNDED
 from dalembert.analysis.dynamics.residual_check import energy_errors
 from dalembert.analysis.model_residuals import ModelResiduals
 from dalembert.analysis.nonsmooth.between_steps import between
-from dalembert.analysis.contact.gap_checks import ROUNDED
 from dalembert.analysis.nonsmooth.checks.missing_impacts import (
     MissingImpact,
     find_missing_impact,
@@ -274,9 +274,9 @@ class StepLog:
         """(K+1,) energy dissipated by the scheme since the start [J].
 
         With ``θ = ½`` it is exchanged where positions are corrected, and where speeds are made
-        consistent with the joints; gains are left as errors of the balance, but for an overlap of the
-        start within rounding, which the first correction removes: its work is put in. Other ``θ`` exchange
-        all that is missing in the balance. As they shift positions by ``h (θ − ½)(v⁺ − v)``, an
+        consistent with the joints; gains are left as errors of the balance. The work of the first
+        correction that removes a rounded overlap of the start is put in. Other ``θ`` exchange all
+        that is missing in the balance. As they shift positions by ``h (θ − ½)(v⁺ − v)``, an
         impact returns what the fall before it lost: only the net loss since the start counts, and a
         net gain is an error.
         """

@@ -116,9 +116,9 @@ def refuse_overlaps(step: ContactStep, t: float, y: np.ndarray) -> None:
     deepest = int(inside[np.argmin(contacts.distance[inside])])
     others = np.unique(step.pairs(contacts.key[inside])).size - 1
     more = f"; {others} other pair{'s' * (others > 1)} overlap{'s' * (others == 1)} by less"
+    name, bodies = step.names[contacts.owner[deepest]], bodies_of(step.model, contacts, deepest)
     raise AnalysisError(
-        f"{step.names[contacts.owner[deepest]]}: {bodies_of(step.model, contacts, deepest)} overlap "
-        f"by {-contacts.distance[deepest]:.3g} m at the start; move them apart by this depth along "
+        f"{name}: {bodies} overlap by {-contacts.distance[deepest]:.3g} m at the start; move them apart by this depth along "
         f"the normal of the contact{more if others else ''}"
     )
 
