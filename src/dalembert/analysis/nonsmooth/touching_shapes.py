@@ -118,8 +118,8 @@ def refuse_overlaps(step: ContactStep, t: float, y: np.ndarray) -> None:
     more = f"; {others} other pair{'s' * (others > 1)} overlap{'s' * (others == 1)} by less"
     name, bodies = step.names[contacts.owner[deepest]], bodies_of(step.model, contacts, deepest)
     raise AnalysisError(
-        f"{name}: {bodies} overlap by {-contacts.distance[deepest]:.3g} m at the start; move them apart "
-        f"by this depth along the normal of the contact{more if others else ''}"
+        f"{name}: {bodies} overlap by {-contacts.distance[deepest]:.3g} m at the start; move them "
+        f"apart by this depth along the normal of the contact{more if others else ''}"
     )
 
 

@@ -94,9 +94,8 @@ class RunAccuracy:
         error = error / ((SHORT / count) ** self._order - 1)
         ranges = np.ptp(y, axis=1)
         sizes = motion_sizes(ranges, model.guesses.units, model.scales.coordinates)
-        if self.step.scheme.anticipates:  # clearances of gaps are not errors of the steps
-            resolved = CLEARANCE / TARGET * model.scales.coordinates
-            sizes = np.maximum(sizes, np.where(sizes > 0, resolved, 0.0))
+        resolved = CLEARANCE / TARGET * model.scales.coordinates  # of gaps of bodies at rest
+        sizes = np.maximum(sizes, np.where(sizes > 0, resolved, 0.0))
         return largest_error(error, sizes, model.guesses.names, times, longer)
 
     @property
