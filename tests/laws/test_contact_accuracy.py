@@ -198,3 +198,34 @@ def test_the_estimate_is_that_of_a_periodic_motion(scheme: da.AnticipatedImpacts
     x = motion.values("part.x")
     error = np.abs(x - np.interp(motion.time, times, exact())).max() / np.ptp(x)
     assert error > 0.04 and error / 4 < motion.error_estimate.share < 4 * error
+
+
+@pytest.mark.few(1)
+@pytest.mark.parametrize("step", [1.1e-3, 7.3e-4])
+def test_errors_of_many_impacts_are_not_underestimated_by_chance(step: float):
+    """A part hops on a trough that vibrates along a line of 34°: one repetition estimates a quarter
+    and a half of the error, which located impacts confirm."""
+    omega, size, slope, line = 50 * np.pi, 1e-3, np.radians(4), np.radians(34)
+    along = np.array([np.cos(line), np.sin(line)])
+    system = da.System("feeder", gravity=(0, -G))
+    trough = system.add(planar.Body("trough", mass=5.0, inertia=0.05, angle=slope))
+    start = {"position": (0, 0), "velocity": tuple(size * omega * along)}
+    part = system.add(planar.Particle("part", mass=0.01, **start))
+    shake = size * da.sin(omega * da.t)
+    system.add(planar.UserConstraint("along", trough.x - along[0] * shake))
+    system.add(planar.UserConstraint("up", trough.y - along[1] * shake))
+    system.add(planar.UserConstraint("level", trough.angle - slope))
+    c, s = np.cos(slope), np.sin(slope)
+    gap = (part.y - trough.y) * c - (part.x - trough.x) * s
+    slip = (part.vx - trough.vx) * c + (part.vy - trough.vy) * s
+    law = {"restitution": 0.0, "friction": 0.4}
+    system.add(planar.UnilateralConstraint("surface", gap, slip, **law))
+    model = system.build()
+    times = np.linspace(0, 0.2, 4001)
+    precise = da.DormandPrince(rtol=1e-9, atol=1e-12)
+    exact = da.solve_dynamics(model, 0.2, integrator=precise, outputs=times)
+    motion = da.solve_nonsmooth(model, 0.2, step=step, integrator=da.MoreauJean())
+    x = motion.values("part.x")
+    error = np.abs(x - np.interp(motion.time, times, exact.values("part.x"))).max() / np.ptp(x)
+    assert error > 0.05 and error / 2 < motion.error_estimate.share < 2 * error
+    assert any("their estimated error is" in text for text in motion.warnings)

@@ -58,6 +58,28 @@ def test_an_impact_between_the_ends_of_a_step_is_warned_about(scheme):
     assert not [text for text in fine.warnings if MISSING in text]
 
 
+def test_an_impact_of_a_free_body_within_a_step_in_machine_code_is_warned_about():
+    """The energy is that of a corner of the lever ``ARM`` on a free body."""
+    system, turn, depth = da.System("spun"), 0.3, 1e-4
+    body = planar.Body("body", mass=1.0, inertia=INERTIA, angular_velocity=turn / STEP)
+    corners = [(-0.02, -0.01), (ARM, 0), (-0.02, 0.01)]
+    blade = planar.contact.Polygon(system.add(body), corners)
+    wall = turn * (3 - 0.2)
+    normal = np.array([math.cos(wall), math.sin(wall)])
+    foot = system.ground.point(*(ARM - depth) * normal)
+    floor = planar.contact.HalfPlane(foot, tuple(-normal))
+    system.add(planar.Collisions("hit", [blade, floor]))
+    motion = da.solve_nonsmooth(system.build(), 8 * STEP, step=STEP)
+    assert not motion.record.step.size
+    (warning,) = [text for text in motion.warnings if MISSING in text]
+    lever = ARM * math.sin(math.acos(1 - depth / ARM))
+    closing = lever * turn / STEP
+    energy = closing**2 / 2 / (1 / 1.0 + lever**2 / INERTIA)
+    assert float(re.search(r"by (\S+) m for", warning).group(1)) == pytest.approx(depth, rel=0.01)
+    assert float(re.search(r"at (\S+) m/s", warning).group(1)) == pytest.approx(closing, rel=0.01)
+    assert float(re.search(r"with (\S+) J", warning).group(1)) == pytest.approx(energy, rel=0.01)
+
+
 def test_a_correction_of_a_position_is_not_farther_than_the_step():
     """In the middle of the overlap the gap does not depend on the angle but for rounding."""
     model, touch = swinging(DEPTH, 0.5)

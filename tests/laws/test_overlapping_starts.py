@@ -96,6 +96,23 @@ def test_nonsmooth_contact_takes_a_rounded_start(kind: str) -> None:
     assert motion[name].values.max() < R + (2 * INSIDE if speed == 0 else 0.05)
 
 
+@pytest.mark.parametrize("depth", [1e-6, 1e-5])
+@pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
+def test_a_stack_at_rest_takes_a_rounded_start(scheme, depth: float) -> None:
+    """The work that removes the overlaps is no error of the energy, though nothing else moves."""
+    system, shapes = da.System("stack", gravity=(0.0, -9.81)), []
+    for k in range(3):
+        place = (0.0, 0.1 + (0.2 - depth) * k)
+        box = system.add(planar.Body(f"box{k}", mass=1.0, inertia=0.01, position=place))
+        shapes.append(planar.contact.Rectangle(box, (0.3, 0.2)))
+    floor = planar.contact.HalfPlane(system.ground.center)
+    system.add(planar.Collisions("contacts", [*shapes, floor], friction=0.5))
+    motion = da.solve_nonsmooth(system.build(), 0.1, step=2e-3, integrator=scheme)
+    assert motion.status.success and not motion.warnings
+    assert motion["box2.y"].values[-1] == pytest.approx(0.5, abs=1e-7)
+    assert not (motion.data["penetration"].values[1:] > 1e-9).any()
+
+
 @pytest.mark.product
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("gap", [0.0, 1e-9, 1e-5])

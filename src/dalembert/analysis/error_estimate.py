@@ -23,7 +23,7 @@ class ErrorEstimate:
         infinite where the repetition with other steps fails
     name : coordinate or speed with the largest error
     time : instant of the largest error, or of the failure [s]
-    repeated : length of the steps that fail, relative to those of the run
+    repeated : length of the steps of the repetition, relative to those of the run, as text
     """
 
     share: float
@@ -43,7 +43,11 @@ class ErrorEstimate:
 
 
 def largest_error(
-    error: np.ndarray, sizes: np.ndarray, names: Sequence[str], times: np.ndarray
+    error: np.ndarray,
+    sizes: np.ndarray,
+    names: Sequence[str],
+    times: np.ndarray,
+    repeated: str = "",
 ) -> ErrorEstimate | None:
     """Largest error relative to the motion; None where nothing moves.
 
@@ -52,6 +56,7 @@ def largest_error(
     error : (n, K) of coordinates or speeds at ``times``
     sizes : (n,) of the motion (``motion_sizes``)
     names : of the coordinates and speeds
+    repeated : length of the steps of the repetition, relative to those of the run, as text
     """
     moving = np.flatnonzero(sizes > 0)
     if not moving.size:
@@ -59,7 +64,7 @@ def largest_error(
     share = np.abs(error[moving]) / sizes[moving, None]
     share = np.where(np.isfinite(share), share, np.inf)
     row, k = np.unravel_index(int(np.argmax(share)), share.shape)
-    return ErrorEstimate(float(share[row, k]), names[moving[row]], float(times[k]))
+    return ErrorEstimate(float(share[row, k]), names[moving[row]], float(times[k]), repeated)
 
 
 def motion_sizes(ranges: np.ndarray, units: Sequence[str], natural: np.ndarray) -> np.ndarray:

@@ -14,7 +14,11 @@ from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.nonsmooth.advance import advance
 from dalembert.analysis.nonsmooth.between_steps import interpolate
 from dalembert.analysis.nonsmooth.checks.contact_check import ContactCheck
-from dalembert.analysis.nonsmooth.checks.missing_impacts import missing_impact_warnings
+from dalembert.analysis.nonsmooth.checks.missing_impacts import (
+    largest,
+    missing_impact_warnings,
+    unsearched_impacts,
+)
 from dalembert.analysis.nonsmooth.checks.passages import passage_warnings
 from dalembert.analysis.nonsmooth.checks.run_accuracy import RunAccuracy
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
@@ -31,6 +35,7 @@ from dalembert.analysis.nonsmooth.touching_shapes import (
     refuse_filled_bores,
     refuse_lonely_shapes,
     refuse_moving_places,
+    refuse_overlaps,
 )
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.timeline import (
@@ -95,6 +100,8 @@ class NonsmoothRun:
         state = self.model.assemble(self.p, self.start)
         refuse_concentric(self.step, self.start, state.y)
         refuse_filled_bores(self.step, self.start, state.y)
+        if self.analysis.integrator.projection:  # otherwise initial gaps are never corrected
+            refuse_overlaps(self.step, self.start, state.y)
         self.state = state.y, state.v
         log = StepLog(self.step, self.start, *self.state)
         grid = uniform_grid(self.start, self.end, self.h)
@@ -110,7 +117,9 @@ class NonsmoothRun:
         status = replace(status, residual=max(status.residual, check.residual))
         trajectory = interpolate(self.model, record, times)
         warnings = passage_warnings(log.passages)
-        warnings += missing_impact_warnings(log.missing_impacts, check.energy.moved)
+        unsearched = unsearched_impacts(self.step, record, np.array(log.compiled, dtype=int))
+        missing = largest([*log.missing_impacts, *unsearched])
+        warnings += missing_impact_warnings(missing, check.energy.moved)
         warnings += check.warnings
         warnings += elastic_warnings(self.model, trajectory, self.p)
         status = check.verify(status)

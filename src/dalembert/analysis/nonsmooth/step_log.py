@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.contact.gap_checks import ROUNDED
 from dalembert.analysis.dynamics.residual_check import energy_errors
 from dalembert.analysis.model_residuals import ModelResiduals
 from dalembert.analysis.nonsmooth.between_steps import between
@@ -108,6 +109,7 @@ class StepLog:
     t, y, v : the last state
     passages : shapes that moved through each other
     missing_impacts : impacts that steps missed, by descending energy
+    compiled : numbers of the steps in machine code, which are not searched for such impacts
     scheme_losses : (K+1,) energy dissipated by the scheme, once recorded [J]
     correction_work : work of the corrections of positions, positive where they lift, once recorded
         [J]
@@ -123,6 +125,7 @@ class StepLog:
         self.speed_inputs: list[float] = []
         self.passages: list[Passage] = []
         self.missing_impacts: list[MissingImpact] = []
+        self.compiled: list[int] = []
         self.depths, self.stored = [self._depth(t, y)], [self._stored(t, y)]
         self.scheme_losses, self.correction_work = np.zeros(1), 0.0
 
@@ -174,6 +177,7 @@ class StepLog:
     ) -> None:
         """Append K steps without corrections or force laws: times, states by rows and penetrations
         at their ends."""
+        self.compiled += range(len(self.lengths), len(self.lengths) + t.size)
         self.lengths += list(np.diff(t, prepend=self.t))
         self.times += list(t)
         self.uncorrected += list(y)
@@ -270,8 +274,9 @@ class StepLog:
         """(K+1,) energy dissipated by the scheme since the start [J].
 
         With ``θ = ½`` it is exchanged where positions are corrected, and where speeds are made
-        consistent with the joints; gains are left as errors of the balance. Other ``θ`` exchange
-        all that is missing in the balance. As they shift positions by ``h (θ − ½)(v⁺ − v)``, an
+        consistent with the joints; gains are left as errors of the balance. The work of the first
+        correction that removes a rounded overlap of the start is put in. Other ``θ`` exchange all
+        that is missing in the balance. As they shift positions by ``h (θ − ½)(v⁺ − v)``, an
         impact returns what the fall before it lost: only the net loss since the start counts, and a
         net gain is an error.
         """
@@ -283,6 +288,9 @@ class StepLog:
                 for y in (ends.y[:, 1:], np.stack(self.uncorrected, 1))
             )
         )
+        if 0 < self.depths[0] <= ROUNDED * model.scales.length:  # of rounded input, no error
+            ends.work[1, 1:] += max(work[0], 0.0)
+            work[0] = min(work[0], 0.0)
         self.correction_work = float(work.sum())
         if self.step.scheme.theta != 0.5:
             energies = ModelResiduals(model, ends, p).energies

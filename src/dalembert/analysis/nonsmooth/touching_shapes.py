@@ -7,6 +7,7 @@ from dataclasses import fields
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.contact.gap_checks import ROUNDED
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.gaps.model_gaps import APART as OFFSET
 from dalembert.elements.base import Element
@@ -97,6 +98,29 @@ def refuse_concentric(step: ContactStep, t: float, y: np.ndarray) -> None:
             f"{source.elements[0].name}: {bodies} have the same centre at the start, and their "
             "contact has no direction; move one of them"
         )
+
+
+def refuse_overlaps(step: ContactStep, t: float, y: np.ndarray) -> None:
+    """Refuse bodies that overlap at the start by more than rounded numbers explain.
+
+    Raises
+    ------
+    AnalysisError
+        Names the bodies that overlap most, their element and the depth.
+    """
+    none = np.zeros((step.model.equations.speed_count, 1))
+    contacts = step.rigid(step.near(step.at(t, y), none))
+    inside = np.flatnonzero(contacts.distance < -ROUNDED * step.model.scales.length)
+    if not inside.size:
+        return
+    deepest = int(inside[np.argmin(contacts.distance[inside])])
+    others = np.unique(step.pairs(contacts.key[inside])).size - 1
+    more = f"; {others} other pair{'s' * (others > 1)} overlap{'s' * (others == 1)} by less"
+    name, bodies = step.names[contacts.owner[deepest]], bodies_of(step.model, contacts, deepest)
+    raise AnalysisError(
+        f"{name}: {bodies} overlap by {-contacts.distance[deepest]:.3g} m at the start; move them "
+        f"apart by this depth along the normal of the contact{more if others else ''}"
+    )
 
 
 def refuse_filled_bores(step: ContactStep, t: float, y: np.ndarray) -> None:

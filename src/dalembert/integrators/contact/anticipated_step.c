@@ -24,7 +24,8 @@ static casadi_real casadi_bounce(casadi_real gap, casadi_real before, casadi_rea
   casadi_real gradual = gap>0 ? closing*gap/h : 0.0, open = casadi_open(gap, before, h);
   casadi_real speed = casadi_margin(gap, before, h, longest, 0.0);
   if (gradual>forced) gradual = forced;
-  if (before<=0 && speed<-gradual) speed = -gradual;
+  if (gradual<before) gradual = before;
+  if (speed<-gradual) speed = -gradual;
   if (before<0 && fast) speed = -restitution*before;
   return speed>open ? speed : open;
 }
@@ -97,7 +98,7 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
     fast = casadi_strikes(arg, res, iw, i);
     bounce = casadi_bounce(res[22][i], before[r], arg[36][0], arg[36][8],
       arg[28][law[pair[i]]*(2+iw[2])], forced, arg[37][18], fast);
-    if (impulse[r]>0 && -offset[r]<bounce && (before[r]<=0 || offset[r]<before[r])) {
+    if (impulse[r]>0 && -offset[r]<bounce && (before[r]<=0 || offset[r]!=before[r])) {
       changed[r] = -bounce;
     }
     if (!(total>arg[37][20]*magnitude)) continue;

@@ -196,7 +196,7 @@ class AnticipatedImpacts(ContactScheme):
         bounce = _bounce(approach)
         pressed = (impulses[:, 0] > 0) & (-offsets[:, 0] < bounce)
         parting = approach.before[:, 0]
-        pressed &= (parting <= 0) | (offsets[:, 0] < parting)  # excludes idle contacts
+        pressed &= (parting <= 0) | (offsets[:, 0] != parting)  # excludes idle contacts
         changed = offsets.copy()
         changed[pressed, 0] = -bounce[pressed]
         magnitude = np.abs(impulses) * (np.abs(after) + np.abs(approach.before))
@@ -256,8 +256,8 @@ def _bounce(approach: Approach) -> np.ndarray:
     """Minimum speed of contacts under pressure: impacting, resting or separating."""
     before, forced = approach.before[:, 0], approach.forced
     closing = CLOSING * np.maximum(approach.contacts.distance, 0) / approach.h
-    stopping, gradual = _margin(approach, 0.0), -np.minimum(closing, forced)
-    resting = np.where(before > 0, stopping, np.maximum(stopping, gradual))
+    slowest = np.maximum(np.minimum(closing, forced), before)  # a reversal does no work
+    resting = np.maximum(_margin(approach, 0.0), -slowest)
     impact = approach.impacting
     lower = np.where(impact & approach.begins, -np.inf, _open(approach))  # opened after the step
     return np.maximum(np.where(impact, approach.rebound, resting), lower)

@@ -17,6 +17,7 @@ from dalembert.analysis.nonsmooth.checks.gained_energy import gain_warnings
 from dalembert.analysis.nonsmooth.checks.lifted_bodies import lifting_warnings
 from dalembert.analysis.nonsmooth.checks.missing_rebounds import rebound_warnings
 from dalembert.analysis.nonsmooth.checks.quick_rotations import rotation_warnings
+from dalembert.analysis.nonsmooth.checks.simultaneous_impacts import simultaneous_impact_warnings
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.touching_shapes import bodies_of
 from dalembert.analysis.residual_check import EXACT, ResidualCheck
@@ -141,6 +142,7 @@ class ContactCheck(ResidualCheck):
         warnings += gain_warnings(record, self.energy.moved)
         warnings += duration_warnings(record, self.energy.moved)
         warnings += rotation_warnings(self.step, record)
+        warnings += simultaneous_impact_warnings(self.step, record, self.energy.moved)
         if self.step.scheme.anticipates:
             warnings += alternation_warnings(record)
             warnings += early_impact_warnings(self.step, record, self.energy.moved)

@@ -10,7 +10,8 @@ the normal where the shapes touch first.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -18,14 +19,43 @@ from dalembert.analysis.nonsmooth.between_steps import between
 from dalembert.analysis.nonsmooth.checks.passages import Passage, crossing, lowest
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.mobility import delassus
-from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart
+from dalembert.analysis.nonsmooth.step_state import StepStart
 from dalembert.analysis.nonsmooth.touching_shapes import bodies_of
 from dalembert.integrators.contact.contacts import Contacts
+from dalembert.results.nonsmooth_motion import ContactRecord
 
 SHARE = 0.01
 """Energy of a missing impact, relative to the energy in the motion, that causes a warning [-]."""
 MOST = 100
-"""Upper limit of the number of recorded impacts, those with the largest energies."""
+"""Upper limit of the number of recorded impacts, those with the largest energies, and of the steps
+in machine code that are searched, those with the largest rotations."""
+TURN = 0.2
+"""Minimum rotation of a body in a step in machine code that is searched [rad]. A point that swings
+through a surface touches it half of this before its path is parallel to it: its speed along the
+normal has at most the share ``(TURN/2)²``, ``SHARE``, of the energy of its rotation."""
+
+
+class Ends(Protocol):
+    """A step: positions and speeds at its end, contacts that press, and gaps that may be missed."""
+
+    @property
+    def y(self) -> np.ndarray: ...
+    @property
+    def v(self) -> np.ndarray: ...
+    @property
+    def pressing(self) -> tuple[np.ndarray, np.ndarray]: ...
+    @property
+    def returning(self) -> Contacts | None: ...
+
+
+@dataclass(frozen=True)
+class RecordedStep:
+    """``Ends`` of a step of a record."""
+
+    y: np.ndarray
+    v: np.ndarray
+    pressing: tuple[np.ndarray, np.ndarray]
+    returning: Contacts | None = None
 
 
 @dataclass(frozen=True)
@@ -42,9 +72,7 @@ class MissingImpact(Passage):
     energy: float
 
 
-def returning_gaps(
-    start: StepStart, near: Contacts, result: StepResult, rounding: float
-) -> Contacts:
+def returning_gaps(start: StepStart, near: Contacts, result: Ends, rounding: float) -> Contacts:
     """Gaps without impulses that their rate at the start of a step would close.
 
     Parameters
@@ -58,7 +86,7 @@ def returning_gaps(
 
 
 def find_missing_impact(
-    step: ContactStep, t: float, h: float, y: np.ndarray, v: np.ndarray, result: StepResult
+    step: ContactStep, t: float, h: float, y: np.ndarray, v: np.ndarray, result: Ends
 ) -> MissingImpact | None:
     """The first one in a step from ``t``, ``y``, ``v``; None without any."""
     if result.returning is None or not (gaps := step.rigid(result.returning)).count:
@@ -104,6 +132,37 @@ def _closes(gap: float, rate: float, gap_after: float, rate_after: float) -> boo
     start = (1 + 2 * s) * (1 - s) ** 2 * gap + s * (1 - s) ** 2 * rate
     end = s**2 * (3 - 2 * s) * gap_after - s**2 * (1 - s) * rate_after
     return bool((start + end).min() < 0)
+
+
+def unsearched_impacts(
+    step: ContactStep, record: ContactRecord, compiled: np.ndarray
+) -> list[MissingImpact]:
+    """Impacts that steps in machine code missed, of those with the largest rotations.
+
+    Parameters
+    ----------
+    compiled : numbers of these steps
+    """
+    units = [unit for group in step.model.coordinates for unit in group.speed_units]
+    angular = np.array([unit == "rad" for unit in units])
+    if not compiled.size or not angular.any():
+        return []
+    mean = (record.ends.v[angular, 1:] + record.ends.v[angular, :-1]) / 2
+    turns = (np.diff(record.t) * np.abs(mean).max(axis=0))[compiled]
+    quick = compiled[turns > TURN][np.argsort(-turns[turns > TURN])][:MOST]
+    return [found for k in quick if (found := _recorded(step, record, int(k))) is not None]
+
+
+def _recorded(step: ContactStep, record: ContactRecord, k: int) -> MissingImpact | None:
+    """The first impact that step ``k`` of a record missed; None without any."""
+    t, y, v = float(record.t[k]), record.ends.y[:, k], record.ends.v[:, k]
+    h, own = float(record.t[k + 1]) - t, record.step == k
+    start = step.begin(t, h, y, v, k == 0)
+    near = step.near(step.at(t, y), h * np.column_stack([v, start.free]))
+    pressing = np.sort(record.key[own]), record.impulse[own]
+    ends = RecordedStep(record.ends.y[:, k + 1], record.ends.v[:, k + 1], pressing)
+    gaps = returning_gaps(start, near, ends, step.rounding)
+    return find_missing_impact(step, t, h, y, v, replace(ends, returning=gaps))
 
 
 def largest(impacts: list[MissingImpact]) -> list[MissingImpact]:

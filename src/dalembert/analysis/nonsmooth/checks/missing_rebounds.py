@@ -125,7 +125,7 @@ def _rebounds(step: ContactStep, record: ContactRecord, k: int) -> Rebounds | No
         rebounds |= contacts.at_end(next_v)[:, 0] >= REBOUND * rebound
         newton = contacts.laws.follows(ImpactLaw.NEWTON)
         rebounds |= ~newton & (speed > SLOW * float(np.abs(h * acceleration).max()))
-    masses = _masses(contacts, start.motion.mobility)
+    masses = effective_masses(contacts, start.motion.mobility)
     missing = np.where(rebounds, 0.0, masses * rebound**2 / 2)
     end = step.selected(step.at(t + h, record.ends.y[:, k + 1]), contacts.key)
     height = np.maximum(acceleration, 0.0) * np.maximum(end.distance, 0.0)
@@ -142,7 +142,7 @@ def _rebounds(step: ContactStep, record: ContactRecord, k: int) -> Rebounds | No
     return Rebounds(*energies, k, *owners, *(float(value) for value in of))
 
 
-def _masses(contacts: Contacts, mobility) -> np.ndarray:
+def effective_masses(contacts: Contacts, mobility) -> np.ndarray:
     """(n,) effective masses along the normals of the gaps [kg]."""
     width = contacts.drift.shape[1]
     normals = contacts.directions[np.arange(contacts.count) * width]

@@ -6,7 +6,11 @@ With steps of ``q`` times the length, the error of a run is the difference of bo
 impacts and their amplification by the motion. An impact is applied at an end of a step: half of
 those of ``q = 2`` are among the ends of steps of the run, so that both runs often have the same
 error, and those of periodic motions again and again. Therefore eight steps are repeated as five.
-Only coordinates are compared, as speeds jump.
+
+Errors of first order are partly random, as each impact is applied at an end of a step: the
+difference of two runs may be a third of their errors. Where the first estimate is between
+``CERTAIN`` and ``ALLOWED``, the steps are repeated as four and as three, too, and the largest
+estimate counts. Only coordinates are compared, as speeds jump.
 """
 
 from __future__ import annotations
@@ -25,10 +29,11 @@ from dalembert.results.status import Outcome, Status
 ALLOWED, TARGET = 0.05, 0.02
 """Estimated error, relative to the motion: threshold for a warning, and target of the proposed
 step."""
-SHORT, LONG = 8, 5
-"""Numbers of steps of the run and of the repetition between instants at which both are compared."""
-RATIO = f"{SHORT / LONG:g} times"
-"""Length of the steps of the repetition, relative to those of the run, as text."""
+CERTAIN = ALLOWED / 4
+"""Estimated error of impacts below which no further repetition follows [-]."""
+SHORT, LONG, FURTHER = 8, 5, (4, 3)
+"""Numbers of steps of the run, of the repetition, and of further ones between instants at which
+they are compared."""
 UNPREDICTABLE = 0.5
 """Estimated error above which the motion is one of several that the steps may lead to [-]."""
 ENTRIES = 2e5
@@ -57,29 +62,40 @@ class RunAccuracy:
     def estimate(self) -> ErrorEstimate | None:
         """The estimate, infinite where longer steps fail; None for one step, or where nothing
         moves."""
-        record, model = self.record, self.step.model
-        if record.t.size < 3:
+        if self.record.t.size < 3:
             return None
-        grid, compared = longer_steps(record.t)
+        first = self._estimate(LONG)
+        if first is None or self._order == 2 or not CERTAIN < first.share <= ALLOWED:
+            return first
+        further = [of for count in FURTHER if (of := self._estimate(count)) and of.name]
+        return max([first, *further], key=lambda of: of.share)
+
+    @property
+    def _order(self) -> int:
+        """Order of the errors of the steps."""
+        lasting = self.step.scheme.anticipates and not self.record.kept.any()
+        return 2 if lasting or self.step.force_laws.are_all else 1
+
+    def _estimate(self, count: int) -> ErrorEstimate | None:
+        """The estimate by a repetition with ``count`` steps in place of ``SHORT``."""
+        record, model, longer = self.record, self.step.model, f"{SHORT / count:.3g} times"
+        grid, compared = longer_steps(record.t, count)
         try:
             positions, status = self._repeat(grid)
         except SingularityError:
-            return ErrorEstimate(np.inf, "", float(record.t[0]), RATIO)
+            return ErrorEstimate(np.inf, "", float(record.t[0]), longer)
         if status.outcome is Outcome.INTERRUPTED:
             raise KeyboardInterrupt
         if not status.success:
-            return ErrorEstimate(np.inf, "", float(status.time), RATIO)
+            return ErrorEstimate(np.inf, "", float(status.time), longer)
         y, times = record.ends.y, record.t[compared]
-        lasting = self.step.scheme.anticipates and not record.kept.any()
-        order = 2 if lasting or self.step.force_laws.are_all else 1
         error = y[:, compared] - positions[:, np.searchsorted(grid, times)]
-        error = error / ((SHORT / LONG) ** order - 1)
+        error = error / ((SHORT / count) ** self._order - 1)
         ranges = np.ptp(y, axis=1)
         sizes = motion_sizes(ranges, model.guesses.units, model.scales.coordinates)
-        if self.step.scheme.anticipates:  # clearances of gaps are not errors of the steps
-            resolved = CLEARANCE / TARGET * model.scales.coordinates
-            sizes = np.maximum(sizes, np.where(sizes > 0, resolved, 0.0))
-        return largest_error(error, sizes, model.guesses.names, times)
+        resolved = CLEARANCE / TARGET * model.scales.coordinates  # of gaps of bodies at rest
+        sizes = np.maximum(sizes, np.where(sizes > 0, resolved, 0.0))
+        return largest_error(error, sizes, model.guesses.names, times, longer)
 
     @property
     def warnings(self) -> list[str]:
@@ -92,9 +108,9 @@ class RunAccuracy:
         h = float(np.median(np.diff(self.record.t)))
         if estimate.share > UNPREDICTABLE:
             return [
-                f"the motion depends on the step of {h:.3g} s: with steps {RATIO} as long it "
-                f"differs by {estimate.text}; its impacts amplify small differences, or the step "
-                "is far too long"
+                f"the motion depends on the step of {h:.3g} s: with steps {estimate.repeated} as "
+                f"long it differs by {estimate.text}; its impacts amplify small differences, or "
+                "the step is far too long"
             ]
         shorter = h * TARGET / estimate.share
         return [
@@ -103,15 +119,16 @@ class RunAccuracy:
         ]
 
 
-def longer_steps(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def longer_steps(t: np.ndarray, long: int = LONG) -> tuple[np.ndarray, np.ndarray]:
     """A grid of longer steps, and the numbers of the ends of steps that it contains.
 
     Parameters
     ----------
     t : (K+1,) ends of the steps of a run; the last ones may be fewer than ``SHORT``
+    long : number of longer steps in place of ``SHORT``
     """
     compared = np.unique(np.append(np.arange(0, t.size, SHORT), t.size - 1))
-    counts = np.maximum(np.round(np.diff(compared) * LONG / SHORT), 1).astype(int)
+    counts = np.maximum(np.round(np.diff(compared) * long / SHORT), 1).astype(int)
     parts = [
         np.linspace(t[i], t[j], count + 1)[:-1]
         for i, j, count in zip(compared[:-1], compared[1:], counts, strict=True)
