@@ -15,8 +15,9 @@ from dalembert.options import options
 if TYPE_CHECKING:
     from dalembert.integrators.contact.offset_slopes import OffsetSlopes
 
-CLOSING = 0.5
-"""Fraction of a gap that a resting contact closes per step [-]."""
+CLOSING = 1.0
+"""Speed at which a resting contact closes its gap, by that for all of it in a step; with 1 it is closed
+after two steps, the second of which stops [-]."""
 
 
 class ContactScheme(ABC):
