@@ -43,6 +43,8 @@ JAMMED = 1e-6
 without any effect where contacts jam [-]."""
 PATHS = 20
 """Upper limit of the repetitions of a step with means over its path."""
+GROWTHS = 2
+"""Upper limit of the repetitions that change the speeds more than the one before."""
 SAME_PATH = 1e-14
 """Estimated error of the means over a path, by which joints are open at its end [-]."""
 TRAVEL = 1e-6
@@ -189,12 +191,13 @@ class ContactStep(ModelGaps):
         """A step with some contacts; impulses of the step ``before`` are the starting point.
 
         Means over the path of the step are those of its own solution, by repetition; where this
-        does not converge, those of the solution that changes least.
+        does not converge, those of the solution that changes least; a run divides such steps.
         """
         if not self.smooth.takes_means(self.scheme.theta):
             return self._solved(start, start.motion, contacts, before)
         pressed = before is not None and before.pressing[0].size > 0
         after, last, warm, best = start.v if pressed else start.free, np.inf, before, None
+        growths, least = 0, np.inf
         stuck = contacts.key[:0] if before is None else before.stuck
         for _ in range(PATHS):
             motion = start.with_impact(self.smooth.along(start.smooth, after))
@@ -205,11 +208,15 @@ class ContactStep(ModelGaps):
             ratio = change / last if 0 < last < np.inf else 1.0
             if change * min(ratio, 1.0) <= SAME_PATH:
                 return result
-            if not change < last:
+            growths += not change < last
+            if growths > GROWTHS:
                 break
-            after, last, best = result.v, change, result
+            if change < least:
+                least, best = change, result
+            after, last = result.v, change
             warm = replace(result.last, stuck=stuck)
-        return best or self._solved(start, start.motion, contacts, before)
+        best = best or self._solved(start, start.motion, contacts, before)
+        return replace(best, path_change=least)
 
     def _change(self, start: StepStart, speeds: np.ndarray, other: np.ndarray) -> float:
         """Largest difference of speeds times the largest displacement, by the natural ones."""

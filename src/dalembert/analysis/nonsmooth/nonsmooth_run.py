@@ -50,6 +50,8 @@ DIVISIONS = 6
 """Upper limit of the divisions of a step in halves, where its impulses do not converge or its
 positions cannot be corrected."""
 
+PATH_CHANGE = 1e-6
+"""Estimated error of means over the path of a step above which it is divided [-]."""
 FARTHEST, CORRECTED = 2.0, 0.1
 """Upper limits of the correction of a position, relative to the motion in the step and to the
 natural displacements; the larger one applies [-]."""
@@ -148,7 +150,10 @@ class NonsmoothRun:
                         break
                 t, h = float(grid[k]), float(grid[k + 1] - grid[k])
                 result = advance(self.step_at(grid, k), t, h, log.y, log.v, last)
-                failure = self.failure(t, h, result, log)
+                failure, divided = self.failure(t, h, result, log), self.divided(grid, k)
+                if failure is None and result.path_change > PATH_CHANGE and divided is not None:
+                    grid, self.divisions = divided, self.divisions + 1
+                    continue
                 if failure is None:
                     position = self.corrected(t + h, h, result)
                     if not position.accepted:
@@ -159,11 +164,9 @@ class NonsmoothRun:
                         )
                         failure = self.not_corrected(t, h, far, position.residual)
                 if failure is not None:
-                    divided = self.divided(grid, k)
                     if failure.outcome is not Outcome.NOT_CONVERGED or divided is None:
                         return failure
-                    grid = divided
-                    self.divisions += 1
+                    grid, self.divisions = divided, self.divisions + 1
                     continue
                 speeds, result = self.speeds(t, h, position.x, result)
                 log.add(t + h, h, position.x, speeds, result)

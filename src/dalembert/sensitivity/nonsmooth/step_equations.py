@@ -14,8 +14,8 @@ import casadi as ca
 import numpy as np
 import scipy
 
-from dalembert.analysis.nonsmooth.path_forces import path_forces, takes_means
-from dalembert.analysis.nonsmooth.smooth_motion import constrained_fraction
+from dalembert.analysis.nonsmooth.path_forces import path_forces
+from dalembert.analysis.nonsmooth.smooth_motion import constrained_fraction, smooth_motion
 from dalembert.analysis.nonsmooth.step_forces import (
     states_moved_by_speeds,
     step_forces,
@@ -64,10 +64,12 @@ class StepEquations:
     ----------
     e : equations of the model
     theta : parameter of the θ-method
+    takes_means : whether steps have means over their path
     """
 
-    def __init__(self, e: Equations, theta: float):
+    def __init__(self, e: Equations, theta: float, takes_means: bool):
         self.e, self.theta, self.h = e, theta, ca.SX.sym("h")
+        self._takes_means = takes_means
         self.speeds = ca.SX.sym("speeds", e.v.numel())
         self.multiplier = ca.SX.sym("multiplier", e.constraint_count)
         self.z = ca.vertcat(self.speeds, self.multiplier)
@@ -83,7 +85,7 @@ class StepEquations:
     def step(self) -> SmoothMap:
         """From the start of a step to its end, before corrections."""
         e, h, after = self.e, self.h, self.speeds
-        if not takes_means(e, self.theta):
+        if not self._takes_means:
             return self.linear
         means = path_forces(e, h, (e.v + after) / 2)
         momentum, states = self._linear_parts
@@ -174,4 +176,4 @@ class StepEquations:
 @once
 def step_equations(model: Model, theta: float) -> StepEquations:
     """Equations of a model, for a parameter of the θ-method."""
-    return StepEquations(model.equations, theta)
+    return StepEquations(model.equations, theta, smooth_motion(model).takes_means(theta))
