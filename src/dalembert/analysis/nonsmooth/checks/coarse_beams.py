@@ -34,7 +34,7 @@ def coarse_beam_warnings(step: ContactStep, record: ContactRecord) -> list[str]:
         return []
     e, pressing = step.model.equations, np.unique(record.step)
     chosen = np.linspace(0, pressing.size - 1, min(SAMPLES, pressing.size)).round().astype(int)
-    worst = {beam: (0.0, 0.0, 0.0) for beam in beams.values()}
+    worst = dict.fromkeys(beams.values(), (0.0, 0.0, 0.0))
     places = {beam: _node_places(step, beam) for beam in worst}
     for k in pressing[chosen]:
         t, y = float(record.t[k + 1]), record.ends.y[: e.coordinate_count, k + 1]
