@@ -150,10 +150,12 @@ class NonsmoothRun:
                         break
                 t, h = float(grid[k]), float(grid[k + 1] - grid[k])
                 result = advance(self.step_at(grid, k), t, h, log.y, log.v, last)
-                failure, divided = self.failure(t, h, result, log), self.divided(grid, k)
-                if failure is None and result.path_change > PATH_CHANGE and divided is not None:
-                    grid, self.divisions = divided, self.divisions + 1
-                    continue
+                failure = self.failure(t, h, result, log)
+                if failure is None and result.path_change > PATH_CHANGE:
+                    divided = self.divided(grid, k)
+                    if divided is not None:
+                        grid, self.divisions = divided, self.divisions + 1
+                        continue
                 if failure is None:
                     position = self.corrected(t + h, h, result)
                     if not position.accepted:
@@ -164,6 +166,7 @@ class NonsmoothRun:
                         )
                         failure = self.not_corrected(t, h, far, position.residual)
                 if failure is not None:
+                    divided = self.divided(grid, k)
                     if failure.outcome is not Outcome.NOT_CONVERGED or divided is None:
                         return failure
                     grid, self.divisions = divided, self.divisions + 1
