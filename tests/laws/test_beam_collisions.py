@@ -162,3 +162,19 @@ def test_a_beam_without_radius_is_refused():
     beam = system.add(planar.Beam("thread", length=1.0, position=(0, 0), angle=0.0, **data))
     with pytest.raises(ModelError, match=r"BeamLine of thread.*has no radius"):
         planar.Collisions("touch", [contact.BeamLine(beam)])
+
+
+@pytest.mark.parametrize("elements", [4, 6, pytest.param(12, marks=pytest.mark.thorough)])
+def test_chords_too_long_for_a_drum_are_reported(elements):
+    """The warning states the error of the tension within a factor of 1.5; 12 chords suffice."""
+    motion = da.solve_nonsmooth(wound(elements), 0.12, step=2e-3)
+    assert motion.status.success
+    exact = LOAD * math.exp(FRICTION * math.pi * DRUM / (DRUM + HALF))
+    error = 100 * abs(-motion["anchor.force"].values[-1, 1] / exact - 1)
+    texts = [text for text in motion.warnings if "belt is coarse for its contacts" in text]
+    if elements == 12:
+        assert not texts and error < 2
+        return
+    (text,) = texts
+    stated = float(text.split("err by about ")[1].split(" %")[0])
+    assert 1 / 1.5 < stated / error < 1.5

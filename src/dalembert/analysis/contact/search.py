@@ -242,7 +242,8 @@ class ContactSearch:
             names = self.kernel.equations.contacts[guard.gap].name
             self.trouble = (
                 f"{names} opens and closes again and again at t = {replacement.time:.9g} s; "
-                "give it restitution=0, or a compliant contact"
+                "give it restitution=0, or a compliant contact, or use solve_nonsmooth, which does "
+                "not locate impacts"
             )
             return mode
         after_mode = self._phased(mode, active_set.phases, replacement.time, replacement.x)

@@ -12,7 +12,7 @@ from dalembert.analysis.nonsmooth.compliant_contacts import CompliantContacts
 from dalembert.analysis.nonsmooth.force_laws import ForceLaws
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.model_gaps import ModelGaps
-from dalembert.analysis.nonsmooth.gyroscopic import SAME_TURN, convergence_rate, turn_error
+from dalembert.analysis.nonsmooth.gyroscopic import convergence_rate, turn_error
 from dalembert.analysis.nonsmooth.impact_stage import impact_stage
 from dalembert.analysis.nonsmooth.middle_directions import (
     in_middle,
@@ -44,8 +44,10 @@ JAMMED = 1e-6
 without any effect where contacts jam [-]."""
 PATHS = 20
 """Upper limit of the repetitions of a step with means over its path."""
-SAME_PATH = 1e-14
-"""Estimated error of the means over a path, by which joints are open at its end [-]."""
+GROWTHS = 2
+"""Upper limit of the repetitions that change the speeds more than the one before."""
+SAME_MEANS = 1e-14
+"""Estimated error of the means over a step, as that by which joints are open at its end [-]."""
 TRAVEL = 1e-6
 """Part of a gap closed in a step that counts as an impact, by the natural length [-]."""
 CLEARANCE = 2e-7
@@ -184,14 +186,15 @@ class ContactStep(ModelGaps):
         so are the speeds ``after`` at the end of a similar step for means over its path.
 
         Means over the step, of its path or of gyroscopic forces, are those of its own solution, by
-        repetition; where this does not converge, those of the solution that changes least.
+        repetition; where this does not converge, those of the solution that changes least; a run
+        divides such steps.
         """
         smooth, theta = self.smooth, self.scheme.theta
         if not (smooth.takes_means(theta) or smooth.turning.size):
             return self._solved(start, start.motion, contacts, before)
         if after is None or not smooth.takes_means(theta):
             after = self._first_guess(start, before)
-        last, warm, best = np.inf, before, None
+        last, warm, best, growths, least = np.inf, before, None, 0, np.inf
         stuck = contacts.key[:0] if before is None else before.stuck
         for _ in range(PATHS):
             motion = start.with_impact(smooth.repeated(start.smooth, theta, after))
@@ -199,13 +202,17 @@ class ContactStep(ModelGaps):
             if not result.impulses.accepted:
                 break
             error = self._error_of_means(start, result.v, after)
-            if error * convergence_rate(error, last) <= 1.0:
+            if error * convergence_rate(error, last) <= SAME_MEANS:
                 return result
-            if not error < last:
+            growths += not error < last
+            if growths > GROWTHS:
                 break
-            after, last, best = result.v, error, result
+            if error < least:
+                least, best = error, result
+            after, last = result.v, error
             warm = replace(result.last, stuck=stuck)
-        return best or self._solved(start, start.motion, contacts, before)
+        best = best or self._solved(start, start.motion, contacts, before)
+        return replace(best, path_change=least)
 
     def _first_guess(self, start: StepStart, before: LastImpulses | None) -> np.ndarray:
         """Speeds at the end of a step, for its means."""
@@ -216,13 +223,13 @@ class ContactStep(ModelGaps):
         return after
 
     def _error_of_means(self, start: StepStart, speeds: np.ndarray, assumed: np.ndarray) -> float:
-        """Error of the means of a step with other speeds at its end, by the permitted one."""
+        """Estimated error of the means of a step with other speeds at its end [-]."""
         size, rows = self.model.scales.displacements / start.h, self.smooth.turning
         if not self.smooth.takes_means(self.scheme.theta):
             ends = [start.v + self.scheme.theta * (v - start.v) for v in (speeds, assumed)]
-            return turn_error(ends[0][rows], ends[1][rows], size[rows]) / SAME_TURN
+            return turn_error(ends[0][rows], ends[1][rows], size[rows])
         largest = np.abs(np.array([start.v, speeds, assumed]) / size).max(initial=0.0)
-        return float(np.abs((speeds - assumed) / size).max(initial=0.0) * largest) / SAME_PATH
+        return float(np.abs((speeds - assumed) / size).max(initial=0.0) * largest)
 
     def _solved(
         self,

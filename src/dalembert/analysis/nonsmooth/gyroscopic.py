@@ -13,9 +13,6 @@ from dalembert.model.graph.equations import Equations
 PROBES, ROUNDING = 3, 1e-12
 """Number of random speeds, and ratio of forces or their power to their terms that counts as zero
 [-]."""
-SAME_TURN = 1e-14
-"""Estimated error of the turn of a step after the next repetition with other mean speeds, below
-which it is not repeated [-]."""
 
 
 @dataclass(frozen=True, eq=False)

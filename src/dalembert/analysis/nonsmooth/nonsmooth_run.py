@@ -28,7 +28,7 @@ from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
 from dalembert.analysis.nonsmooth.speed_jumps import speeds_after
 from dalembert.analysis.nonsmooth.step_log import StepLog
-from dalembert.analysis.nonsmooth.step_state import StepResult
+from dalembert.analysis.nonsmooth.step_state import PATH_CHANGE, StepResult
 from dalembert.analysis.nonsmooth.touching_shapes import (
     bodies_of,
     refuse_concentric,
@@ -158,6 +158,11 @@ class NonsmoothRun:
                 t, h = float(grid[k]), float(grid[k + 1] - grid[k])
                 result = advance(self.step_at(grid, k), t, h, log.y, log.v, last)
                 failure = self.failure(t, h, result, log)
+                if failure is None and result.path_change > PATH_CHANGE:
+                    divided = self.divided(grid, k)
+                    if divided is not None:
+                        grid, self.divisions = divided, self.divisions + 1
+                        continue
                 if failure is None:
                     position = self.corrected(t + h, h, result)
                     if not position.accepted:
@@ -171,8 +176,7 @@ class NonsmoothRun:
                     divided = self.divided(grid, k)
                     if failure.outcome is not Outcome.NOT_CONVERGED or divided is None:
                         return failure
-                    grid = divided
-                    self.divisions += 1
+                    grid, self.divisions = divided, self.divisions + 1
                     continue
                 speeds, result = self.speeds(t, h, position.x, result)
                 log.add(t + h, h, position.x, speeds, result)

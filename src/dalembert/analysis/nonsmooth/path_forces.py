@@ -56,8 +56,3 @@ def path_forces(e: Equations, h: ca.SX, speeds: ca.SX) -> PathForces:
         still += weight * own_still
         force += weight * part * own_force
     return PathForces(ca.sparsify(joints), still, force)
-
-
-def takes_means(e: Equations, theta: float) -> bool:
-    """Whether steps have means over their path: those by the midpoint rule with joints."""
-    return theta == 0.5 and e.constraint_count > 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.nonsmooth.mobility import Coupling, Mobility
-from dalembert.analysis.nonsmooth.path_forces import path_forces, takes_means
+from dalembert.analysis.nonsmooth.path_forces import path_forces
 from dalembert.analysis.nonsmooth.step_forces import position_lift, step_forces
 from dalembert.elements.blocks.sampled import Sampled
 from dalembert.errors import UnsupportedError
@@ -99,8 +100,9 @@ class SmoothMotion:
     step is repeated with the mean speeds of its solution.
     ``C`` and ``Φ_t`` are taken at ``y ⊕ σ h v``, ``σ = max(θ, 1/2)``:
     with constraints on the speeds at the end alone the centripetal forces within the step are lost.
-    States of first order are eliminated (``step_forces``). Steps by the midpoint rule with joints
-    are repeated with means over their path (``path_forces``).
+    States of first order are eliminated (``step_forces``). Steps by the midpoint rule with joints,
+    or with forces that couple bodies, are repeated with means over their path (``path_forces``):
+    with linearised forces, thin beams gain energy without bounds.
 
     Parameters
     ----------
@@ -151,6 +153,7 @@ class SmoothMotion:
         bodies = [group.twist.numel() for group in model.coordinates]
         self.coupling = Coupling.of(pattern, e.jacobian.sparsity(), bodies)
         self._states = list(e.states)
+        self._couples = not e.states and couples_bodies(pattern, bodies)
         self.has_joints, self._go = e.constraint_count > 0, e.manifold.go
         self.prescribes = ca.depends_on(still, e.t)
         self._still = Kernel(ca.Function("prescribed", inputs_at_position, [ca.densify(still)]))
@@ -227,7 +230,8 @@ class SmoothMotion:
 
     def takes_means(self, theta: float) -> bool:
         """Whether steps have means over their path."""
-        return takes_means(self._equations, theta)
+        joined: bool = self._equations.constraint_count > 0 or self._couples
+        return theta == 0.5 and joined
 
     def path_nodes(self, theta: float) -> list[tuple[float, float]]:
         """Fractions of a step at which its forces are evaluated, and their weights."""
@@ -265,6 +269,15 @@ class SmoothMotion:
 def smooth_motion(model: Model) -> SmoothMotion:
     """Functions of a model, built once."""
     return SmoothMotion(model)
+
+
+def couples_bodies(pattern: ca.Sparsity, bodies: Sequence[int]) -> bool:
+    """Whether a matrix (n, n) has entries of two bodies, with some numbers of successive speeds."""
+    if sum(bodies) != pattern.size1():
+        return False
+    body = np.repeat(np.arange(len(bodies)), bodies)
+    row, column = (np.array(part, dtype=int) for part in pattern.get_triplet())
+    return bool((body[row] != body[column]).any())
 
 
 def constrained_fraction(theta: float) -> float:

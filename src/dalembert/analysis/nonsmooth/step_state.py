@@ -13,6 +13,9 @@ from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.integrators.contact.impulses import Impulses
 
+PATH_CHANGE = 1e-6
+"""Estimated error of means over a step above which it is divided [-]."""
+
 
 @dataclass(frozen=True, eq=False)
 class LastImpulses:
@@ -46,6 +49,7 @@ class StepResult:
     curved : keys of the contacts with means over the path; others have directions in the middle
     path : the solution whose displacement is the path of the means
     longest : longest step that may follow, for which gaps leave room [s]
+    path_change : estimated error of means over the path that do not converge, else zero [-]
     impact : impacts at the start of the step; their impulses are part of ``impulses``
     closing : gaps that the linear motion closes; None if the scheme keeps all open
     returning : gaps without impulses that their rate at the start would close
@@ -62,6 +66,7 @@ class StepResult:
     work: np.ndarray
     fractions: np.ndarray
     longest: float
+    path_change: float = 0.0
     curved: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
     path: StepResult | None = None
     impact: ImpactStage | None = None

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from dalembert.integrators.contact.offset_slopes import OffsetSlopes
 
 CLOSING = 1.0
-"""Speed at which a resting contact closes its gap, by that for all of it in a step; with 1 it is closed
-after two steps, the second of which stops [-]."""
+"""Speed at which a resting contact closes its gap, relative to that for all of it in a step; with 1
+it is closed after two steps, the second of which stops [-]."""
 
 
 class ContactScheme(ABC):

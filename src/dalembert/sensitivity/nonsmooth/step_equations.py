@@ -14,8 +14,8 @@ import casadi as ca
 import numpy as np
 import scipy
 
-from dalembert.analysis.nonsmooth.path_forces import path_forces, takes_means
-from dalembert.analysis.nonsmooth.smooth_motion import constrained_fraction
+from dalembert.analysis.nonsmooth.path_forces import path_forces
+from dalembert.analysis.nonsmooth.smooth_motion import constrained_fraction, smooth_motion
 from dalembert.analysis.nonsmooth.step_forces import (
     StepForces,
     states_moved_by_speeds,
@@ -65,10 +65,11 @@ class StepEquations:
     ----------
     e : equations of the model
     theta : parameter of the θ-method
+    takes_means : whether steps have means over their path
     """
 
-    def __init__(self, e: Equations, theta: float):
-        self.e, self.theta = e, theta
+    def __init__(self, e: Equations, theta: float, takes_means: bool):
+        self.e, self.theta, self._takes_means = e, theta, takes_means
         self.h, self._lead = ca.SX.sym("h"), ca.SX.sym("lead")
         self.speeds = ca.SX.sym("speeds", e.v.numel())
         self.multiplier = ca.SX.sym("multiplier", e.constraint_count)
@@ -85,7 +86,7 @@ class StepEquations:
     def step(self) -> SmoothMap:
         """From the start of a step to its end, before corrections."""
         e, h, after = self.e, self.h, self.speeds
-        if not takes_means(e, self.theta):
+        if not self._takes_means:
             turning = self._forces.turning.tolist()
             mean = self.theta * after + (1 - self.theta) * e.v
             return self._linear(mean[turning]) if turning else self.linear
@@ -188,4 +189,4 @@ class StepEquations:
 @once
 def step_equations(model: Model, theta: float) -> StepEquations:
     """Equations of a model, for a parameter of the θ-method."""
-    return StepEquations(model.equations, theta)
+    return StepEquations(model.equations, theta, smooth_motion(model).takes_means(theta))

@@ -42,7 +42,8 @@ class StepStacks:
         step = maps.contact_step
         self._maps, self._record, self._contacts, self._sticks = maps, record, contacts, sticks
         self._x = np.vstack([record.ends.y, record.ends.v])
-        unfit = step.smooth.has_joints or step.force_laws.elements
+        has_means = step.smooth.takes_means(step.scheme.theta)
+        unfit = has_means or step.smooth.has_joints or step.force_laws.elements
         self._fit = np.zeros_like(repeated) if unfit else ~repeated
         self._length = int(np.clip(ENTRIES // self._x.shape[0], 1, STACK))
         self._number = -1
@@ -51,7 +52,8 @@ class StepStacks:
 
     def at(self, k: int) -> tuple[StackedMaps, int] | None:
         """Maps that contain those of a step, and its number among them; None if the step has
-        joints, force laws or corrections of positions, or solutions that are not recorded."""
+        joints, means over its path, force laws or corrections of positions, or solutions that
+        are not recorded."""
         if not self._fit[k]:
             return None
         number = k // self._length

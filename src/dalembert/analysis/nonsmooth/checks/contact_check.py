@@ -11,6 +11,7 @@ from dalembert.analysis.contact.gap_checks import ROUNDED
 from dalembert.analysis.dynamics.residual_check import DRIFT, DRIFT_WARNING, EnergyBalance
 from dalembert.analysis.model_residuals import Violation
 from dalembert.analysis.nonsmooth.checks.alternating_forces import alternation_warnings
+from dalembert.analysis.nonsmooth.checks.coarse_beams import coarse_beam_warnings
 from dalembert.analysis.nonsmooth.checks.contact_durations import duration_warnings
 from dalembert.analysis.nonsmooth.checks.early_impacts import early_impact_warnings
 from dalembert.analysis.nonsmooth.checks.gained_energy import gain_warnings
@@ -143,6 +144,7 @@ class ContactCheck(ResidualCheck):
         warnings += duration_warnings(record, self.energy.moved)
         warnings += rotation_warnings(self.step, record)
         warnings += simultaneous_impact_warnings(self.step, record, self.energy.moved)
+        warnings += coarse_beam_warnings(self.step, record)
         if self.step.scheme.anticipates:
             warnings += alternation_warnings(record)
             warnings += early_impact_warnings(self.step, record, self.energy.moved)

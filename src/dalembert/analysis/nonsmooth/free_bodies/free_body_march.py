@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from dalembert.analysis.nonsmooth.advance import REPETITIONS, inexact_depth
-from dalembert.analysis.nonsmooth.contact_step import PATHS, ContactStep
+from dalembert.analysis.nonsmooth.contact_step import PATHS, SAME_MEANS, ContactStep
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import (
     FreeBodyMotion,
     free_body_motion,
@@ -28,9 +28,9 @@ from dalembert.analysis.nonsmooth.free_bodies.step_outcome import (
     ROUNDS_OF,
     StepOutcome,
 )
-from dalembert.analysis.nonsmooth.gyroscopic import SAME_TURN, convergence_rate, turn_error
+from dalembert.analysis.nonsmooth.gyroscopic import convergence_rate, turn_error
 from dalembert.analysis.nonsmooth.step_log import StepEntries, StepLog
-from dalembert.analysis.nonsmooth.step_state import LastImpulses
+from dalembert.analysis.nonsmooth.step_state import PATH_CHANGE, LastImpulses
 from dalembert.integrators.contact.schemes import AnticipatedImpacts
 from dalembert.symbolic.evaluation.fixed_call import FixedCalls
 
@@ -218,8 +218,14 @@ class FreeBodyMarch:
                 break
             mean = ((before + steps.v) / 2)[rows]
             error = turn_error(mean, self._mean, scales[rows] / self._h)
-            if error * convergence_rate(error, last) <= SAME_TURN or not error < last:
+            if error * convergence_rate(error, last) <= SAME_MEANS:
                 break
+            if not error < last:
+                if error <= PATH_CHANGE:
+                    break
+                steps.remove_last()
+                steps.v[:] = before
+                return StepOutcome.UNSOLVED
             self._mean[:], last, steps.v[:] = mean, error, before
             outcome = steps.again() if self._turned() else StepOutcome.UNSOLVED
         return outcome
