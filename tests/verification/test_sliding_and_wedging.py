@@ -2,7 +2,8 @@
 
 A ladder slips where ``tan θ < (1 − μ²)/(2 μ)`` and then moves by its own equation of motion. A
 wedge of the angle ``2 α`` between blocks that are pressed together is expelled where
-``2 α > 2 atan μ``, with the acceleration ``a = 2 N (sin α − μ cos α)/M``, ``N = (F − m a tan α)/(cos α + μ sin α)``.
+``2 α > 2 atan μ``, with the acceleration ``a = 2 N (sin α − μ cos α)/M``,
+``N = (F − m a tan α)/(cos α + μ sin α)``.
 A block on a plate that accelerates until ``t₁`` slips by ``V²/2 (1/(μ g) − 1/A)``, ``V = A t₁``
 (Meriam & Kraige, Statics and Dynamics).
 """
