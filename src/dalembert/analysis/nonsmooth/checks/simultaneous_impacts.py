@@ -62,8 +62,9 @@ def simultaneous_impact_warnings(
     several = np.bincount(record.step, minlength=count) > 1
     chosen = np.flatnonzero(several & (limit > SHARE * moved))
     chosen = chosen[np.argsort(-largest[chosen])][:MOST]
-    joined = [found for k in chosen if (found := _joined(step, record, int(k))) is not None]
-    worst = max(joined, key=lambda of: of.energy, default=None)
+    joined = (_joined(step, record, int(k)) for k in chosen)
+    impacts = [impact for impact in joined if impact is not None]
+    worst = max(impacts, key=lambda of: of.energy, default=None)
     if worst is None or not worst.energy > SHARE * moved:
         return []
     return [
