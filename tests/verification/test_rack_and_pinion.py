@@ -75,3 +75,24 @@ def test_rack_and_pinion(integrator):
     moments = motion["motor.moment"].values[1:] * np.diff(motion.record.t)
     assert SPEED * moments.sum() == pytest.approx(done, rel=1e-3)
     assert motion.statistics["energy dissipated in contacts [J]"] < 0.1 * done
+
+
+def test_a_torque_accelerates_a_rack_from_rest():
+    """``a = (T/r − F)/(m + J/r²)`` without friction. In the first step forces move the pinion
+    by more than the clearance, and the backs of the teeth must not jam it."""
+    system, torque, inertia = da.System("rack and pinion"), 3.0, 3e-4
+    angle = math.pi / TEETH - math.pi / 2
+    start = {"position": (0, 0), "angle": angle}
+    wheel = system.add(planar.Body("pinion", mass=0.5, inertia=inertia, **start))
+    system.add(planar.Revolute("axle", system.ground.center, wheel.center))
+    system.add(planar.Torque("motor", wheel, torque))
+    bar = planar.Body("rack", mass=1.0, inertia=1e-2, position=(0, -RADIUS))
+    rail = system.ground.point(0, -RADIUS)
+    system.add(planar.Prismatic("guide", rail, system.add(bar).center, axis=(1, 0)))
+    system.add(planar.Force("load", bar, (-LOAD, 0)))
+    outlines = [planar.contact.Outline(wheel, pinion(3)), planar.contact.Outline(bar, rack(7))]
+    system.add(planar.Collisions("teeth", outlines))
+    motion = da.solve_nonsmooth(system.build(), 0.03, step=1e-3, integrator=da.MoreauJean())
+    acceleration = (torque / RADIUS - LOAD) / (1.0 + inertia / RADIUS**2)
+    assert motion.status.success
+    assert motion["rack.x"].values[-1] == pytest.approx(acceleration * 0.03**2 / 2, rel=0.05)

@@ -88,7 +88,8 @@ def _closed(
 
     Together with them act the ``resting`` ones of the ``near`` gaps: on curved surfaces these open
     by ``O(h²)`` in each step, and without them bodies would fall into each other in every second
-    step. Features that are closed at the end but not near at the start, such as edges that are
+    step. Gaps that open without them do not act, such as the backs of teeth, which would jam.
+    Features that are closed at the end but not near at the start, such as edges that are
     almost parallel and cross beyond their ends, follow only if gaps remain closed without them.
     """
     result = step.solved(step.struck(start, contacts), contacts, before)
@@ -97,7 +98,9 @@ def _closed(
         at_end = step.at(end, result.y)
         if not np.isfinite(result.y).all() or step.deepest(at_end) >= -step.rounding:
             break
-        keys = np.union1d(step.closed(at_end).key, near.key[resting])
+        opens = start.h * (near.at_start(start.v) + near.at_end(result.v))[:, 0] / 2
+        held = resting & (opens <= step.rounding)
+        keys = np.union1d(step.closed(at_end).key, near.key[held])
         keys = keys[~np.isin(keys, contacts.key)]
         added = near.some(np.isin(near.key, keys))
         if not added.count:

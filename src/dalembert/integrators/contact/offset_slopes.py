@@ -111,8 +111,8 @@ def anticipated_slopes(
     tied = np.abs(branches[:, 0] - offsets[:, 0]) <= rounding
     tied[0] &= ~tied[2] | (np.abs(u) <= rounding)
     tied[1] &= (u <= 0) | overlaps
-    slower = (offsets[:, 0] >= np.maximum(u - rounding, 0)) & (offsets[:, 0] <= branches[0, 0])
-    tied[-1] &= slower
+    approaches = (offsets[:, 0] >= 0) & (offsets[:, 0] <= branches[0, 0])
+    tied[-1] &= approaches & (u <= offsets[:, 0] + rounding)
     if not tied.any(axis=0).all():
         speed = -offsets[np.argmin(tied.any(axis=0)), 0]
         raise AnalysisError(

@@ -150,7 +150,8 @@ def unsearched_impacts(
     mean = (record.ends.v[angular, 1:] + record.ends.v[angular, :-1]) / 2
     turns = (np.diff(record.t) * np.abs(mean).max(axis=0))[compiled]
     quick = compiled[turns > TURN][np.argsort(-turns[turns > TURN])][:MOST]
-    return [found for k in quick if (found := _recorded(step, record, int(k))) is not None]
+    missing = (_recorded(step, record, int(k)) for k in quick)
+    return [impact for impact in missing if impact is not None]
 
 
 def _recorded(step: ContactStep, record: ContactRecord, k: int) -> MissingImpact | None:

@@ -54,12 +54,17 @@ def simultaneous_impact_warnings(
     ----------
     moved : energy that took part in the motion [J]
     """
-    count = record.loss.size
-    size = np.bincount(record.step, record.impulse[:, 0], count) / np.diff(record.t)
-    chosen = np.flatnonzero(np.bincount(record.step, minlength=count) > 1)
-    chosen = chosen[np.argsort(-size[chosen])][:MOST]
-    joined = [found for k in chosen if (found := _joined(step, record, int(k))) is not None]
-    worst = max(joined, key=lambda of: of.energy, default=None)
+    count, scales = record.loss.size, step.model.scales
+    largest = np.zeros(count)
+    np.maximum.at(largest, record.step, record.impulse[:, 0])
+    speeds = np.abs(record.ends.v[:, :-1]) / scales.displacements[:, None]
+    limit = 4 * largest * speeds.max(axis=0, initial=0.0) * scales.length  # of the energy of one
+    several = np.bincount(record.step, minlength=count) > 1
+    chosen = np.flatnonzero(several & (limit > SHARE * moved))
+    chosen = chosen[np.argsort(-largest[chosen])][:MOST]
+    joined = (_joined(step, record, int(k)) for k in chosen)
+    impacts = [impact for impact in joined if impact is not None]
+    worst = max(impacts, key=lambda of: of.energy, default=None)
     if worst is None or not worst.energy > SHARE * moved:
         return []
     return [
