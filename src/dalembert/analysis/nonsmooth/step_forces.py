@@ -68,8 +68,8 @@ def step_forces(e: Equations, lead: ca.SX) -> StepForces:
     turning = means.rows, means.mean, means.predicted
     force, states = ca.densify(e.force - e.bias), list(e.states)
     if not states:
-        nothing = ca.SX(0, 1), ca.SX(0, e.speed_count)
-        return StepForces(driving, damping, e.by_displacement(force), *nothing, *turning)
+        stiffness, none = e.by_displacement(force), (ca.SX(0, 1), ca.SX(0, e.speed_count))
+        return StepForces(driving, damping, stiffness, none[0], none[1], *turning)
     x, f, lift = e.y[states], ca.densify(e.pose_rate[states]), position_lift(e)
 
     def by_displacement(expression: ca.SX) -> ca.SX:
