@@ -151,7 +151,7 @@ class AnticipatedImpacts(ContactScheme):
     large enough: ``u_N⁺ ≥ max(−e u_N⁻, s)``; not if its directions turn so that it remains open
     by itself, as of a corner that swings past a wall. A contact whose speed after the fall over the
     gap is within 1.9 times the change of speed by forces in a step comes to rest: it closes its gap
-    gradually, and leaves room to stop. An impact in the first
+    in two steps, and leaves room to stop. An impact in the first
     step may penetrate; the gap is opened after the step. The work ``P·(u⁺ + u⁻)/2`` of an impact is
     not positive. A contact may do positive work if a force reverses the motion within the step; if
     the work of all contacts is positive, ``u⁺ + u⁻`` replaces ``u⁺`` there, which does no work, so
