@@ -61,3 +61,40 @@ def test_offsets_of_the_first_conditions_have_derivatives(seed: int) -> None:
         rounding = 1e-14 * (np.abs(start) + speed)[linear] / (STEP * size[linear])
         error = np.abs(getattr(slopes, name)[linear] - expected)
         assert (error <= 1e-8 * np.abs(expected) + rounding).all()
+
+
+def pressed(approach: Approach) -> np.ndarray:
+    """(n,) normal offsets of contacts that press, whose first conditions permit any approach."""
+    apart = np.full((COUNT, 1), 1e3)
+    changed = da.AnticipatedImpacts().again(approach, apart, np.ones_like(apart), -apart)
+    assert changed is not None
+    return changed[:, 0]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_offsets_of_pressed_contacts_have_derivatives(seed: int) -> None:
+    """Among them those that part, and reverse by the share ``e`` of their speed."""
+    approach = replace(approaches(seed), rounding=0.0)
+    start, before = pressed(approach), approach.before[:, 0]
+    slopes = da.AnticipatedImpacts().slopes(approach, start[:, None], 1e-12)
+    gap, speed, e = approach.contacts.distance, np.abs(before), approach.contacts.laws.restitution
+
+    def with_restitution(change: float) -> Approach:
+        laws = replace(approach.contacts.laws, restitution=e * (1 + change))
+        return replace(approach, contacts=replace(approach.contacts, laws=laws))
+
+    ways = {
+        "gap": (gap, lambda k: moved(approach, k, 0.0)),
+        "speed": (speed, lambda k: moved(approach, 0.0, k)),
+        "restitution": (e, with_restitution),
+    }
+    parting = (before > 0) & (start > 0)
+    for name, (size, way) in ways.items():
+        first, second, double = (pressed(way(k * STEP)) for k in (-1, 1, 2))
+        linear = np.abs(double - 2 * second + start) <= 1e-9 * (np.abs(start) + size * STEP)
+        linear &= (size > 0) & (np.abs(start - first - (second - start)) <= 1e-6 * STEP * speed)
+        assert (linear & parting).sum() > 20
+        expected = (second - first)[linear] / (2 * STEP * size[linear])
+        rounding = 1e-14 * (np.abs(start) + speed)[linear] / (STEP * size[linear])
+        error = np.abs(getattr(slopes, name)[linear] - expected)
+        assert (error <= 1e-8 * np.abs(expected) + rounding).all()

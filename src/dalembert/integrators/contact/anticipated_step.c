@@ -24,8 +24,9 @@ static casadi_real casadi_bounce(casadi_real gap, casadi_real before, casadi_rea
   casadi_real gradual = gap>0 ? closing*gap/h : 0.0, open = casadi_open(gap, before, h);
   casadi_real speed = casadi_margin(gap, before, h, longest, 0.0);
   if (gradual>forced) gradual = forced;
-  if (gradual<before) gradual = before;
-  if (speed<-gradual) speed = -gradual;
+  if (before>0) {
+    speed = (1 - restitution)*speed + restitution*(speed<-before ? -before : speed);
+  } else if (speed<-gradual) speed = -gradual;
   if (before<0 && fast) speed = -restitution*before;
   return speed>open ? speed : open;
 }

@@ -95,24 +95,27 @@ def anticipated_slopes(
     one = np.where(overlaps, 0.0, 1.0)
     margin = (gap + h * u / 2) / room
     by_restitution = margin * approach.longest / 2 / room
+    own, closes = contacts.laws.restitution, (gap + h * u / 2) / stop
+    reverses = (1 - own) / stop * one, (1 - own) * h / 2 / stop + own
     opens = [2 * contacts.distance / h + u, 2 / h + zero, 1 + zero, zero, zero]
     branches = np.array(  # value, derivatives by g, u and e, by the change of speed by forces
         [
             [closing * gap / h, closing / h * one, zero, zero, zero],  # at rest
             opens,  # remains open
             [bounce, zero, *bounced, zero],  # impact
-            [(gap + h * u / 2) / stop, one / stop, h / 2 / stop + zero, zero, zero],  # separates
+            [closes, one / stop, h / 2 / stop + zero, zero, zero],  # separates
             [margin, one / room, h / 2 / room, newton * by_restitution, zero],  # room for impacts
             [u, zero, 1 + zero, zero, zero],  # no work
             opens,  # remains open while it separates
+            [(1 - own) * closes + own * u, *reverses, u - closes, zero],  # separates, and reverses
             [offsets[:, 0], zero, zero, zero, 1 + zero],  # approaches as forces change its speed
         ]
     )
     tied = np.abs(branches[:, 0] - offsets[:, 0]) <= rounding
     tied[0] &= ~tied[2] | (np.abs(u) <= rounding)
     tied[1] &= (u <= 0) | overlaps
-    approaches = (offsets[:, 0] >= 0) & (offsets[:, 0] <= branches[0, 0])
-    tied[-1] &= approaches & (u <= offsets[:, 0] + rounding)
+    tied[-2] &= (u > 0) & (u < closes)
+    tied[-1] &= (u <= rounding) & (offsets[:, 0] >= 0) & (offsets[:, 0] <= branches[0, 0])
     if not tied.any(axis=0).all():
         speed = -offsets[np.argmin(tied.any(axis=0)), 0]
         raise AnalysisError(

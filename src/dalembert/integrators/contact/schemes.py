@@ -257,8 +257,10 @@ def _bounce(approach: Approach) -> np.ndarray:
     """Minimum speed of contacts under pressure: impacting, resting or separating."""
     before, forced = approach.before[:, 0], approach.forced
     closing = CLOSING * np.maximum(approach.contacts.distance, 0) / approach.h
-    slowest = np.maximum(np.minimum(closing, forced), before)  # a reversal does no work
-    resting = np.maximum(_margin(approach, 0.0), -slowest)
+    stopping, gradual = _margin(approach, 0.0), -np.minimum(closing, forced)
+    e = approach.contacts.laws.restitution
+    parting = (1 - e) * stopping + e * np.maximum(stopping, -before)  # a reversal does no work
+    resting = np.where(before > 0, parting, np.maximum(stopping, gradual))
     impact = approach.impacting
     lower = np.where(impact & approach.begins, -np.inf, _open(approach))  # opened after the step
     return np.maximum(np.where(impact, approach.rebound, resting), lower)
