@@ -149,15 +149,15 @@ class AnticipatedImpacts(ContactScheme):
     alone, by which a body that rolls without slip does so in both kinds of steps. An impact needs
     part of the gap for the half step before it, so it is applied one step early, while the gap is
     large enough: ``u_N⁺ ≥ max(−e u_N⁻, s)``; not if its directions turn so that it remains open
-    by itself, as of a corner that swings past a wall. A contact whose speed after the fall over the
-    gap is within 1.9 times the change of speed by forces in a step comes to rest: it closes its gap
-    in two steps, and leaves room to stop. A contact that parts and is pressed by an impact elsewhere
-    may close its gap without restitution, and reverses its speed with ``e = 1``. An impact in the
-    first step may penetrate; the gap is opened after the step. The work ``P·(u⁺ + u⁻)/2`` of an
-    impact is not positive. A contact may do positive work if a force reverses the motion within the step; if
-    the work of all contacts is positive, ``u⁺ + u⁻`` replaces ``u⁺`` there, which does no work, so
-    that contacts never create energy. Contacts with static friction above that of sliding stop
-    instead, which may create energy of the order of the squared step.
+    by itself, as of a corner that swings past a wall. A contact whose speed after the fall over
+    the gap is within 1.9 times the change of speed by forces in a step comes to rest: it closes
+    its gap in two steps, and leaves room to stop. A contact that parts and is pressed by an impact
+    elsewhere may close its gap without restitution, and reverses its speed with ``e = 1``. An
+    impact in the first step may penetrate; the gap is opened after the step. The work ``P·(u⁺ +
+    u⁻)/2`` of an impact is not positive. A contact may do positive work if a force reverses the
+    motion within the step; if the work of all contacts is positive, ``u⁺ + u⁻`` replaces ``u⁺``
+    there, which does no work, so that contacts never create energy. Contacts with static friction
+    above that of sliding stop instead, which may create energy of the order of the squared step.
 
     Examples
     --------
