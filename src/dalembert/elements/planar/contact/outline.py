@@ -39,7 +39,7 @@ class Outline(Shape):
     >>> from dalembert import planar
     >>> contact = planar.contact
     >>> system = da.System("ball in a groove", gravity=(0, -10))
-    >>> ball = system.add(planar.Body("ball", mass=1.0, inertia=0.005, position=(0.02, 0.16)))
+    >>> ball = system.add(planar.Body("ball", mass=1.0, inertia=0.005, position=(0.02, 0.17)))
     >>> groove = [(-1, -0.5), (1, -0.5), (1, 1), (0, 0), (-1, 1)]
     >>> shapes = [contact.Outline(system.ground, groove), contact.Circle(ball, 0.1)]
     >>> hits = system.add(planar.Collisions("hits", shapes, friction=0.5))
