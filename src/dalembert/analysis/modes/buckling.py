@@ -193,7 +193,7 @@ def solve_buckling(
     >>> strut.load(nodes[4], fx=-1.0)
     >>> factors = da.solve_buckling(strut.build(), 2).load_factors
     >>> (factors * 4 / (math.pi**2 * 2e4)).round(2)  # of π² E I/L²: 1 and, nearly, 4
-    array([1.  , 4.04])
+    array([1.  , 4.03])
     """
     analysis = analysis_of(
         Buckling, "solve_buckling", model, parameters, count=count, case=case, **options
