@@ -15,9 +15,8 @@ from dalembert.options import options
 if TYPE_CHECKING:
     from dalembert.integrators.contact.offset_slopes import OffsetSlopes
 
-CLOSING = 1.0
-"""Speed at which a resting contact closes its gap, relative to that for all of it in a step; with 1
-it is closed after two steps, the second of which stops [-]."""
+CLOSING = 0.5
+"""Fraction of a gap that a resting contact closes per step [-]."""
 
 
 class ContactScheme(ABC):
@@ -151,7 +150,7 @@ class AnticipatedImpacts(ContactScheme):
     large enough: ``u_N⁺ ≥ max(−e u_N⁻, s)``; not if its directions turn so that it remains open
     by itself, as of a corner that swings past a wall. A contact whose speed after the fall over
     the gap is within 1.9 times the change of speed by forces in a step comes to rest: it closes
-    its gap in two steps, and leaves room to stop. A contact that parts and is pressed by an impact
+    its gap gradually, and leaves room to stop. A contact that parts and is pressed by an impact
     elsewhere may close its gap without restitution, and reverses its speed with ``e = 1``. An
     impact in the first step may penetrate; the gap is opened after the step. The work ``P·(u⁺ +
     u⁻)/2`` of an impact is not positive. A contact may do positive work if a force reverses the
