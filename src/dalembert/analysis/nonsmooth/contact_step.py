@@ -12,7 +12,7 @@ from dalembert.analysis.nonsmooth.compliant_contacts import CompliantContacts
 from dalembert.analysis.nonsmooth.force_laws import ForceLaws
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.model_gaps import ModelGaps
-from dalembert.analysis.nonsmooth.gyroscopic import convergence_rate, turn_error
+from dalembert.analysis.nonsmooth.gyroscopic import turn_error
 from dalembert.analysis.nonsmooth.impact_stage import impact_stage
 from dalembert.analysis.nonsmooth.middle_directions import (
     in_middle,
@@ -21,7 +21,13 @@ from dalembert.analysis.nonsmooth.middle_directions import (
 )
 from dalembert.analysis.nonsmooth.mobility import delassus
 from dalembert.analysis.nonsmooth.smooth_motion import FreeMotion, SmoothMotion
-from dalembert.analysis.nonsmooth.step_state import LastImpulses, StepResult, StepStart, warm_start
+from dalembert.analysis.nonsmooth.step_state import (
+    LastImpulses,
+    StepResult,
+    StepStart,
+    convergence_rate,
+    warm_start,
+)
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.contact.approach import Approach
@@ -193,7 +199,9 @@ class ContactStep(ModelGaps):
         if not (smooth.takes_means(theta) or smooth.turning.size):
             return self._solved(start, start.motion, contacts, before)
         if after is None or not smooth.takes_means(theta):
-            after = self._first_guess(start, before)
+            pressed = before is not None and before.pressing[0].size > 0
+            guess = start.v if pressed else start.free
+            after = smooth.first_guess(start.smooth, theta, guess)
         last, warm, best, growths, least = np.inf, before, None, 0, np.inf
         stuck = contacts.key[:0] if before is None else before.stuck
         for _ in range(PATHS):
@@ -213,14 +221,6 @@ class ContactStep(ModelGaps):
             warm = replace(result.last, stuck=stuck)
         best = best or self._solved(start, start.motion, contacts, before)
         return replace(best, path_change=least)
-
-    def _first_guess(self, start: StepStart, before: LastImpulses | None) -> np.ndarray:
-        """Speeds at the end of a step, for its means."""
-        if self.smooth.takes_means(self.scheme.theta):
-            return start.v if before is not None and before.pressing[0].size else start.free
-        after, rows = start.v.copy(), self.smooth.turning
-        after[rows] += (start.smooth.mean - start.v[rows]) / (self.scheme.theta or 1.0)
-        return after
 
     def _error_of_means(self, start: StepStart, speeds: np.ndarray, assumed: np.ndarray) -> float:
         """Estimated error of the means of a step with other speeds at its end [-]."""

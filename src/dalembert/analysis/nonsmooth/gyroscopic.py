@@ -110,8 +110,3 @@ def turn_error(speeds: np.ndarray, assumed: np.ndarray, sizes: np.ndarray) -> fl
     instead of ``speeds`` [-]; ``sizes`` are the natural displacements per step."""
     difference = np.abs((speeds - assumed) / sizes).max(initial=0.0)
     return float(difference * np.abs(speeds / sizes).max(initial=0.0))
-
-
-def convergence_rate(error: float, last: float) -> float:
-    """Factor by which the next repetition reduces an error after one of ``last``."""
-    return min(error / last, 1.0) if last < np.inf else 1.0

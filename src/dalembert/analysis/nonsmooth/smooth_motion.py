@@ -194,6 +194,15 @@ class SmoothMotion:
             return self._along(start, after)
         return self._turned(start, theta, (start.v + theta * (after - start.v))[self.turning])
 
+    def first_guess(self, start: SmoothStep, theta: float, after: np.ndarray) -> np.ndarray:
+        """Speeds at the end of a step, for its means: ``after`` for those of joints and forces, or
+        those by which gyroscopic forces have the mean speeds without impulses."""
+        if self.takes_means(theta):
+            return after
+        guess = start.v.copy()
+        guess[self.turning] += (start.mean - start.v[self.turning]) / (theta or 1.0)
+        return guess
+
     def _turned(self, start: SmoothStep, theta: float, mean: np.ndarray) -> FreeMotion:
         """The motion with gyroscopic forces of the mean speeds ``mean`` (k,)."""
         h, p = start.h, start.p

@@ -170,3 +170,8 @@ def warm_start(
     same = keys[position] == contacts.key
     start[same] = impulses[position[same]]
     return start
+
+
+def convergence_rate(error: float, last: float) -> float:
+    """Factor by which the next repetition reduces an error after one of ``last``."""
+    return min(error / last, 1.0) if last < np.inf else 1.0

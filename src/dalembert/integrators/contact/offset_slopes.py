@@ -95,8 +95,8 @@ def anticipated_slopes(
     one = np.where(overlaps, 0.0, 1.0)
     margin = (gap + h * u / 2) / room
     by_restitution = margin * approach.longest / 2 / room
-    own, closes = contacts.laws.restitution, (gap + h * u / 2) / stop
-    reverses = (1 - own) / stop * one, (1 - own) * h / 2 / stop + own
+    factor, closes = contacts.laws.restitution, (gap + h * u / 2) / stop
+    reverses = (1 - factor) / stop * one, (1 - factor) * h / 2 / stop + factor
     opens = [2 * contacts.distance / h + u, 2 / h + zero, 1 + zero, zero, zero]
     branches = np.array(  # value, derivatives by g, u and e, by the change of speed by forces
         [
@@ -107,7 +107,12 @@ def anticipated_slopes(
             [margin, one / room, h / 2 / room, newton * by_restitution, zero],  # room for impacts
             [u, zero, 1 + zero, zero, zero],  # no work
             opens,  # remains open while it separates
-            [(1 - own) * closes + own * u, *reverses, u - closes, zero],  # separates, and reverses
+            [
+                (1 - factor) * closes + factor * u,
+                *reverses,
+                u - closes,
+                zero,
+            ],  # reverses
             [offsets[:, 0], zero, zero, zero, 1 + zero],  # approaches as forces change its speed
         ]
     )

@@ -157,10 +157,11 @@ def unsearched_impacts(
 def _recorded(step: ContactStep, record: ContactRecord, k: int) -> MissingImpact | None:
     """The first impact that step ``k`` of a record missed; None without any."""
     t, y, v = float(record.t[k]), record.ends.y[:, k], record.ends.v[:, k]
-    h, own = float(record.t[k + 1]) - t, record.step == k
+    h, own = float(record.t[k + 1]) - t, np.flatnonzero(record.step == k)
+    own = own[np.argsort(record.key[own])]
     start = step.begin(t, h, y, v, k == 0)
     near = step.near(step.at(t, y), h * np.column_stack([v, start.free]))
-    pressing = np.sort(record.key[own]), record.impulse[own]
+    pressing = record.key[own], record.impulse[own]
     ends = RecordedStep(record.ends.y[:, k + 1], record.ends.v[:, k + 1], pressing)
     gaps = returning_gaps(start, near, ends, step.rounding)
     return find_missing_impact(step, t, h, y, v, replace(ends, returning=gaps))

@@ -28,9 +28,13 @@ from dalembert.analysis.nonsmooth.free_bodies.step_outcome import (
     ROUNDS_OF,
     StepOutcome,
 )
-from dalembert.analysis.nonsmooth.gyroscopic import convergence_rate, turn_error
+from dalembert.analysis.nonsmooth.gyroscopic import turn_error
 from dalembert.analysis.nonsmooth.step_log import StepEntries, StepLog
-from dalembert.analysis.nonsmooth.step_state import PATH_CHANGE, LastImpulses
+from dalembert.analysis.nonsmooth.step_state import (
+    PATH_CHANGE,
+    LastImpulses,
+    convergence_rate,
+)
 from dalembert.integrators.contact.schemes import AnticipatedImpacts
 from dalembert.symbolic.evaluation.fixed_call import FixedCalls
 
