@@ -113,6 +113,7 @@ class SmoothMotion:
     forces, lead : formulas of the forces, and the symbol of ``θ h`` in them
     turning : (k,) numbers of the speeds with gyroscopic forces
     coupling : independent groups of speeds
+    exchanges_energy : whether forces or joints dissipate energy or supply it
     prescribes : whether joints prescribe speeds that depend on time
     """
 
@@ -146,6 +147,7 @@ class SmoothMotion:
         self.powers = Kernel(
             ca.Function("powers", [e.t, e.y, e.v, e.a, e.multiplier, e.p], [ca.densify(e.powers)])
         )
+        self.exchanges_energy = ca.sparsify(e.powers).nnz() > 0
         self._reacts = ca.sparsify(ca.horzcat(forces.damping, forces.stiffness)).nnz() > 0
         pattern = ca.sparsify(e.mass).sparsity()
         for slope in (forces.damping, forces.stiffness):

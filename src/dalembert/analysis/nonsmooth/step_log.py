@@ -256,8 +256,11 @@ class StepLog:
         work = np.zeros((2, h.size + 1))
         if not h.size:
             return work
-        t, manifold = np.array(self.times)[:-1], self.step.model.equations.manifold
+        work[:, 1:] = np.cumsum(np.vstack([loss, self.speed_inputs]), axis=1)
         smooth, theta = self.step.smooth, self.step.scheme.theta
+        if not smooth.exchanges_energy:
+            return work
+        t, manifold = np.array(self.times)[:-1], self.step.model.equations.manifold
         powers = Kernel(smooth.powers.function.map(h.size))
         speeds, p = (v[:, 1:] + v[:, :-1]) / 2, np.tile(self.step.p[:, None], h.size)
         if smooth.takes_means(theta):  # speeds before they are made consistent
@@ -267,7 +270,7 @@ class StepLog:
             at = between(self.step.model, y[:, :-1], y[:, 1:], s)
             shares = manifold.path_shares(h * speeds, s)
             rates += weight * powers(t + s * h, at, shares * speeds, a, multiplier, p)[0]
-        work[:, 1:] = np.cumsum(h * rates + np.vstack([loss, self.speed_inputs]), axis=1)
+        work[:, 1:] += np.cumsum(h * rates, axis=1)
         return work
 
     def _scheme_losses(self, ends: Trajectory) -> np.ndarray:

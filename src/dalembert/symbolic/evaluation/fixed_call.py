@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
-from contextlib import redirect_stderr
 from io import StringIO
 from typing import Any
 
@@ -60,11 +60,13 @@ class FixedCalls:
             buffer.set_res(i, memoryview(result.data))
 
         def evaluate() -> int:
+            shown, sys.stderr = sys.stderr, StringIO()  # CasADi prints all arguments on failure
             try:
-                with redirect_stderr(StringIO()):  # CasADi prints all arguments on failure
-                    trigger()
+                trigger()
             except RuntimeError:
                 return 0
+            finally:
+                sys.stderr = shown
             return 0 if buffer.ret() else 1
 
         return evaluate

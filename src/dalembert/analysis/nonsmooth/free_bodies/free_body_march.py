@@ -35,7 +35,6 @@ from dalembert.analysis.nonsmooth.step_state import (
     LastImpulses,
     convergence_rate,
 )
-from dalembert.integrators.contact.schemes import AnticipatedImpacts
 from dalembert.symbolic.evaluation.fixed_call import FixedCalls
 
 REPORTED = 16
@@ -57,7 +56,7 @@ class FreeBodyMarch:
 
     def __init__(self, step: ContactStep, motion: FreeBodyMotion, steps: FreeBodySteps):
         self._step, self._motion, self._steps = step, motion, steps
-        self._t, self._h, self._middle = np.zeros(1), np.zeros(1), np.zeros(1)
+        self._t, self._h = np.zeros(1), np.zeros(1)
         self._y = np.zeros(step.model.equations.coordinate_count)
         self._next, self._still = np.zeros_like(self._y), np.zeros_like(steps.v)
         self._ys, self._vs = np.zeros((CHUNK, self._y.size)), np.zeros((CHUNK, steps.v.size))
@@ -70,7 +69,7 @@ class FreeBodyMarch:
         self._turned = turned.on([*state, mean], [steps.force, steps.inertia])
         self._mean = mean
         self._manifold = step.model.equations.manifold
-        self._part, self._half = np.zeros_like(steps.v), np.zeros_like(steps.v)
+        self._part = np.zeros_like(steps.v)
 
         def placed(t: np.ndarray, displacement: np.ndarray, geometry: Sequence[np.ndarray]):
             arrays = [t, self._y, displacement, p], [self._next, *geometry]
@@ -79,7 +78,8 @@ class FreeBodyMarch:
         self._move = placed(t, steps.displacement, geometry)
         self._place_part = placed(t, self._part, geometry)
         self._place = placed(t, self._still, geometry)
-        self._place_middle = placed(self._middle, self._half, steps.ahead)
+        ahead = FixedCalls(motion.ahead, compiled=False)
+        self._place_middle = ahead.on(state, [flat(part) for part in steps.ahead])
         self._repeats = PathRepeats(steps, self._manifold, step.rounding)
         self._curved: dict[int, np.ndarray] = {}
         self._inexact: dict[int, float] = {}
@@ -146,9 +146,7 @@ class FreeBodyMarch:
     def _look_ahead(self, grid: np.ndarray, k: int) -> None:
         """Place the shapes in the middle of the step that begins at instant ``k``."""
         if k < grid.size - 1:
-            lead = (1 - AnticipatedImpacts.theta) * (grid[k + 1] - grid[k])
-            self._middle[0] = grid[k] + lead
-            self._half[:] = self._manifold.halfway(2 * lead * self._steps.v)
+            self._t[0], self._h[0] = grid[k], grid[k + 1] - grid[k]
             self._place_middle()
 
     def _settled(self, k: int) -> bool:

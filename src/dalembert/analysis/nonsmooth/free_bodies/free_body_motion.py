@@ -34,6 +34,7 @@ class FreeBodyMotion:
         mean speeds of gyroscopic forces
     turned : ``(t, y, v, p, h, v̄) → F, A`` with other mean speeds
     places : ``(t, y, δ, p) → y ⊕ δ, corners, references, normals, J`` of shapes there
+    ahead : ``(t, y, v, p, h) → corners, references, normals, J`` in the middle of the step
     shapes : StepShapes
     starts, columns : pattern of ``A`` by rows
     body : (shapes,) body of each shape, -1 for the ground
@@ -45,6 +46,7 @@ class FreeBodyMotion:
     forces: ca.Function
     turned: ca.Function
     places: ca.Function
+    ahead: ca.Function
     shapes: StepShapes
     starts: np.ndarray
     columns: np.ndarray
@@ -108,10 +110,16 @@ def _functions(model: Model) -> FreeBodyMotion | None:
     cuts = np.cumsum([0, moved.numel(), *(part.numel() for part in geometry)])
     parts = [placed[i:j] for i, j in pairwise(cuts.tolist())]
     inputs = [e.t, e.y, e.manifold.delta, e.p]
+    places = condensed("places", inputs, [ca.densify(part) for part in parts])
+    h = ca.SX.sym("h")
+    lead = (1 - AnticipatedImpacts.theta) * h
+    half = e.manifold.halfway_formula(2 * lead * e.v)
+    ahead = places(e.t + lead, e.y, half, e.p)[1:]
     return FreeBodyMotion(
         forces=forces,
         turned=turned,
-        places=condensed("places", inputs, [ca.densify(part) for part in parts]),
+        places=places,
+        ahead=condensed("ahead", [e.t, e.y, e.v, e.p, h], ahead),
         shapes=shapes,
         constants=Kernel(ca.Function("constants", [e.p], [ca.densify(shapes.constants)])),
         starts=np.searchsorted(row, np.arange(n + 1)).astype(np.int32),
