@@ -15,7 +15,7 @@ static casadi_int casadi_block(const int* first, const int* row, casadi_int bloc
 static void casadi_subtract(casadi_real* target, const casadi_real* a, const casadi_real* b,
     casadi_int size) {
   casadi_int i, j, k;
-  casadi_real x, y, z;
+  casadi_real x, y, z, line[6];
   if (size==3) {
     for (i=0; i<3; ++i) {
       x = a[3*i];
@@ -29,10 +29,12 @@ static void casadi_subtract(casadi_real* target, const casadi_real* a, const cas
   }
   if (size==6) {
     for (i=0; i<6; ++i) {
+      for (j=0; j<6; ++j) line[j] = target[6*i+j];
       for (k=0; k<6; ++k) {
         x = a[6*i+k];
-        for (j=0; j<6; ++j) target[6*i+j] -= x*b[6*k+j];
+        for (j=0; j<6; ++j) line[j] -= x*b[6*k+j];
       }
+      for (j=0; j<6; ++j) target[6*i+j] = line[j];
     }
     return;
   }
@@ -123,7 +125,8 @@ static void casadi_solve(const casadi_real* matrix, const int* first, const int*
     if (members[k]>=0) solution[members[k]] = x[k];
   }
 }
-/* places of the entries of all contacts in the blocks; 1 outside of these */
+/* places of the entries of all contacts in the blocks, those of successive contacts between the same
+   bodies once; 1 outside of the blocks */
 static int casadi_contact_places(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw) {
   const int* w_row = (const int*) arg[9];
@@ -138,7 +141,7 @@ static int casadi_contact_places(const casadi_real** arg, casadi_real** res,
   int* block = (int*) res[17];
   int* place = (int*) res[18];
   casadi_int count = iw[0], width = iw[1], size = iw[9], i, j, k, b, c, own, next = 0;
-  casadi_int last_row, last_column, number = 0;
+  casadi_int last_row, last_column, same, number = 0;
   start[0] = 0;
   for (i=0; i<count; ++i) {
     own = 0;
@@ -151,7 +154,10 @@ static int casadi_contact_places(const casadi_real** arg, casadi_real** res,
       }
     }
     start[i+1] = start[i] + own;
-    block[i] = next;
+    same = i>0 && start[i] - start[i-1]==own;
+    for (k=0; k<own && same; ++k) same = column[start[i]+k]==column[start[i-1]+k];
+    block[i] = same ? block[i-1] : next;
+    if (same) continue;
     last_row = -1;
     last_column = -1;
     for (b=0; b<own; ++b) {

@@ -108,7 +108,8 @@ class CompiledNewton:
             inputs += [none] * (SHARES - len(inputs)) + [np.array(SOLUTION_SHARES)]
             memory = [3 * rows, *[rows] * 8, count, rows * width]
             outputs += [none] * (ORIGINAL - len(outputs)) + [np.zeros(size) for size in memory]
-        work = 12 * width**2 + 3 * width * (width + 1) + 2 * width + 2 * width * widest
+        work = 12 * width**2 + 3 * width * (width + 1) + 2 * width
+        work += 2 * width * widest + widest**2
         work = max(work, sizes[0] * sizes[1] + sizes[1] ** 2)
         counts += [ASSEMBLE, widest, *sizes, max_iterations, MEMORY, JUMPS, work]
         counts += [0] * (PROXIMAL - len(counts)) + [proximal or 0, 0]

@@ -172,13 +172,15 @@ static casadi_real casadi_interior_state(const casadi_real** arg, casadi_real** 
 /* matrix of the steps; 1 if a contact is singular */
 static int casadi_interior_matrix(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw, casadi_real shift, casadi_real* w) {
-  casadi_int width = iw[1], square = iw[1]*iw[1], i, j;
+  casadi_int width = iw[1], square = iw[1]*iw[1], last = -1, i, j;
+  casadi_real* sums = w + 4*square;
   for (j=0; j<iw[4]; ++j) res[1][j] = res[12][j];
   for (i=0; i<iw[0]; ++i) {
     if (casadi_linearise(arg, iw, i, res[42] + i*width, res[43][i], res[5] + i*width, shift,
         res[4] + i*square, res[44] + i*square, w)) return 1;
-    casadi_add_blocks(arg, res, iw, i, res[4] + i*square, w);
+    last = casadi_add_blocks(arg, res, iw, i, res[4] + i*square, sums, last);
   }
+  casadi_add_sum(res, iw, last, sums);
   return 0;
 }
 /* equations of a step to a centre, after the predictor in res[38] and res[39] */

@@ -9,6 +9,18 @@ static void casadi_respond(const casadi_real* value, const int* row, const int* 
     for (j=row[r]; j<row[r+1]; ++j) speed[column[j]] += value[j]*impulse[r];
   }
 }
+/* target = target - share line, of a number of entries */
+static void casadi_reduce(casadi_real* target, const casadi_real* line, casadi_real share,
+    casadi_int count) {
+  casadi_int c;
+  casadi_real sums[6];
+  if (count==6) {
+    for (c=0; c<6; ++c) sums[c] = target[c] - share*line[c];
+    for (c=0; c<6; ++c) target[c] = sums[c];
+    return;
+  }
+  for (c=0; c<count; ++c) target[c] -= share*line[c];
+}
 /* x = matrix \ x by elimination with row pivots; zero if the matrix is singular */
 static int casadi_eliminate(casadi_real* matrix, casadi_real* x, casadi_int size,
     casadi_int columns) {
@@ -36,16 +48,15 @@ static int casadi_eliminate(casadi_real* matrix, casadi_real* x, casadi_int size
         x[pivot*columns+c] = share;
       }
     }
+    share = 1/matrix[i*size+i];
+    for (c=i+1; c<size; ++c) matrix[i*size+c] = matrix[i*size+c]*share;
+    for (c=0; c<columns; ++c) x[i*columns+c] = x[i*columns+c]*share;
     for (j=0; j<size; ++j) {
-      if (j==i) continue;
-      share = matrix[j*size+i]/matrix[i*size+i];
-      if (share==0) continue;
-      for (c=i; c<size; ++c) matrix[j*size+c] -= share*matrix[i*size+c];
-      for (c=0; c<columns; ++c) x[j*columns+c] -= share*x[i*columns+c];
+      share = matrix[j*size+i];
+      if (j==i || share==0) continue;
+      casadi_reduce(matrix + j*size, matrix + i*size, share, size);
+      casadi_reduce(x + j*columns, x + i*columns, share, columns);
     }
-  }
-  for (i=0; i<size; ++i) {
-    for (c=0; c<columns; ++c) x[i*columns+c] = x[i*columns+c]/matrix[i*size+i];
   }
   return 1;
 }
@@ -139,6 +150,37 @@ static void casadi_pieces(const casadi_real* z, const casadi_real* mobility,
       for (a=begin; a<end; ++a) coupled[a*width+a] = 1/mobility[a];
     }
   }
+}
+/* both = own \ both for the equations of a contact, whose normal component depends on itself alone, and
+   the components of a group, at most two, on the normal one and each other; zero if these are singular */
+static int casadi_eliminate_contact(const casadi_real* own, casadi_real* both, const int* group,
+    casadi_int groups, casadi_int width, casadi_int columns) {
+  casadi_int g, a, b, c;
+  casadi_real share = 1/own[0], x, y, one, other;
+  if (!(fabs(own[0])>0)) return 0;
+  for (c=0; c<columns; ++c) both[c] = both[c]*share;
+  for (g=0; g<groups; ++g) {
+    a = casadi_begin(group, groups, g);
+    b = casadi_end(group, groups, width, g) - 1;
+    one = own[a*width+b];
+    other = own[b*width+a];
+    if (a==b) other = 0;
+    share = own[a*width+a]*own[b*width+b];
+    if (a==b) share = own[a*width+a];
+    share = share - one*other;
+    if (!(fabs(share)>0)) return 0;
+    share = 1/share;
+    for (c=0; c<columns; ++c) {
+      x = both[a*columns+c] - own[a*width]*both[c];
+      y = both[b*columns+c] - own[b*width]*both[c];
+      if (a==b) both[a*columns+c] = x*share;
+      else {
+        both[a*columns+c] = (own[b*width+b]*x - one*y)*share;
+        both[b*columns+c] = (own[a*width+a]*y - other*x)*share;
+      }
+    }
+  }
+  return 1;
 }
 /* the first positive root of a + b t + c t^2 beyond the limit, or the bound */
 static casadi_real casadi_root(casadi_real a, casadi_real b, casadi_real c, casadi_real limit,

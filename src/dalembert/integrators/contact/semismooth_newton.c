@@ -45,35 +45,60 @@ static casadi_real casadi_piece(const casadi_real* z, const casadi_real* frictio
   }
   return varies ? -piece : piece;
 }
-/* add W^T gain W of a contact to the matrix, with a gain by rows */
-static void casadi_add_blocks(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
-    casadi_int i, const casadi_real* gain, casadi_real* w) {
+/* add the sum of W^T gain W of contacts with the bodies of a contact to the matrix; none if negative */
+static void casadi_add_sum(casadi_real** res, const casadi_int* iw, casadi_int i, casadi_real* w) {
+  casadi_int widest = iw[7], size, b, c;
+  casadi_real* sum = w + 2*iw[1]*widest;
+  const int* place;
+  if (i<0) return;
+  size = ((const int*) res[14])[i+1] - ((const int*) res[14])[i];
+  place = (const int*) res[18] + ((const int*) res[17])[i];
+  for (b=0; b<size; ++b) {
+    for (c=0; c<size; ++c) res[1][place[b*size+c]] += sum[b*widest+c];
+  }
+}
+/* add W^T gain W of a contact, with a gain by rows, to the sum of the contacts between the same bodies,
+   of which last is the one before; other sums are added to the matrix. Returns the contact */
+static casadi_int casadi_add_blocks(const casadi_real** arg, casadi_real** res,
+    const casadi_int* iw, casadi_int i, const casadi_real* gain, casadi_real* w, casadi_int last) {
   const int* row = (const int*) arg[9];
   const int* local = (const int*) res[16];
-  const int* place = (const int*) res[18] + ((const int*) res[17])[i];
-  casadi_int width = iw[1], size = ((const int*) res[14])[i+1] - ((const int*) res[14])[i];
-  casadi_int a, b, c, j, r = i*width;
+  const int* block = (const int*) res[17];
+  casadi_int width = iw[1], widest = iw[7], a, b, c, j, r = i*width;
+  casadi_int size = ((const int*) res[14])[i+1] - ((const int*) res[14])[i];
+  casadi_real* sum = w + 2*width*widest;
+  casadi_real near[72], far[72], factor[6], share;
   casadi_real* across = w;
-  casadi_real* weighted = w + width*iw[7];
-  casadi_real share;
-  for (a=0; a<width*size; ++a) across[a] = 0;
+  casadi_real* weighted = w + width*widest;
+  if (width*widest<=72) {
+    across = near;
+    weighted = far;
+  }
+  if (last<0 || block[last]!=block[i]) {
+    casadi_add_sum(res, iw, last, w);
+    for (a=0; a<widest*widest; ++a) sum[a] = 0;
+  }
+  for (a=0; a<width*widest; ++a) across[a] = 0;
   for (a=0; a<width; ++a) {
-    for (j=row[r+a]; j<row[r+a+1]; ++j) across[a*size+local[j]] = arg[0][j];
+    for (j=row[r+a]; j<row[r+a+1]; ++j) across[a*widest+local[j]] = arg[0][j];
   }
   for (a=0; a<width; ++a) {
-    for (c=0; c<size; ++c) {
+    for (b=0; b<width; ++b) factor[b] = gain[a*width+b];
+    for (c=0; c<widest; ++c) {
       share = 0;
-      for (b=0; b<width; ++b) share += gain[a*width+b]*across[b*size+c];
-      weighted[a*size+c] = share;
+      for (b=0; b<width; ++b) share += factor[b]*across[b*widest+c];
+      weighted[a*widest+c] = share;
     }
   }
   for (b=0; b<size; ++b) {
-    for (c=0; c<size; ++c) {
+    for (a=0; a<width; ++a) factor[a] = weighted[a*widest+b];
+    for (c=0; c<widest; ++c) {
       share = 0;
-      for (a=0; a<width; ++a) share += across[a*size+c]*weighted[a*size+b];
-      res[1][place[b*size+c]] += share;
+      for (a=0; a<width; ++a) share += across[a*widest+c]*factor[a];
+      sum[b*widest+c] += share;
     }
   }
+  return i;
 }
 /* add W^T free of a contact to the right-hand side */
 static void casadi_add_push(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
@@ -122,7 +147,7 @@ static int casadi_assemble(const casadi_real** arg, casadi_real** res, const cas
   casadi_real* both = z + width;
   casadi_real* violation = both + width*(width+1);
   casadi_real* across = violation + width;
-  casadi_int i, a, b, j, r, varies = 0;
+  casadi_int i, a, b, j, r, varies = 0, last = -1;
   casadi_real share, u;
   if (!known || !(status[1]>settings[0])) casadi_state(arg, res, iw, violation);
   if (!(status[1]>settings[0])) return 0;
@@ -169,15 +194,16 @@ static int casadi_assemble(const casadi_real** arg, casadi_real** res, const cas
       }
       both[a*(width+1)+width] = share;
     }
-    if (!casadi_eliminate(own, both, width, width + 1)) return 1;
+    if (!casadi_eliminate_contact(own, both, group, groups, width, width + 1)) return 1;
     for (a=0; a<width; ++a) free[r+a] = both[a*(width+1)+width];
     casadi_add_push(arg, res, iw, i, free);
     if (pieces[count]==1) continue;
     for (a=0; a<width; ++a) {
       for (b=0; b<width; ++b) gain[(r+a)*width+b] = both[a*(width+1)+b];
     }
-    casadi_add_blocks(arg, res, iw, i, gain + r*width, across);
+    last = casadi_add_blocks(arg, res, iw, i, gain + r*width, across, last);
   }
+  casadi_add_sum(res, iw, last, across);
   return 0;
 }
 /* longest tried share of a step that reduces the merit; status[2] is 0 without any */

@@ -27,7 +27,7 @@ from dalembert.symbolic.native.toolchain import (
 if TYPE_CHECKING:
     from dalembert.symbolic.native.translation import Module
 
-VERSION = 5
+VERSION = 6
 """Incremented when the same text yields other instructions."""
 OPTIMISED = 1
 """Optimisation level of code generation; no level changes rounding."""
@@ -162,7 +162,9 @@ def emit_object(module: Module, machine: Any, triple: str = "", vectorised: bool
     if triple:
         parsed.triple, parsed.data_layout = triple, str(machine.target_data)
     parsed.verify()
-    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options())
+    tuning = llvm.create_pipeline_tuning_options()
+    tuning.slp_vectorization = vectorised
+    builder = llvm.create_pass_builder(machine, tuning)
     if vectorised:
         builder.getModulePassManager().run(parsed, builder)
         return bytes(machine.emit_object(parsed))

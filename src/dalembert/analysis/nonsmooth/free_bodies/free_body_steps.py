@@ -153,7 +153,7 @@ class FreeBodySteps(PathContacts):
             STALLED: SHORT_STEPS,
             FEW: FEW_PROXIMAL,
         }
-        fixed = WIDTH, GROUPS, SIZE, DIMENSION
+        fixed = WIDTH, GROUPS, WIDEST, SIZE, DIMENSION
         constants = tuple((place, int(counts[place])) for place in fixed)
         self._code = machine_code(*FILES, constants=constants)
         self.counts = np.zeros(LAST, dtype=np.int64)
@@ -311,7 +311,7 @@ class FreeBodySteps(PathContacts):
         outputs += [*(real(rows) for _ in range(8)), real(contacts), real(rows * k)]
         outputs += [whole(contacts), self._kept, real(n), real(rows), real(n)]
         blocks, size = self.counts[[BLOCKS, SIZE]]
-        work = 12 * k**2 + 3 * k * (k + 1) + 2 * k + 4 * k * widest
+        work = 12 * k**2 + 3 * k * (k + 1) + 2 * k + 4 * k * widest + (2 * widest) ** 2
         work = int(max(work, blocks * size + size**2))
         self.counts[[WORK, CONTACTS, RECORDED]] = work, contacts, records
         assert self._code is not None
