@@ -1,5 +1,5 @@
-/* Impulses of the contacts of free bodies: Newton's method, then few proximal problems, then interior
-   points, then many proximal problems */
+/* Impulses of the contacts of free bodies: Newton's method, then proximal problems, then interior points
+   and proximal problems from these */
 /* change of speed along a row of directions by a unit impulse along it; responses of coupled bodies
    have entries of other bodies, too */
 static casadi_real casadi_own_response(const casadi_real** arg, casadi_int r) {
@@ -116,25 +116,26 @@ static casadi_real casadi_centered(const casadi_real** arg, casadi_real** res, c
   res[11][1] = least;
   return least;
 }
-/* proximal problems from the impulses in res[0], at most a number of them, or until the first one
-   that Newton's method does not solve; their number, and the residual in status[1]. The best impulses
-   are in res[0] */
+/* at most a number of proximal problems from the impulses in res[0]; their number, and the residual in
+   status[1]. The best impulses are in res[0], within the tolerance if a problem reaches it */
 static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, casadi_int* iw,
-    casadi_real* w, casadi_real allowed, casadi_int most, casadi_int until_unsolved) {
+    casadi_real* w, casadi_real share, casadi_real scale, casadi_int most) {
   casadi_real* velocity = (casadi_real*) arg[2];
   casadi_real* shift = (casadi_real*) arg[7];
   casadi_real* impulse = res[0];
   casadi_real* original = res[34];
   casadi_real* center = original + iw[0]*iw[1];
   casadi_real* best = center + iw[0]*iw[1];
-  casadi_int rows = iw[0]*iw[1], rounds = 0, r, solved = 1;
-  casadi_real weight = arg[37][0], residual = res[11][1], least = residual, tolerance, limit;
+  casadi_int rows = iw[0]*iw[1], rounds, r, solved;
+  casadi_real weight = arg[37][0], residual = res[11][1], least = residual, tolerance, allowed;
   for (r=0; r<rows; ++r) {
     original[r] = velocity[r];
     center[r] = impulse[r];
     best[r] = impulse[r];
   }
-  while (least>allowed && rounds<most && residual<1e300 && (solved || !until_unsolved)) {
+  for (rounds=0; rounds<most && residual<1e300; ++rounds) {
+    allowed = share*casadi_size(arg, iw, best, scale);
+    if (!(least>allowed)) break;
     for (r=0; r<rows; ++r) {
       shift[r] = weight*arg[5][r];
       velocity[r] = original[r] - shift[r]*center[r];
@@ -143,13 +144,11 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
     casadi_mobilities(arg, res, iw);
     casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
     tolerance = arg[37][5]*residual;
-    limit = arg[37][6]*allowed;
-    if (limit>tolerance) tolerance = limit;
+    if (arg[37][6]*allowed>tolerance) tolerance = arg[37][6]*allowed;
     solved = casadi_newton(arg, res, iw, w, tolerance)<=tolerance;
     weight = weight*(solved ? arg[37][2] : arg[37][1]);
     if (weight>arg[37][3]) weight = arg[37][3];
     if (weight<arg[37][4]) weight = arg[37][4];
-    ++rounds;
     for (r=0; r<rows; ++r) {
       shift[r] = 0;
       velocity[r] = original[r];
@@ -176,12 +175,11 @@ static casadi_int casadi_solution(const casadi_real** arg, casadi_real** res, ca
     casadi_real* w, casadi_real tolerance, casadi_real scale) {
   casadi_real allowed = tolerance*casadi_size(arg, iw, res[0], scale);
   casadi_int rounds;
-  if (casadi_newton(arg, res, iw, w, arg[37][16]*allowed)<=allowed) return 0;
+  if (casadi_newton(arg, res, iw, w, arg[37][16]*allowed)
+      <=tolerance*casadi_size(arg, iw, res[0], scale)) return 0;
+  rounds = casadi_proximal(arg, res, iw, w, tolerance, scale, iw[29]<iw[24] ? iw[29] : iw[24]);
   allowed = tolerance*casadi_size(arg, iw, res[0], scale);
-  rounds = casadi_proximal(arg, res, iw, w, allowed, iw[29]<iw[24] ? iw[29] : iw[24], 1);
   if (res[11][1]<=allowed) return rounds;
-  allowed = tolerance*casadi_size(arg, iw, res[0], scale);
-  if (casadi_centered(arg, res, iw, w, allowed, scale)<=allowed) return rounds;
-  allowed = tolerance*casadi_size(arg, iw, res[0], scale);
-  return rounds + casadi_proximal(arg, res, iw, w, allowed, iw[24], 0);
+  casadi_centered(arg, res, iw, w, allowed, scale);
+  return rounds + casadi_proximal(arg, res, iw, w, tolerance, scale, iw[24]);
 }

@@ -156,7 +156,11 @@ def _proximal(
     max_iterations: int,
 ) -> Impulses:
     """Impulses by the proximal point method."""
-    allowed, limit = (_allowed(problem, impulses, part) for part in (share, acceptable))
+
+    def limits(impulses: np.ndarray) -> list[float]:
+        return [_allowed(problem, impulses, part) for part in (share, acceptable)]
+
+    allowed, limit = limits(impulses)
     weight, residual, rounds, progress = WEIGHT, problem.residual(impulses), 0, 0
     best, least = (impulses, residual), residual
     while best[1] > allowed and rounds < max_iterations and np.isfinite(residual):
@@ -173,6 +177,7 @@ def _proximal(
         if solved or weight == WEIGHT_MAX:
             impulses, residual = trial, problem.residual(trial)
             best = min(best, (impulses, residual), key=lambda pair: pair[1])
+            allowed, limit = limits(best[0])
         if best[1] <= PROGRESS * least:
             least, progress = best[1], rounds
         if rounds - progress >= (PATIENCE if best[1] <= limit else LONG_PATIENCE):
