@@ -33,6 +33,9 @@ import scipy
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.symbolic.evaluation.kernel import Matrix
 
+TURNS = 10.0
+"""Least ratio of the clearance of a gap to its change by the turn of its directions in a step [-]."""
+
 
 def in_middle(start: Contacts, middle: Contacts, kept: np.ndarray, v: np.ndarray) -> Contacts:
     """Gaps at the start of a step with their directions in its middle.
@@ -72,13 +75,20 @@ def with_clearance(
 ) -> np.ndarray:
     """Distances (n,) less a clearance where directions turn, not below zero; negative ones remain.
 
+    The clearance of a gap is ``clearance`` times the least power of a tenth that is not below
+    ``TURNS`` times the change by its turn: bodies that hardly turn use the room between them to come
+    to rest. It is constant between these powers, so that it has no derivatives.
+
     Parameters
     ----------
     turning : (n,) change of the gap by that of its directions in a step [m]
     rounding : such change that counts as zero [m]
     """
-    turns = (np.abs(turning) > rounding) & (distance > 0)
-    return np.where(turns, np.maximum(distance - clearance, 0.0), distance)
+    change = np.abs(turning)
+    turns = (change > rounding) & (distance > 0)
+    ratio = TURNS * np.maximum(change, rounding) / clearance
+    shares = 10.0 ** np.minimum(np.ceil(np.log10(ratio)), 0.0)
+    return np.where(turns, np.maximum(distance - shares * clearance, 0.0), distance)
 
 
 def _chosen(rows: np.ndarray, one: Matrix, other: Matrix) -> Matrix:

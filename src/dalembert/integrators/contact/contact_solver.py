@@ -26,9 +26,9 @@ class ContactSolver:
     Newton's method converges, and their limit solves the original problem (Acary, Brémond & Huber
     2018).
 
-    In machine code, the first proximal problems follow Newton's method at once, which suits boxes
-    with more contacts than unknown speeds; interior points of the friction cones follow the first
-    one that Newton's method does not solve (Acary, Armand, Nguyen & Shpakovych 2024).
+    In machine code, proximal problems follow Newton's method at once, which suits boxes with more
+    contacts than unknown speeds; interior points of the friction cones follow if these do not
+    converge (Acary, Armand, Nguyen & Shpakovych 2024).
 
     Parameters
     ----------

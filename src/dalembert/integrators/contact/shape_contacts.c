@@ -370,7 +370,7 @@ static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const
   const int* column = (const int*) arg[10];
   int* kept = (int*) res[45];
   casadi_int i, r, slot, width = iw[1];
-  casadi_real gap, direction[9], normal[9], point[3], middle, end, h = arg[36][0];
+  casadi_real gap, direction[9], normal[9], point[3], middle, end, clearance, h = arg[36][0];
   for (i=0; i<64; ++i) ahead[i] = arg[i];
   ahead[40] = arg[59];
   ahead[24] = arg[60];
@@ -398,7 +398,10 @@ static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const
     } else if (kept[i]) {
       casadi_direction_rows(arg, iw, i, contact[1], contact[3], normal, point, gap);
     } else if (h*fabs(middle - res[24][r])>arg[36][6]) {
-      res[22][i] = res[22][i]>arg[36][7] ? res[22][i] - arg[36][7] : 0.0;
+      middle = h*fabs(middle - res[24][r]);
+      clearance = arg[36][7];
+      while (0.1*clearance>arg[37][23]*middle) clearance = 0.1*clearance;
+      res[22][i] = res[22][i]>clearance ? res[22][i] - clearance : 0.0;
     }
     for (r=i*width; r<(i+1)*width && (slot>=0 || !kept[i]); ++r) {
       middle = casadi_row(arg[0], column, row[r], row[r+1], arg[22]);

@@ -21,6 +21,7 @@ from dalembert.analysis.nonsmooth.free_bodies.path_contacts import (
 from dalembert.analysis.nonsmooth.free_bodies.step_outcome import NUMBERS, PRESSED, StepOutcome
 from dalembert.analysis.nonsmooth.gaps.hulls.compiled_features import GEOMETRY
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
+from dalembert.analysis.nonsmooth.middle_directions import TURNS
 from dalembert.integrators.contact.approach import SLOW, SLOWEST
 from dalembert.integrators.contact.compiled_newton import (
     BLOCK_REGULARIZATION,
@@ -98,7 +99,7 @@ class FreeBodySteps(PathContacts):
         self.references, self.normals = np.zeros((shapes, 3)), np.zeros((walls, 3))
         self.velocities = np.zeros((shapes, TWIST, widest))
         geometry = self.corners, self.references, self.normals, self.velocities
-        self.ahead = [np.zeros_like(part) for part in geometry]
+        self.ahead = list(map(np.zeros_like, geometry))
         limits = [0.0, step.solver.tolerance, step.rounding, -1.0, 0.0, step.least_travel]
         self.limits = np.array([*limits, step.rounding, step.clearance, step.longest])
         coefficients = motion.laws(step.p)
@@ -106,8 +107,8 @@ class FreeBodySteps(PathContacts):
         self._radii = motion.radii(step.p)
         self._laws = np.ascontiguousarray(coefficients[used].T)
         self._settings = np.array([0.0, BLOCK_REGULARIZATION, OVERSHOOT])
-        shares = [*SOLUTION_SHARES, 2 * AHEAD, CLOSING, SLOW, ROUNDING, JAMMED, SLOWEST]
-        self._shares = np.array(shares)
+        shares = 2 * AHEAD, CLOSING, SLOW, ROUNDING, JAMMED, SLOWEST, TURNS
+        self._shares = np.array([*SOLUTION_SHARES, *shares])
         self._groups = np.cumsum([1, *step.groups]).astype(np.int32)
         self._loop: Loop | None = None
         self._pressed, self._kept = np.zeros(0, np.int64), np.zeros(0, np.int32)
