@@ -34,7 +34,7 @@ from dalembert.integrators.contact.contacts import Contacts
 from dalembert.symbolic.evaluation.kernel import Matrix
 
 TURNS = 10.0
-"""Least ratio of the clearance of a gap to its change by the turn of its directions in a step [-]."""
+"""Least ratio of the clearance of a gap to its change by the turn of its directions [-]."""
 
 
 def in_middle(start: Contacts, middle: Contacts, kept: np.ndarray, v: np.ndarray) -> Contacts:
@@ -76,8 +76,8 @@ def with_clearance(
     """Distances (n,) less a clearance where directions turn, not below zero; negative ones remain.
 
     The clearance of a gap is ``clearance`` times the least power of a tenth that is not below
-    ``TURNS`` times the change by its turn: bodies that hardly turn use the room between them to come
-    to rest. It is constant between these powers, so that it has no derivatives.
+    ``TURNS`` times the change by its turn: bodies that hardly turn use the room between them to
+    come to rest. It is constant between these powers, so that it has no derivatives.
 
     Parameters
     ----------

@@ -100,7 +100,7 @@ class FreeBodySteps(PathContacts):
         self.velocities = np.zeros((shapes, TWIST, widest))
         geometry = self.corners, self.references, self.normals, self.velocities
         self.ahead = list(map(np.zeros_like, geometry))
-        limits = [0.0, step.solver.tolerance, step.rounding, -1.0, 0.0, step.least_travel]
+        limits = 0.0, step.solver.tolerance, step.rounding, -1.0, 0.0, step.least_travel
         self.limits = np.array([*limits, step.rounding, step.clearance, step.longest])
         coefficients = motion.laws(step.p)
         used = [0, 1, *range(FIRST, FIRST + len(step.groups))]
@@ -114,7 +114,7 @@ class FreeBodySteps(PathContacts):
         self._pressed, self._kept = np.zeros(0, np.int64), np.zeros(0, np.int32)
         self._impulses, self._offsets = np.zeros((2, 0, self.width))
         self._old = np.full((shapes, 3), np.inf), np.full((walls, 3), np.inf)
-        self._pairs = np.zeros((3, 0), dtype=np.int32)
+        self._pairs = np.zeros((3, 0), np.int32)
         self._last = np.zeros(0, np.int64), np.zeros((0, self.width))
         self.arms, self._centers = np.zeros(shapes), np.zeros((shapes, 3))
         self._shares_of_path, self.lists = np.ones(n), 0
@@ -123,9 +123,8 @@ class FreeBodySteps(PathContacts):
         self._before = contact_arrays(0)[:2]
         self._sizes = np.zeros(SIZES, dtype=np.int64)
         self._sizes[FEATURES], self._sizes[OFFSET] = motion.shapes.features, motion.shapes.offset
-        self._sizes[NUMBERED], self._sizes[HULLS] = motion.shapes.numbered, 1
-        if motion.shapes.only_balls:
-            self._sizes[HULLS] = 0
+        self._sizes[NUMBERED] = motion.shapes.numbered
+        self._sizes[HULLS] = not motion.shapes.only_balls
         bodies = motion.first.size - 1
         order = n, n, bodies + 1, 1
         self._order = [np.zeros(size, dtype=np.int32) for size in order]
