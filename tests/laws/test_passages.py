@@ -135,3 +135,16 @@ def test_a_disc_may_turn_as_fast_as_it_likes():
     system.add(planar.Collisions("hit", sides, friction=0.01))
     motion = da.solve_nonsmooth(system.build(), 0.1, step=STEP)
     assert motion.record.key.size and not motion.warnings
+
+
+@pytest.mark.parametrize(("overlap", "passes"), [(2e-6, False), (2e-3, True)])
+def test_corners_that_graze_each_other_do_not_pass(overlap: float, passes: bool):
+    """A sharp corner falls past another one, which it overlaps within a step."""
+    system, kit = da.System("corners"), planar.contact
+    start = {"position": (-overlap, 0.07), "velocity": (0, -10.0)}
+    body = system.add(planar.Body("falling", mass=1.0, inertia=0.1, **start))
+    corners = {-1: [(0, 0), (-1, 0.3), (-1, -0.3)], 1: [(0, 0), (1, -0.3), (1, 0.3)]}
+    shapes = [kit.Polygon(system.ground, corners[-1]), kit.Polygon(body, corners[1])]
+    system.add(planar.Collisions("hits", shapes))
+    motion = da.solve_nonsmooth(system.build(), 0.02, step=1e-2, integrator=da.MoreauJean())
+    assert any(PASSES in text for text in motion.warnings) == passes

@@ -27,6 +27,8 @@ SAMPLES, ITERATIONS = 8, 24
 one and for the ends of an overlap."""
 MOST = 100
 """Upper limit of the passages that are searched for in a run."""
+SHALLOW = 1e-5
+"""Overlap of corners that graze each other, which is no passage, by the natural length [-]."""
 GOLDEN = (5**0.5 - 1) / 2
 """Ratio of the golden section [-]."""
 
@@ -80,7 +82,7 @@ def find_passage(
 
         deepest = lowest(gap)
         depth = -gap(deepest)
-        if depth > step.rounding:
+        if depth > SHALLOW * step.model.scales.length:
             entry, leaving = (crossing(gap, deepest, limit) for limit in (0.0, 1.0))
             names = f"{bodies_of(step.model, gaps, row)} of {step.names[gaps.owner[row]]}"
             return Passage(t, names, depth, h * (leaving - entry))
@@ -124,7 +126,8 @@ def passage_warnings(passages: list[Passage]) -> list[str]:
     """Warning about a run in which shapes move through each other."""
     if not passages:
         return []
-    worst, shortest = passages[0], min(passage.duration for passage in passages)
+    worst = max(passages, key=lambda passage: passage.depth)
+    shortest = min(passage.duration for passage in passages)
     number = len(passages)
     more = "" if number == 1 else f", and in {number - 1}{' or more' * (number >= MOST)} others"
     return [

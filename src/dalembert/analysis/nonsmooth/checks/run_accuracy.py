@@ -10,7 +10,9 @@ error, and those of periodic motions again and again. Therefore eight steps are 
 Errors of first order are partly random, as each impact is applied at an end of a step: the
 difference of two runs may be a third of their errors. Where the first estimate is between
 ``CERTAIN`` and ``ALLOWED``, the steps are repeated as four and as three, too, and the largest
-estimate counts. Only coordinates are compared, as speeds jump.
+estimate counts. Only coordinates are compared, as speeds jump. The size of the motion of a body
+includes that of its points by its rotation: the mass centre of a coin that spins in place moves by
+the error alone.
 """
 
 from __future__ import annotations
@@ -20,8 +22,9 @@ from functools import cached_property
 
 import numpy as np
 
-from dalembert.analysis.error_estimate import ErrorEstimate, largest_error, motion_sizes
+from dalembert.analysis.error_estimate import SMALL, ErrorEstimate, largest_error, motion_sizes
 from dalembert.analysis.nonsmooth.contact_step import CLEARANCE, ContactStep
+from dalembert.elements.coordinates import Coordinates
 from dalembert.errors import SingularityError
 from dalembert.results.nonsmooth_motion import ContactRecord
 from dalembert.results.status import Outcome, Status
@@ -93,6 +96,7 @@ class RunAccuracy:
         error = error / ((SHORT / count) ** self._order - 1)
         ranges = np.ptp(y, axis=1)
         sizes = motion_sizes(ranges, model.guesses.units, model.scales.coordinates)
+        sizes = np.maximum(sizes, SMALL * ranges_by_rotation(self.step, record))
         resolved = CLEARANCE / TARGET * model.scales.coordinates  # of gaps of bodies at rest
         sizes = np.maximum(sizes, np.where(sizes > 0, resolved, 0.0))
         return largest_error(error, sizes, model.guesses.names, times, longer)
@@ -117,6 +121,31 @@ class RunAccuracy:
             f"steps of {h:.3g} s are long for this motion: their estimated error is "
             f"{estimate.text}; use steps below {shorter:.2g} s"
         ]
+
+
+def ranges_by_rotation(step: ContactStep, record: ContactRecord) -> np.ndarray:
+    """(n_y,) motion of points of the bodies by their rotations, at the radii of gyration, for
+    coordinates that are lengths; zero for others [m]."""
+    y = record.ends.y
+    inertia = step.smooth.at(float(record.t[0]), y[:, 0], step.p)[0].matrix.diagonal()
+    ranges, first, speed = np.zeros(y.shape[0]), 0, 0
+    for group in step.model.coordinates:
+        units, speed_units = (np.array(u) for u in (group.coordinate_units, group.speed_units))
+        angular, linear = (speed + np.flatnonzero(speed_units == unit) for unit in ("rad", "m"))
+        if angular.size and linear.size and inertia[linear].min() > 0:
+            radius = np.sqrt(inertia[angular].max() / inertia[linear].min())
+            half = _largest_turn(group, y[first : first + units.size], units) / 2
+            ranges[first + np.flatnonzero(units == "m")] = 2 * radius * np.sin(half)
+        first, speed = first + units.size, speed + speed_units.size
+    return ranges
+
+
+def _largest_turn(group: Coordinates, y: np.ndarray, units: np.ndarray) -> float:
+    """Largest rotation of a group from its start, at most half a turn [rad]."""
+    if group.attitude is None:
+        return min(float(np.ptp(y[units == "rad"], axis=1).max(initial=0.0)), np.pi)
+    turned = y[group.attitude[0] : group.attitude[0] + 4]
+    return float(2 * np.arccos(np.clip(np.abs(turned.T @ turned[:, 0]), 0, 1)).max())
 
 
 def longer_steps(t: np.ndarray, long: int = LONG) -> tuple[np.ndarray, np.ndarray]:
