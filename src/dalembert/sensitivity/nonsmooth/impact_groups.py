@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.nonsmooth.connected_contacts import connections
 from dalembert.errors import SingularityError
+from dalembert.integrators.contact.contact_laws import ContactLaws
 from dalembert.sensitivity.nonsmooth.connected_contacts import (
     closing_times,
-    connections,
     remain_closed,
 )
 from dalembert.sensitivity.nonsmooth.contact_equations import ContactEquations
@@ -34,10 +35,10 @@ def closed_after(steps: ContactSteps, k: int, contacts: ContactEquations) -> np.
 
 def connected(steps: ContactSteps, k: int, contacts: ContactEquations) -> tuple[np.ndarray, Sparse]:
     """Connections of the contacts of a step."""
-    (t, _), (y, _), gaps = steps.span(k), steps.split(k), contacts.gaps
-    normals = gaps.directions[np.arange(contacts.keys.size) * gaps.values.before.shape[1]]
+    (t, _), (y, _), gaps, groups = steps.span(k), steps.split(k), contacts.gaps, steps.step.groups
     states = steps.maps.equations.reach[list(steps.step.model.equations.states)]
-    return connections(steps.step.smooth.at(t, y, steps.p)[0], normals, states.T)
+    own = gaps.directions, ContactLaws.of(gaps.values.laws.T, groups), groups
+    return connections(steps.step.smooth.at(t, y, steps.p)[0], *own, states.T)
 
 
 def moving_parts(
