@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.nonsmooth.connected_contacts import connections
-from dalembert.errors import SingularityError
 from dalembert.integrators.contact.contact_laws import ContactLaws
 from dalembert.sensitivity.nonsmooth.connected_contacts import (
     closing_times,
@@ -15,6 +14,7 @@ from dalembert.sensitivity.nonsmooth.connected_contacts import (
 )
 from dalembert.sensitivity.nonsmooth.contact_equations import ContactEquations
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
+from dalembert.sensitivity.nonsmooth.near_impacts import unresolved
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.stacked_impacts import SIMULTANEOUS
 
@@ -66,11 +66,7 @@ def moving_parts(
         if rows.size > 1 and not simultaneous(steps, k, keys[rows]):
             if closed[rows].all():
                 continue
-            raise SingularityError(
-                f"impacts on the same bodies come within one step at t = {t:.9g} s: which is "
-                "first depends on parameters, and so does the motion after them; take shorter "
-                "steps"
-            )
+            raise unresolved(t)
         moved = speeds[labels == label].sum(axis=0) > 0
         parts.append((rows, np.concatenate([matrix @ moved > 0, moved]).astype(float)))
     return parts

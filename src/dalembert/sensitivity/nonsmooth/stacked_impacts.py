@@ -74,6 +74,7 @@ class StackedImpacts:
         forced = np.maximum(*(np.abs(change + turning) for change in moved))
         fall = 2 * forced / h * np.maximum(values.distance[rows], 0.0)
         speed = np.sqrt(values.before[rows, 0] ** 2 + fall)
+        forced = np.maximum(1.0, maps.maps.contact_step.rest / h) * forced
         margin = np.abs(speed - SLOW * forced)
         self._near = np.bincount(owner, margin <= MARGIN * speed, steps.count) > 0
         return rows[speed > SLOW * forced], before
