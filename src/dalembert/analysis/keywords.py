@@ -54,6 +54,7 @@ class NonsmoothKeywords(OverTimeKeywords, total=False):
     integrator: ContactScheme
     solver: ContactSolver
     balance: float
+    separate_impacts: bool
 
 
 class EquilibriumKeywords(TypedDict, total=False):

@@ -69,12 +69,14 @@ class ContactStep(ModelGaps):
     smooth : functions of the model
     scheme, solver : strategies
     longest : longest step; those that do not converge are divided [s]
+    rest : as in ``Approach`` [s]
     """
 
     smooth: SmoothMotion
     scheme: ContactScheme
     solver: ContactSolver
     longest: float
+    rest: float = 0.0
 
     @cached_property
     def force_laws(self) -> ForceLaws:
@@ -91,12 +93,8 @@ class ContactStep(ModelGaps):
                 f"{laws.elements[0].name}: contacts with a force law need theta from 0.5 to 1; "
                 f"it is {theta:g}"
             )
-        impacts = [
-            (element.name, law)
-            for source in self.sources
-            for element, law in source.impact_laws()
-            if law is not ImpactLaw.NEWTON
-        ]
+        all_laws = [law for source in self.sources for law in source.impact_laws()]
+        impacts = [(element.name, law) for element, law in all_laws if law is not ImpactLaw.NEWTON]
         if laws.elements and impacts:
             name, law = impacts[0]
             raise UnsupportedError(
@@ -108,7 +106,7 @@ class ContactStep(ModelGaps):
     def begin(self, t: float, h: float, y: np.ndarray, v: np.ndarray, first: bool) -> StepStart:
         """Start of a step, ``first`` of a run or not."""
         smooth = self.smooth.step(t, y, v, self.p, h, self.scheme.theta)
-        return StepStart(smooth, smooth.free, self.longest, first)
+        return StepStart(smooth, smooth.free, self.longest, first, rest=self.rest)
 
     def in_middle(self, start: StepStart, contacts: Contacts, lasting: bool = False) -> Contacts:
         """Gaps at the start of a step with the directions in its middle, except those of impacts,
@@ -122,7 +120,7 @@ class ContactStep(ModelGaps):
         if not lasting:
             free = start.smooth.free.speeds
             speeds = contacts.speeds(v), contacts.speeds(free)
-            approach = Approach(contacts, *speeds, start.h, self.longest)
+            approach = Approach(contacts, *speeds, start.h, self.longest, rest=self.rest)
             kept = approach.impacting & (-start.h * approach.before[:, 0] > self.least_travel)
             ends = contacts.distance + start.h * middle.speeds((v + free) / 2)[:, 0]
             same_side = is_same_side(contacts, middle, self.model.scales.displacements)

@@ -39,6 +39,8 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
     solver : solver of the impulses
     balance : largest error of the energy balance, relative to the exchanged energy, with which a
         run still counts as completed
+    separate_impacts : whether steps are divided where impacts on connected bodies follow each other
+        within one step, which would otherwise count as one
 
     Examples
     --------
@@ -64,6 +66,7 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
     integrator: ContactScheme = field(default_factory=AnticipatedImpacts)
     solver: ContactSolver = field(default_factory=ContactSolver)
     balance: float = 0.25
+    separate_impacts: bool = False
 
     def __post_init__(self) -> None:
         if not isinstance(self.integrator, ContactScheme):

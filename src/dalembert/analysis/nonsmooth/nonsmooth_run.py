@@ -25,6 +25,7 @@ from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import ConsistentSpeeds, correct_position
 from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
+from dalembert.analysis.nonsmooth.separate_impacts import ImpactSequence
 from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
 from dalembert.analysis.nonsmooth.speed_jumps import speeds_after
 from dalembert.analysis.nonsmooth.step_log import StepLog
@@ -94,7 +95,9 @@ class NonsmoothRun:
         elements = [element for source in sources for element in source.elements]
         refuse_moving_places(elements)
         smooth, scheme = smooth_motion(model), analysis.integrator
-        self.step = ContactStep(model, sources, self.p, smooth, scheme, analysis.solver, self.h)
+        rest = self.h if analysis.separate_impacts else 0.0
+        own = smooth, scheme, analysis.solver, self.h, rest
+        self.step = ContactStep(model, sources, self.p, *own)
 
     def execute(self, progress) -> NonsmoothMotion:
         state = self.model.assemble(self.p, self.start)
@@ -149,20 +152,25 @@ class NonsmoothRun:
         if self.step.smooth.coupling.orderings is not None:
             self.step.smooth.coupling.orderings.forget()
         balls = FreeBodyMarch.of(self.step)
+        sequence = ImpactSequence(self.step) if self.analysis.separate_impacts else None
         try:
             while k < grid.size - 1:
                 if balls is not None and last is not None:
-                    k, last = balls.march(grid, k, log, last, report)
+                    own = grid, k, log, last, report
+                    k, last = sequence.march(balls, *own) if sequence else balls.march(*own)
                     if k == grid.size - 1:
                         break
                 t, h = float(grid[k]), float(grid[k + 1] - grid[k])
                 result = advance(self.step_at(grid, k), t, h, log.y, log.v, last)
                 failure = self.failure(t, h, result, log)
+                divided = None
                 if failure is None and result.path_change > PATH_CHANGE:
                     divided = self.divided(grid, k)
-                    if divided is not None:
-                        grid, self.divisions = divided, self.divisions + 1
-                        continue
+                elif failure is None and sequence and sequence.divides(t, h, log, result, last):
+                    divided = self.divided(grid, k, sequence.divisions)
+                if divided is not None:
+                    grid, self.divisions = divided, self.divisions + 1
+                    continue
                 if failure is None:
                     position = self.corrected(t + h, h, result)
                     if not position.accepted:
@@ -243,13 +251,13 @@ class NonsmoothRun:
         within = longest < 0.75 * self.step.longest
         return replace(self.step, longest=longest) if within else self.step
 
-    def divided(self, grid: np.ndarray, k: int) -> np.ndarray | None:
+    def divided(self, grid: np.ndarray, k: int, divisions: int = DIVISIONS) -> np.ndarray | None:
         """The grid with the step ``k`` divided in halves, or the next one if that is longer: a step
         may fail as it leaves room for an impact in a long next one. None where both are short."""
         h, following = float(grid[k + 1] - grid[k]), following_step(grid, k)
         if following > 1.5 * h:
             return np.insert(grid, k + 2, grid[k + 1] + following / 2)
-        if h > 1.5 * self.step.longest / 2**DIVISIONS:
+        if h > 1.5 * self.step.longest / 2**divisions:
             return np.insert(grid, k + 1, grid[k] + h / 2)
         return None
 

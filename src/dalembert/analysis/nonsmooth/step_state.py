@@ -97,6 +97,7 @@ class StepStart:
     longest : longest step [s]
     begins : True in the first step
     impact : impacts that ``motion`` includes; None without any
+    rest : as in ``Approach`` [s]
     """
 
     smooth: SmoothStep
@@ -104,6 +105,7 @@ class StepStart:
     longest: float
     begins: bool
     impact: ImpactStage | None = None
+    rest: float = 0.0
 
     @property
     def t(self) -> float:
@@ -139,7 +141,8 @@ class StepStart:
     def approach(self, contacts: Contacts, rounding: float) -> Approach:
         """Contacts with their velocities; gaps up to ``rounding`` count as closed."""
         speeds = contacts.at_start(self.v), contacts.at_end(self.free)
-        approach = Approach(contacts, *speeds, self.h, self.longest, self.begins, rounding)
+        first = self.begins, rounding
+        approach = Approach(contacts, *speeds, self.h, self.longest, *first, rest=self.rest)
         if self.impact is None:
             return approach
         change = contacts.directions @ self.impact.change

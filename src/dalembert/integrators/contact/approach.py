@@ -36,6 +36,7 @@ class Approach:
     rounding : gap that counts as closed [m]
     struck : (n, k) relative velocities after impacts at the start; None without any
     hit : (n,) mask of the contacts of these impacts
+    rest : step whose change of speed by forces an impact exceeds, if it is longer [s]
     """
 
     contacts: Contacts
@@ -47,6 +48,7 @@ class Approach:
     rounding: float = 0.0
     struck: np.ndarray | None = None
     hit: np.ndarray | bool = False
+    rest: float = 0.0
 
     @property
     def fastest(self) -> float:
@@ -93,7 +95,8 @@ class Approach:
         """
         fall, gap = np.maximum(-self._change, 0.0), np.maximum(self.contacts.distance, 0.0)
         squared = self.before[:, 0] ** 2 + 2 * fall * gap / self.h
-        least = np.maximum(SLOW * self.nearby, SLOWEST * gap / self.h)
+        slow = SLOW * np.maximum(self.rest / self.h, 1.0)
+        least = np.maximum(slow * self.nearby, SLOWEST * gap / self.h)
         return np.asarray(squared > least**2)
 
     @property

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.sensitivity.nonsmooth.contact_changes import ContactChanges
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps, contact_steps
 from dalembert.sensitivity.nonsmooth.moving_impacts import step_tangent
+from dalembert.sensitivity.nonsmooth.near_impacts import NEAR
 
 CHAOTIC = 1e9
 """Threshold of the growth of changes of a state for a note, in SI units."""
@@ -53,6 +56,15 @@ def nonsmooth_notes(motion: NonsmoothMotion) -> list[str]:
             f"{count} impacts come one after the other on connected bodies within a step, first at "
             f"{first['successive'][0]}, and remain closed: the derivative leaves them at the time "
             "of the step; shorter steps separate them"
+        )
+    near = steps.times_between
+    if impacts and near.size and near.min() < NEAR:
+        k = int(np.argmin(near))
+        notes.append(
+            f"impacts on the same bodies follow each other within {near[k]:.2g} steps at "
+            f"t = {steps.record.t[k]:.6g} s, and their instants have errors of a step: the "
+            "derivative after them is uncertain; give solve_nonsmooth separate_impacts=True, or "
+            "take shorter steps"
         )
     if first["grazing"]:
         notes.append(

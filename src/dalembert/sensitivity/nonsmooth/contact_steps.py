@@ -27,6 +27,7 @@ from dalembert.sensitivity.nonsmooth.contact_changes import ContactChanges
 from dalembert.sensitivity.nonsmooth.contact_equations import STICK_MARGIN
 from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
 from dalembert.sensitivity.nonsmooth.linear_map import MapAt
+from dalembert.sensitivity.nonsmooth.near_impacts import times_between_impacts
 from dalembert.sensitivity.nonsmooth.recorded_contacts import RecordedContacts
 from dalembert.sensitivity.nonsmooth.recorded_opening import SAME, RecordedOpening
 from dalembert.sensitivity.nonsmooth.stacked_impacts import StackedImpacts
@@ -72,6 +73,12 @@ class ContactSteps:
     def observe_growth(self, columns: np.ndarray) -> None:
         """Include changes of a state, or weights, in the largest growth."""
         self.growth = max(self.growth, float(np.abs(columns).max(initial=0.0)))
+
+    @cached_property
+    def times_between(self) -> np.ndarray:
+        """(K,) time since the last impact of another gap on the bodies of the impacts of each
+        step, in steps; infinite without any."""
+        return times_between_impacts(self.step, self.record)
 
     @cached_property
     def breaks(self) -> dict[int, np.ndarray]:

@@ -6,14 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.errors import SingularityError
+from dalembert.analysis.nonsmooth.connected_contacts import connections
+from dalembert.integrators.contact.contact_laws import ContactLaws
 from dalembert.sensitivity.nonsmooth.connected_contacts import (
     closing_times,
-    connections,
     remain_closed,
 )
 from dalembert.sensitivity.nonsmooth.contact_equations import ContactEquations
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
+from dalembert.sensitivity.nonsmooth.near_impacts import unresolved
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.stacked_impacts import SIMULTANEOUS
 
@@ -34,10 +35,10 @@ def closed_after(steps: ContactSteps, k: int, contacts: ContactEquations) -> np.
 
 def connected(steps: ContactSteps, k: int, contacts: ContactEquations) -> tuple[np.ndarray, Sparse]:
     """Connections of the contacts of a step."""
-    (t, _), (y, _), gaps = steps.span(k), steps.split(k), contacts.gaps
-    normals = gaps.directions[np.arange(contacts.keys.size) * gaps.values.before.shape[1]]
+    (t, _), (y, _), gaps, groups = steps.span(k), steps.split(k), contacts.gaps, steps.step.groups
     states = steps.maps.equations.reach[list(steps.step.model.equations.states)]
-    return connections(steps.step.smooth.at(t, y, steps.p)[0], normals, states.T)
+    own = gaps.directions, ContactLaws.of(gaps.values.laws.T, groups), groups
+    return connections(steps.step.smooth.at(t, y, steps.p)[0], *own, states.T)
 
 
 def moving_parts(
@@ -65,11 +66,7 @@ def moving_parts(
         if rows.size > 1 and not simultaneous(steps, k, keys[rows]):
             if closed[rows].all():
                 continue
-            raise SingularityError(
-                f"impacts on the same bodies come within one step at t = {t:.9g} s: which is "
-                "first depends on parameters, and so does the motion after them; take shorter "
-                "steps"
-            )
+            raise unresolved(t)
         moved = speeds[labels == label].sum(axis=0) > 0
         parts.append((rows, np.concatenate([matrix @ moved > 0, moved]).astype(float)))
     return parts

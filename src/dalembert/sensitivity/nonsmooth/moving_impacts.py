@@ -8,7 +8,8 @@ instant moves by ``dt* = −dg/ġ⁻`` adds
 (jump of the sensitivities: Hiskens and Pai 2000). So the gradient is that of the motion to the
 order of the step, whereas the derivative of steps at fixed times lacks a term of its own size.
 Gaps on the same bodies that close at one instant make one impact, which moves by the mean of their
-shifts: exact for all changes that keep them simultaneous.
+shifts: exact for all changes that keep them simultaneous. Impacts of different gaps on connected
+bodies within the length of a step have no gradient: their order is uncertain.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
 from dalembert.sensitivity.nonsmooth.impact_groups import closed_after, moving_parts
 from dalembert.sensitivity.nonsmooth.instant_shifts import InstantShifts
 from dalembert.sensitivity.nonsmooth.linear_map import MapAt
+from dalembert.sensitivity.nonsmooth.near_impacts import UNRESOLVED, unresolved
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +38,8 @@ class Closing:
     Attributes
     ----------
     rows : (n,) numbers among the pressing contacts
-    speed, forced : (n,) speeds at the contact, and changes of speeds by forces in the step
+    speed, forced : (n,) speeds at the contact, and changes of speeds by forces in a step by which
+        impacts are distinguished from rest
     """
 
     rows: np.ndarray
@@ -132,10 +135,12 @@ def step_tangent(steps: ContactSteps, k: int) -> StepTangent:
     Raises
     ------
     SingularityError
-        Impacts on the same bodies come one after the other within the step.
+        Impacts on the same bodies come one after the other within the length of a step.
     UnsupportedError
         The load of a contact with static friction does not grow evenly until it breaks away.
     """
+    if steps.times_between[k] < UNRESOLVED:
+        raise unresolved(steps.span(k)[0])
     if (impacts := steps.stacked_impacts(k)) is not None:
         stacked, place = impacts
         maps, shifts = steps.at(k, whole=True), stacked.at(place)
@@ -210,6 +215,7 @@ def _closing(
     turning = contacts.gaps.turning(v[:, 1] - v[:, 0])[rows, 0]
     forced = np.maximum(*(np.abs(h * (normals @ a) + turning) for a in (before, alone)))
     fall = 2 * forced / h * np.maximum(values.distance[rows], 0.0)
+    forced = max(1.0, steps.step.rest / h) * forced
     return Closing(rows, np.sqrt(values.before[rows, 0] ** 2 + fall), forced), before
 
 

@@ -7,10 +7,11 @@ from functools import cached_property
 import numpy as np
 import scipy
 
+from dalembert.analysis.nonsmooth.connected_contacts import connections
 from dalembert.integrators.contact.approach import SLOW
+from dalembert.integrators.contact.contact_laws import ContactLaws
 from dalembert.sensitivity.nonsmooth.connected_contacts import (
     closing_times,
-    connections,
     remain_closed,
 )
 from dalembert.sensitivity.nonsmooth.contact_changes import MARGIN, ContactChanges
@@ -73,6 +74,7 @@ class StackedImpacts:
         forced = np.maximum(*(np.abs(change + turning) for change in moved))
         fall = 2 * forced / h * np.maximum(values.distance[rows], 0.0)
         speed = np.sqrt(values.before[rows, 0] ** 2 + fall)
+        forced = np.maximum(1.0, maps.maps.contact_step.rest / h) * forced
         margin = np.abs(speed - SLOW * forced)
         self._near = np.bincount(owner, margin <= MARGIN * speed, steps.count) > 0
         return rows[speed > SLOW * forced], before
@@ -140,7 +142,10 @@ class StackedImpacts:
         mobility = mobility_of(maps.maps, mass, steps.count)
         own = equations.reach[list(maps.maps.e.states)].T
         by_states = scipy.sparse.kron(scipy.sparse.eye_array(steps.count), own, "csr")
-        return connections(mobility, maps.contacts.gaps.directions[rows * width], by_states)
+        groups, place = maps.maps.contact_step.groups, rows[:, None] * width + np.arange(width)
+        directions = maps.contacts.gaps.directions[place.ravel()]
+        laws = ContactLaws.of(self._values.laws[rows].T, groups)
+        return connections(mobility, directions, laws, groups, by_states)
 
     def _times(self, rows: np.ndarray) -> np.ndarray:
         """Times until gaps close from the starts of the steps before their own."""

@@ -1,0 +1,175 @@
+"""Division of steps in which impacts on connected bodies follow each other.
+
+A step has the impulses of all its contacts at once, and instants of impacts have errors of the
+order of the step. Where two gaps of connected bodies close within one step, the speeds after it are
+those of one impact, which differ from those of the sequence whatever the step; where they close
+within a few steps, the second one is that of displaced bodies. Steps are divided until the time
+between such impacts is several of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.step_impacts import (
+    GroupImpacts,
+    LastImpacts,
+    PressedContacts,
+    connected,
+    step_impacts,
+)
+from dalembert.analysis.nonsmooth.step_log import StepEntries, StepLog
+from dalembert.analysis.nonsmooth.step_state import LastImpulses, StepResult
+from dalembert.integrators.contact.approach import SLOW
+
+DIVISIONS = 16
+"""Upper limit of the divisions of a step in halves; impacts within less are simultaneous."""
+RESOLVED = 8.0
+"""Least time between impacts on connected bodies, in steps [-]."""
+CHUNK = 64
+"""Upper limit of the steps that are repeated where one of them has to be divided."""
+FULL = 0.75
+"""Length of a step, relative to those of the run, below which it is part of a divided one [-]."""
+
+
+@dataclass(eq=False)
+class ImpactSequence:
+    """Steps of a run that are divided where impacts follow each other.
+
+    Parameters
+    ----------
+    step : ContactStep of the steps that are not divided
+    """
+
+    step: ContactStep
+    divisions: ClassVar[int] = DIVISIONS
+    last: LastImpacts = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.last = LastImpacts.none(self.step.model.equations.speed_count)
+
+    @property
+    def shortest(self) -> float:
+        """Length of the shortest parts of steps [s]."""
+        return self.step.longest / 2**DIVISIONS
+
+    def is_part(self, h: float) -> bool:
+        """Whether a step of this length is part of a divided one."""
+        return h < FULL * self.step.longest
+
+    def march(
+        self,
+        balls: Any,
+        grid: np.ndarray,
+        k: int,
+        log: StepLog,
+        last: LastImpulses,
+        report: Callable[[float], None],
+    ) -> tuple[int, LastImpulses]:
+        """Steps in machine code up to one that is divided, or that these cannot do.
+
+        Parameters
+        ----------
+        balls : FreeBodyMarch
+
+        Returns the number of the instant reached, and the last impulses.
+        """
+        while k < grid.size - 1 and not self.is_part(grid[k + 1] - grid[k]):
+            parts = np.flatnonzero(np.diff(grid[k : k + CHUNK + 1]) < FULL * self.step.longest)
+            stop = int(k + parts[0]) if parts.size else min(k + CHUNK, grid.size - 1)
+            stored, first = _stored(log), len(log.parts)
+            end, impulses = balls.march(grid[: stop + 1], k, log, last, report)
+            number = self._first(end - k, log, first, last)
+            if number is not None:
+                vars(log).update(stored)
+                if number == 0:
+                    return k, last
+                return balls.march(grid[: k + number + 1], k, log, last, report)
+            k, last = end, impulses
+            if end < stop:
+                break
+        return k, last
+
+    def _first(self, count: int, log: StepLog, first: int, last: LastImpulses) -> int | None:
+        """Number of the first one of the last ``count`` steps that is divided; None without any."""
+        if not count:
+            return None
+        entries = StepEntries.joined(log.parts[first:], 0, log.parts[first].impulse.shape[1])
+        bounds, keys = np.cumsum([0, *entries.count]), last.pressing[0]
+        for number in range(count):
+            own, place = (
+                slice(*bounds[number : number + 2]),
+                len(log.positions) - 1 - count + number,
+            )
+            pressed = PressedContacts.of(entries.key[own], entries.impulse[own], keys)
+            states = [(log.positions[i], log.speeds[i]) for i in (place, place + 1)]
+            span = log.times[place], log.lengths[place]
+            if pressed.begins.any() and self._divides(*span, states, log.positions[place], pressed):
+                return number
+            keys = entries.key[own]
+        return None
+
+    def divides(
+        self, t: float, h: float, log: StepLog, result: StepResult, last: LastImpulses | None
+    ) -> bool:
+        """Whether a step after the recorded ones is divided.
+
+        Parameters
+        ----------
+        last : impulses of the step before; None in the first step
+        """
+        before = log.uncorrected[-1] if log.uncorrected else log.y
+        keys = result.contacts.key[:0] if last is None else last.pressing[0]
+        pressed = PressedContacts.of(*result.pressing, keys)
+        return self._divides(t, h, [(log.y, log.v), (result.y, result.v)], before, pressed)
+
+    def _divides(
+        self,
+        t: float,
+        h: float,
+        states: list[tuple[np.ndarray, np.ndarray]],
+        before: np.ndarray,
+        pressed: PressedContacts,
+    ) -> bool:
+        """Whether a step between two states is divided; the impacts of others are stored."""
+        start, (y, v) = self.step.begin(t, h, *states[0], False), states[1]
+        groups = step_impacts(self.step, start, pressed, before, v, self.shortest)
+        for group in groups:
+            near = self.shortest < self.last.since(group, h)[0] < RESOLVED * h
+            if group.drives or near or group.spread > self.shortest:
+                return True
+        rebounding = [group for group in groups if group.rebounds]
+        if rebounding and self._next(t + h, h, y, v, rebounding) < RESOLVED * h:
+            return True
+        for group in groups:
+            self.last.add(group, h)
+        return False
+
+    def _next(
+        self, t: float, h: float, y: np.ndarray, v: np.ndarray, groups: list[GroupImpacts]
+    ) -> float:
+        """Time until the bodies of some impacts have the next one of another gap [s]."""
+        step = self.step
+        gaps = step.rigid(step.near(step.at(t, y), 2 * RESOLVED * h * v[:, None]))
+        u = gaps.at_start(v)[:, 0]
+        gaps = gaps.some((u < 0) & (gaps.distance > 0) & (-u * RESOLVED * h > gaps.distance))
+        if not gaps.count:
+            return np.inf
+        start = step.begin(t, step.longest, y, v, False)
+        slow = SLOW * start.approach(gaps, step.rounding).nearby
+        u, (_, moved) = gaps.at_start(v)[:, 0], connected(step, start, gaps)
+        speeds = np.zeros(v.size)
+        speeds[np.concatenate([group.speeds for group in groups])] = 1.0
+        times = -gaps.distance / u
+        times = times[(-u > slow) & (moved @ speeds > 0) & (times > self.shortest)]
+        return float(times.min(initial=np.inf))
+
+
+def _stored(log: StepLog) -> dict[str, Any]:
+    """The present contents of a log."""
+    return {k: list(v) if isinstance(v, list) else v for k, v in vars(log).items()}
