@@ -1,5 +1,5 @@
-/* Impulses of the contacts of free bodies: Newton's method, then proximal problems, then interior points
-   and proximal problems from these */
+/* Impulses of the contacts of free bodies: Newton's method, then few proximal problems, then interior
+   points and proximal problems from these */
 /* change of speed along a row of directions by a unit impulse along it; responses of coupled bodies
    have entries of other bodies, too */
 static casadi_real casadi_own_response(const casadi_real** arg, casadi_int r) {
@@ -116,26 +116,28 @@ static casadi_real casadi_centered(const casadi_real** arg, casadi_real** res, c
   res[11][1] = least;
   return least;
 }
-/* at most a number of proximal problems from the impulses in res[0]; their number, and the residual in
-   status[1]. The best impulses are in res[0], within the tolerance if a problem reaches it */
+/* proximal problems from the impulses in res[0]; their number, and the residual in status[1]. The best
+   impulses are in res[0]. Above the residual at which interior points end, there are no more than few
+   problems, and none after one that Newton's method does not solve */
 static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, casadi_int* iw,
-    casadi_real* w, casadi_real share, casadi_real scale, casadi_int most) {
+    casadi_real* w, casadi_real share, casadi_real scale, casadi_int few) {
   casadi_real* velocity = (casadi_real*) arg[2];
   casadi_real* shift = (casadi_real*) arg[7];
   casadi_real* impulse = res[0];
   casadi_real* original = res[34];
   casadi_real* center = original + iw[0]*iw[1];
   casadi_real* best = center + iw[0]*iw[1];
-  casadi_int rows = iw[0]*iw[1], rounds, r, solved;
+  casadi_int rows = iw[0]*iw[1], rounds, r, solved = 1;
   casadi_real weight = arg[37][0], residual = res[11][1], least = residual, tolerance, allowed;
   for (r=0; r<rows; ++r) {
     original[r] = velocity[r];
     center[r] = impulse[r];
     best[r] = impulse[r];
   }
-  for (rounds=0; rounds<most && residual<1e300; ++rounds) {
+  for (rounds=0; rounds<iw[24] && residual<1e300; ++rounds) {
     allowed = share*casadi_size(arg, iw, best, scale);
     if (!(least>allowed)) break;
+    if (few<iw[24] && least>arg[37][13]*scale && (rounds>=few || !solved)) break;
     for (r=0; r<rows; ++r) {
       shift[r] = weight*arg[5][r];
       velocity[r] = original[r] - shift[r]*center[r];
@@ -177,7 +179,7 @@ static casadi_int casadi_solution(const casadi_real** arg, casadi_real** res, ca
   casadi_int rounds;
   if (casadi_newton(arg, res, iw, w, arg[37][16]*allowed)
       <=tolerance*casadi_size(arg, iw, res[0], scale)) return 0;
-  rounds = casadi_proximal(arg, res, iw, w, tolerance, scale, iw[29]<iw[24] ? iw[29] : iw[24]);
+  rounds = casadi_proximal(arg, res, iw, w, tolerance, scale, iw[29]);
   allowed = tolerance*casadi_size(arg, iw, res[0], scale);
   if (res[11][1]<=allowed) return rounds;
   casadi_centered(arg, res, iw, w, allowed, scale);

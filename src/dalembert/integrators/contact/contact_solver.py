@@ -27,8 +27,9 @@ class ContactSolver:
     2018).
 
     In machine code, proximal problems follow Newton's method at once, which suits boxes with more
-    contacts than unknown speeds; interior points of the friction cones follow if these do not
-    converge (Acary, Armand, Nguyen & Shpakovych 2024).
+    contacts than unknown speeds; interior points of the friction cones follow the first one that
+    Newton's method does not solve, unless the residual is small by then (Acary, Armand, Nguyen &
+    Shpakovych 2024).
 
     Parameters
     ----------

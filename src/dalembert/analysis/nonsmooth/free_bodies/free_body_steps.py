@@ -53,7 +53,7 @@ FILES = (
     "anticipated_step.c",
 )
 """Files of the machine code of a step."""
-CHUNK, RECORDS = 256, 4096
+CHUNK, RECORDS = 512, 16_384
 """Steps between transfers of the record, and least number of its contacts."""
 GROWTH = 1.5
 """Ratio of new memory for pairs or contacts to the number that first exceeded it [-]."""
