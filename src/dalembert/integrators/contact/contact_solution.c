@@ -116,11 +116,11 @@ static casadi_real casadi_centered(const casadi_real** arg, casadi_real** res, c
   res[11][1] = least;
   return least;
 }
-/* proximal problems from the impulses in res[0]; their number, and the residual in status[1]. The best
-   impulses are in res[0]. Above the residual at which interior points end, there are no more than few
-   problems, and none after one that Newton's method does not solve */
+/* at most a number of proximal problems from the impulses in res[0]; their number, and the residual in
+   status[1]. The best impulses are in res[0]. Above the residual at which interior points end, there are
+   fewer problems, and none after one that Newton's method does not solve, unless few is that number */
 static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, casadi_int* iw,
-    casadi_real* w, casadi_real share, casadi_real scale, casadi_int few) {
+    casadi_real* w, casadi_real share, casadi_real scale, casadi_int most, casadi_int few) {
   casadi_real* velocity = (casadi_real*) arg[2];
   casadi_real* shift = (casadi_real*) arg[7];
   casadi_real* impulse = res[0];
@@ -134,10 +134,10 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
     center[r] = impulse[r];
     best[r] = impulse[r];
   }
-  for (rounds=0; rounds<iw[24] && residual<1e300; ++rounds) {
+  for (rounds=0; rounds<most && residual<1e300; ++rounds) {
     allowed = share*casadi_size(arg, iw, best, scale);
     if (!(least>allowed)) break;
-    if (few<iw[24] && least>arg[37][13]*scale && (rounds>=few || !solved)) break;
+    if (few<most && least>arg[37][13]*scale && (rounds>=few || !solved)) break;
     for (r=0; r<rows; ++r) {
       shift[r] = weight*arg[5][r];
       velocity[r] = original[r] - shift[r]*center[r];
@@ -179,9 +179,9 @@ static casadi_int casadi_solution(const casadi_real** arg, casadi_real** res, ca
   casadi_int rounds;
   if (casadi_newton(arg, res, iw, w, arg[37][16]*allowed)
       <=tolerance*casadi_size(arg, iw, res[0], scale)) return 0;
-  rounds = casadi_proximal(arg, res, iw, w, tolerance, scale, iw[29]);
+  rounds = casadi_proximal(arg, res, iw, w, tolerance, scale, 5*iw[29], iw[29]);
   allowed = tolerance*casadi_size(arg, iw, res[0], scale);
   if (res[11][1]<=allowed) return rounds;
   casadi_centered(arg, res, iw, w, allowed, scale);
-  return rounds + casadi_proximal(arg, res, iw, w, tolerance, scale, iw[24]);
+  return rounds + casadi_proximal(arg, res, iw, w, tolerance, scale, iw[24], iw[24]);
 }
