@@ -11,8 +11,8 @@ from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contact_laws import ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
 
-H, COUNT, STEP = 1e-3, 400, 1e-6
-"""Step [s], number of contacts, relative difference [-]."""
+H, COUNT, STEP, G = 1e-3, 400, 1e-6, 9.81
+"""Step [s], number of contacts, relative difference [-], gravity [m/s²]."""
 
 
 def approaches(seed: int) -> Approach:
@@ -98,3 +98,20 @@ def test_offsets_of_pressed_contacts_have_derivatives(seed: int) -> None:
         rounding = 1e-14 * (np.abs(start) + speed)[linear] / (STEP * size[linear])
         error = np.abs(getattr(slopes, name)[linear] - expected)
         assert (error <= 1e-8 * np.abs(expected) + rounding).all()
+
+
+@pytest.mark.parametrize("before", [-1e-12, 0.0, 1e-12])
+def test_offsets_of_an_overlap_by_rounding_converge(before: float) -> None:
+    """A body at rest whose gap is closed by rounding: the impulse that opens it does some work."""
+    approach = approaches(0)
+    contacts = replace(approach.contacts, distance=np.full(COUNT, -2e-13))
+    speeds = np.full((2, COUNT, 1), before) - [[[0.0]], [[G * H]]]
+    approach = Approach(contacts, *speeds, H, H)
+    scheme, rounds = da.AnticipatedImpacts(), 0
+    offsets = scheme.first(approach)
+    while offsets is not None:
+        last, rounds = offsets, rounds + 1
+        after = np.maximum(approach.free, -offsets)
+        offsets = scheme.again(approach, offsets, after - approach.free, after)
+        assert rounds < 4
+    assert contacts.distance + H * (-last[:, 0] + before) / 2 == pytest.approx(0.0, abs=1e-20)

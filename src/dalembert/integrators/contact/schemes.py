@@ -202,7 +202,9 @@ class AnticipatedImpacts(ContactScheme):
         changed[pressed, 0] = -bounce[pressed]
         magnitude = np.abs(impulses) * (np.abs(after) + np.abs(approach.before))
         work = (impulses * (after + approach.before)).sum(axis=1)
-        if work.sum() > ROUNDING * magnitude.sum():
+        overlap = np.maximum(-approach.contacts.distance, 0.0)  # of rounding, which is opened
+        opening = (2 * impulses[:, 0] * overlap / approach.h).sum()
+        if work.sum() > ROUNDING * magnitude.sum() + opening:
             idle = changed.copy()
             idle[:, 0] = np.maximum(changed[:, 0], approach.before[:, 0])
             slips = ~approach.contacts.laws.higher_at_rest  # the others stop

@@ -104,6 +104,11 @@ class GapSource(ABC):
         a step, up to ``rounding``, and are closed at its end; none by default."""
         return keys[:0]
 
+    def leaving(self, start: Configuration, end: Configuration, keys: np.ndarray) -> np.ndarray:
+        """(n,) mask of gaps whose features no longer face each other when they close, if bodies
+        move on as from ``start`` to ``end``; none by default."""
+        return np.zeros(keys.size, dtype=bool)
+
     @abstractmethod
     def kinds(self, keys: np.ndarray) -> list[GapKind]:
         """The gaps with some keys, by functions."""

@@ -61,6 +61,22 @@ def pairs_of(sources: list[GapSource], offset: int, keys: np.ndarray) -> np.ndar
     return pairs
 
 
+def leaving_of(
+    sources: list[GapSource],
+    offset: int,
+    start: Configuration,
+    end: Configuration,
+    keys: np.ndarray,
+) -> np.ndarray:
+    """Mask of the leaving gaps of sources whose keys differ by multiples of ``offset``."""
+    numbers, own = np.divmod(keys, offset)
+    mask = np.zeros(keys.size, dtype=bool)
+    for number in np.unique(numbers):
+        rows = numbers == number
+        mask[rows] = sources[number].leaving(start, end, own[rows])
+    return mask
+
+
 class JoinedGaps(GapSource):
     """Sources of one element as a single source.
 
@@ -89,6 +105,9 @@ class JoinedGaps(GapSource):
         self, start: Configuration, end: Configuration, keys: np.ndarray, rounding: float
     ) -> np.ndarray:
         return separating_of(self.sources, SOURCE, start, end, keys, rounding)
+
+    def leaving(self, start: Configuration, end: Configuration, keys: np.ndarray) -> np.ndarray:
+        return leaving_of(self.sources, SOURCE, start, end, keys)
 
     def deepest(self, configuration: Configuration) -> float:
         return min(source.deepest(configuration) for source in self.sources)

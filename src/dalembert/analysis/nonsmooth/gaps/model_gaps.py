@@ -9,7 +9,12 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapSource
-from dalembert.analysis.nonsmooth.gaps.joined_gaps import pairs_of, selected_of, separating_of
+from dalembert.analysis.nonsmooth.gaps.joined_gaps import (
+    leaving_of,
+    pairs_of,
+    selected_of,
+    separating_of,
+)
 from dalembert.integrators.contact.contact_laws import widest_groups
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
@@ -67,6 +72,11 @@ class ModelGaps:
         """Keys of gaps between the shapes of the gaps ``keys`` that separate them at ``start`` and
         are closed at ``end``."""
         return separating_of(self.sources, APART, start, end, keys, self.rounding)
+
+    def leaving(self, start: Configuration, end: Configuration, keys: np.ndarray) -> np.ndarray:
+        """(n,) mask of gaps whose features no longer face each other when they close, if bodies
+        move on as from ``start`` to ``end``."""
+        return leaving_of(self.sources, APART, start, end, keys)
 
     def pairs(self, keys: np.ndarray) -> np.ndarray:
         """(n,) numbers of the pairs of shapes of gaps with some keys."""

@@ -8,6 +8,7 @@ import numpy as np
 from dalembert.analysis.nonsmooth.gaps.boundaries.boundaries import Boundaries, PlacedBoundaries
 from dalembert.analysis.nonsmooth.gaps.boundaries.boundary_formulas import Arc, touch_function
 from dalembert.analysis.nonsmooth.gaps.boundaries.boundary_search import BoundarySearch, Feet, Touch
+from dalembert.analysis.nonsmooth.gaps.boundaries.leaving_corners import CornersOverSides, leaving
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapFormulas, GapKind
@@ -96,6 +97,19 @@ class BoundaryGaps(SearchedGaps):
         order = np.argsort(np.concatenate([kind.row for kind in kinds]))
         gaps = first, second, distance, np.concatenate(blocks)[order], keys
         return self.contacts(self.position(configuration), *gaps)
+
+    def leaving(self, start: Configuration, end: Configuration, keys: np.ndarray) -> np.ndarray:
+        touch, first, second, own, other = self._parts(keys)
+        mask, rows = np.zeros(keys.size, dtype=bool), np.flatnonzero(touch == Touch.SIDE)
+        if rows.size:
+            sides, corners = (first[rows], own[rows]), (second[rows], other[rows])
+            both = []
+            for configuration in (start, end):
+                at = self.geometry.positions(configuration)
+                placed = PlacedBoundaries(self._boundaries, self.geometry, at, configuration.p)
+                both.append(CornersOverSides(self.geometry, placed, at, sides, corners))
+            mask[rows] = leaving(*both)
+        return mask
 
     def shapes_of(self, keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         _, first, second, *_ = self._parts(keys)
