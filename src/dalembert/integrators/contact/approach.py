@@ -78,13 +78,7 @@ class Approach:
     @cached_property
     def nearby(self) -> np.ndarray:
         """(n,) largest change of a normal speed by forces in the step at the same bodies [m/s]."""
-        change, n = np.abs(self._change), self.contacts.count
-        rows = scipy.sparse.csr_array(self.contacts.directions)
-        contact = np.repeat(np.arange(n).repeat(self.before.shape[1]), np.diff(rows.indptr))
-        of_speeds, largest = np.zeros(rows.shape[1]), change.copy()
-        np.maximum.at(of_speeds, rows.indices, change[contact])
-        np.maximum.at(largest, contact, of_speeds[rows.indices])
-        return largest
+        return largest_nearby(self.contacts.directions, np.abs(self._change))
 
     @cached_property
     def fast(self) -> np.ndarray:
@@ -132,3 +126,19 @@ class Approach:
             return newton
         limited = np.clip(self.struck[:, 0], 0.0, np.maximum(-before, 0.0))
         return np.where(self.hit, limited, newton)
+
+
+def largest_nearby(directions: scipy.sparse.csr_array, change: np.ndarray) -> np.ndarray:
+    """(n,) largest of the values (n,) of contacts that share a body with each one.
+
+    Parameters
+    ----------
+    directions : (n k, n_v) of their impulses
+    """
+    rows, n = scipy.sparse.csr_array(directions), change.size
+    width = rows.shape[0] // max(n, 1)
+    contact = np.repeat(np.arange(n).repeat(width), np.diff(rows.indptr))
+    of_speeds, largest = np.zeros(rows.shape[1]), change.copy()
+    np.maximum.at(of_speeds, rows.indices, change[contact])
+    np.maximum.at(largest, contact, of_speeds[rows.indices])
+    return largest

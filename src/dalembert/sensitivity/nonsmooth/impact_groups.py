@@ -56,8 +56,6 @@ def moving_parts(
         Two successive impacts change the same entries.
     """
     t = steps.span(k)[0]
-    if impacting.size == 1:
-        return [(impacting, np.ones(steps.x.shape[0]))]
     keys, (labels, speeds) = steps.active(k).keys, connected(steps, k, contacts)
     matrix: Any = steps.maps.equations.reach
     closed, parts = closed_after(steps, k, contacts), []

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.integrators.contact.approach import SLOW
+from dalembert.integrators.contact.approach import SLOW, SLOWEST, largest_nearby
 from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts
 from dalembert.sensitivity.nonsmooth.break_away import BreakAways, break_aways
 from dalembert.sensitivity.nonsmooth.contact_changes import MARGIN, ContactChanges, near_change
@@ -205,16 +205,20 @@ def _closing(
     if contacts is None:
         return Closing(np.zeros(0, dtype=int), none, none), none
     keys, values = steps.active(k).keys, contacts.gaps.values
-    rows = np.flatnonzero(contacts.slopes.bounces & ~np.isin(keys, steps.active(k - 1).keys))
+    (t, h), width = steps.span(k), values.before.shape[1]
+    begins = contacts.slopes.bounces & ~np.isin(keys, steps.active(k - 1).keys)
+    closes = -values.before[:, 0] > SLOWEST * values.distance / h
+    rows = np.flatnonzero(begins & closes)
     if not rows.size:
         return Closing(rows, none, none), none
-    (t, h), width = steps.span(k), values.before.shape[1]
     state = steps.x[:, k], t, h
     before, alone = steps.accelerations(*state, _persistent(steps, k))
-    normals, v = contacts.gaps.directions[rows * width], steps.x[steps.size :, k : k + 2]
-    turning = contacts.gaps.turning(v[:, 1] - v[:, 0])[rows, 0]
-    forced = np.maximum(*(np.abs(h * (normals @ a) + turning) for a in (before, alone)))
+    v, directions = steps.x[steps.size :, k : k + 2], contacts.gaps.directions
+    normals, turning = directions[::width], contacts.gaps.turning(v[:, 1] - v[:, 0])[:, 0]
+    own, nearby = (np.abs(h * (normals @ a) + turning) for a in (before, alone))
+    forced = np.maximum(own, nearby)[rows]
     fall = 2 * forced / h * np.maximum(values.distance[rows], 0.0)
+    forced = np.maximum(forced, largest_nearby(directions, nearby)[rows])
     forced = max(1.0, steps.step.rest / h) * forced
     return Closing(rows, np.sqrt(values.before[rows, 0] ** 2 + fall), forced), before
 

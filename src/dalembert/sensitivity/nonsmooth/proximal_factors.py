@@ -14,6 +14,7 @@ import numpy as np
 import scipy
 
 from dalembert.errors import SingularityError
+from dalembert.sensitivity.nonsmooth.jammed_contacts import SmallestImpulses
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sparse.factorise import SuperLUFactors
 
@@ -24,6 +25,9 @@ SOLVED = 1e-14
 [-]."""
 REMAINDER = 1e-6
 """Remainder of equations that count as consistent, relative to the right-hand side [-]."""
+UNLIMITED, LARGEST = 1e4, 2000
+"""Scaled speeds by an arbitrary right-hand side that count as unlimited; upper limit of the impulses
+of a step whose equations are then solved by least squares."""
 Block = tuple[int, int, Sparse]
 """First row, first column and entries of a block of a matrix."""
 
@@ -135,6 +139,12 @@ class ProximalFactors:
         if transposed:
             before, after, trans = after, before, "T"
         rhs = before[:, None] * right.reshape(right.shape[0], -1)
+        if self._jammed is not None:
+            solution = self._jammed.solve(rhs, transposed)
+            remainder = rhs - self._product(solution, transposed)
+            size, largest = np.abs(rhs).max(initial=0.0), np.abs(remainder).max(initial=0.0)
+            self.consistent &= bool(largest <= REMAINDER * size)
+            return (after[:, None] * solution).reshape(right.shape)
         solution, remainder, size = np.zeros(rhs.shape), rhs, np.abs(rhs).max(initial=0.0)
         for _ in range(ITERATIONS):
             solution = solution + self._factors.solve(remainder, trans)
@@ -158,6 +168,19 @@ class ProximalFactors:
         return bool(
             np.abs(remainder).max(initial=0.0) <= REMAINDER * np.abs(right).max(initial=0.0)
         )
+
+    @cached_property
+    def _jammed(self) -> SmallestImpulses | None:
+        """Solution with the smallest impulses, if contradictory equations have unlimited speeds."""
+        impulses = self._scaled.shift > 0
+        if self.regular or np.count_nonzero(impulses) > LARGEST:
+            return None
+        speeds = self._factors.solve(arbitrary(self.size))[~impulses]
+        if np.abs(speeds).max(initial=0.0) <= UNLIMITED:
+            return None
+        scaled = self._scaled
+        matrix = scaled.shifted - scipy.sparse.diags_array(np.where(impulses, scaled.shift, 0.0))
+        return SmallestImpulses(matrix, impulses)
 
     def _product(self, columns: np.ndarray, transposed: bool = False) -> np.ndarray:
         """The scaled matrix, or its transpose, times columns (n, c)."""

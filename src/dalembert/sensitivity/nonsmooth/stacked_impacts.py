@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from dalembert.analysis.nonsmooth.connected_contacts import connections
-from dalembert.integrators.contact.approach import SLOW
+from dalembert.integrators.contact.approach import SLOW, SLOWEST, largest_nearby
 from dalembert.integrators.contact.contact_laws import ContactLaws
 from dalembert.sensitivity.nonsmooth.connected_contacts import (
     closing_times,
@@ -46,6 +46,8 @@ class StackedImpacts:
         self._maps, self._steps, self._values = maps, maps.steps, maps.contacts.gaps.values
         self.located = maps.solved.copy()
         begins = maps.contacts.slopes.bounces & self._steps.begins
+        travel = -maps.steps.h[self._steps.owner] * self._values.before[:, 0]
+        begins &= travel > SLOWEST * self._values.distance
         if maps.maps.contact_step.smooth.coupling.coupled.size:
             self.located[self._steps.owner[begins]] = False
         self._rows = np.flatnonzero(begins & self.located[self._steps.owner])
@@ -69,10 +71,14 @@ class StackedImpacts:
         free = FreeSteps(maps.maps, maps.state, steps.h)
         before = free.with_contacts(*self._carrying(has))
         gaps, h = maps.contacts.gaps, steps.h[owner]
-        normals, turning = gaps.directions[rows * width], free.turning(gaps)[rows, 0]
-        moved = [h * (normals @ a.T.ravel()) for a in (before, free.accelerations)]
-        forced = np.maximum(*(np.abs(change + turning) for change in moved))
+        normals, turning = gaps.directions[::width], free.turning(gaps)[:, 0]
+        own, nearby = (
+            np.abs(steps.h[steps.owner] * (normals @ a.T.ravel()) + turning)
+            for a in (before, free.accelerations)
+        )
+        forced = np.maximum(own, nearby)[rows]
         fall = 2 * forced / h * np.maximum(values.distance[rows], 0.0)
+        forced = np.maximum(forced, largest_nearby(gaps.directions, nearby)[rows])
         speed = np.sqrt(values.before[rows, 0] ** 2 + fall)
         forced = np.maximum(1.0, maps.maps.contact_step.rest / h) * forced
         margin = np.abs(speed - SLOW * forced)
@@ -105,32 +111,28 @@ class StackedImpacts:
         """Contacts of moving impacts, in the order of these, and (m, n_x) masks of the entries of
         the state that each impact changes."""
         steps, rows, size = self._steps, self._impacting, self._steps.x.shape[0]
+        if not rows.size:
+            return rows, np.zeros((0, size))
         count = np.bincount(self._owner(rows), minlength=steps.count)
-        alone = count[self._owner(rows)] == 1
-        single, several = rows[alone], rows[~alone]
-        masks = np.ones((single.size, size))
-        self._label = np.arange(single.size)
-        if not several.size:
-            return single, masks
-        near = np.flatnonzero((count > 1)[steps.owner])
+        near = np.flatnonzero((count > 0)[steps.owner])
         labels, moved = self._connected(near)
-        label = labels[np.searchsorted(near, several)]
+        label = labels[np.searchsorted(near, rows)]
         order = np.argsort(label, kind="stable")
-        several, label = several[order], label[order]
+        rows, label = rows[order], label[order]
         starts = np.flatnonzero(np.diff(label, prepend=-1))
-        sizes, times = np.diff(np.append(starts, label.size)), self._times(several)
+        sizes, times = np.diff(np.append(starts, label.size)), self._times(rows)
         with np.errstate(invalid="ignore"):
             spread = np.maximum.reduceat(times, starts) - np.minimum.reduceat(times, starts)
-        owner = self._owner(several[starts])
+        owner = self._owner(rows[starts])
         together = (sizes == 1) | (spread <= SIMULTANEOUS * steps.earlier_h[owner])
-        closed = np.logical_and.reduceat(self._closed[several], starts)
+        closed = np.logical_and.reduceat(self._closed[rows], starts)
         self.located[owner[~together & ~closed]] = False
         moving = np.repeat(together, sizes)
         numbers = np.repeat(np.cumsum(together) - 1, sizes)[moving]
-        self._label = np.concatenate([self._label, single.size + numbers])
+        self._label = numbers
         chosen = label[starts][together]
         own = self._changed(labels, moved, chosen, owner[together])
-        return np.concatenate([single, several[moving]]), np.vstack([masks, own])
+        return rows[moving], own
 
     def _connected(self, rows: np.ndarray) -> tuple[np.ndarray, Sparse]:
         """Connections of some contacts."""
