@@ -42,7 +42,7 @@ def advance(
     """
     start = step.begin(t, h, y, v, before is None)
     near = step.near(step.at(t, y), AHEAD * h * np.column_stack([v, start.free]))
-    contacts = step.in_middle(start, _facing(step, start, near))
+    contacts = step.in_middle(start, _facing(step, start, near, before))
     result = _advanced(step, start, contacts, before)
     for _ in range(PATHS if step.force_laws.elements else 0):
         if not result.impulses.accepted or not np.isfinite(result.y).all():
@@ -62,16 +62,21 @@ def advance(
     return replace(result, closing=closing_gaps(start, contacts, result, step.rounding))
 
 
-def _facing(step: ContactStep, start: StepStart, near: Contacts) -> Contacts:
+def _facing(
+    step: ContactStep, start: StepStart, near: Contacts, before: LastImpulses | None
+) -> Contacts:
     """The gaps without those of corners that leave a side before they would touch it.
 
     Teeth move past each other closely: the linear part of the gap over a side closes although the
-    corner is past the end of the side then. Gaps that are closed at the end of the step follow.
+    corner is past the end of the side then. Gaps that pressed in the step ``before`` remain, and
+    those that are closed at the end of the step follow.
     """
     if not near.count:
         return near
     end = step.model.equations.manifold.go(start.y, start.h * start.v)
     leaving = step.leaving(step.at(start.t, start.y), step.at(start.t + start.h, end), near.key)
+    if before is not None:
+        leaving &= ~np.isin(near.key, before.pressing[0])
     return near.some(~leaving) if leaving.any() else near
 
 

@@ -176,10 +176,10 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
 static casadi_int casadi_solution(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real tolerance, casadi_real scale) {
   casadi_real allowed = tolerance*casadi_size(arg, iw, res[0], scale);
-  casadi_int rounds;
+  casadi_int rounds, most = 5*iw[29]<iw[24] ? 5*iw[29] : iw[24];
   if (casadi_newton(arg, res, iw, w, arg[37][16]*allowed)
       <=tolerance*casadi_size(arg, iw, res[0], scale)) return 0;
-  rounds = casadi_proximal(arg, res, iw, w, tolerance, scale, 5*iw[29], iw[29]);
+  rounds = casadi_proximal(arg, res, iw, w, tolerance, scale, most, iw[29]);
   allowed = tolerance*casadi_size(arg, iw, res[0], scale);
   if (res[11][1]<=allowed) return rounds;
   casadi_centered(arg, res, iw, w, allowed, scale);

@@ -28,12 +28,20 @@ class SmallestImpulses:
     ----------
     matrix : with rows and columns of comparable size
     impulses : (n,) mask of the impulses and of their conditions
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        The equations of the speeds are singular.
     """
 
     def __init__(self, matrix: Sparse, impulses: np.ndarray):
         dense, own, rest = matrix.toarray(), np.flatnonzero(impulses), np.flatnonzero(~impulses)
         self._own, self._rest = own, rest
-        self._factors = scipy.linalg.lu_factor(dense[np.ix_(rest, rest)])
+        speeds = dense[np.ix_(rest, rest)]
+        if np.linalg.matrix_rank(speeds) < rest.size:
+            raise np.linalg.LinAlgError("singular equations of speeds")
+        self._factors = scipy.linalg.lu_factor(speeds)
         self._right, self._left = dense[np.ix_(rest, own)], dense[np.ix_(own, rest)]
         moved = scipy.linalg.lu_solve(self._factors, self._right)
         schur = dense[np.ix_(own, own)] - self._left @ moved

@@ -180,7 +180,10 @@ class ProximalFactors:
             return None
         scaled = self._scaled
         matrix = scaled.shifted - scipy.sparse.diags_array(np.where(impulses, scaled.shift, 0.0))
-        return SmallestImpulses(matrix, impulses)
+        try:
+            return SmallestImpulses(matrix, impulses)
+        except np.linalg.LinAlgError:
+            return None
 
     def _product(self, columns: np.ndarray, transposed: bool = False) -> np.ndarray:
         """The scaled matrix, or its transpose, times columns (n, c)."""
