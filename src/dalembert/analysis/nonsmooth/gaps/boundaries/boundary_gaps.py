@@ -8,7 +8,11 @@ import numpy as np
 from dalembert.analysis.nonsmooth.gaps.boundaries.boundaries import Boundaries, PlacedBoundaries
 from dalembert.analysis.nonsmooth.gaps.boundaries.boundary_formulas import Arc, touch_function
 from dalembert.analysis.nonsmooth.gaps.boundaries.boundary_search import BoundarySearch, Feet, Touch
-from dalembert.analysis.nonsmooth.gaps.boundaries.leaving_corners import CornersOverSides, leaving
+from dalembert.analysis.nonsmooth.gaps.boundaries.leaving_corners import (
+    CornersOverSides,
+    FollowingContacts,
+    leaving,
+)
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapFormulas, GapKind
@@ -39,6 +43,7 @@ class BoundaryGaps(SearchedGaps):
         geometry = self.geometry
         self._boundaries = Boundaries(model, geometry.boundaries)
         self._corners = OutlineCorners(geometry)
+        self._following = FollowingContacts(geometry)
         features = max(
             self._boundaries.features, *(len(hull.corners) for hull in geometry.hulls), 1
         )
@@ -108,7 +113,8 @@ class BoundaryGaps(SearchedGaps):
                 at = self.geometry.positions(configuration)
                 placed = PlacedBoundaries(self._boundaries, self.geometry, at, configuration.p)
                 both.append(CornersOverSides(self.geometry, placed, at, sides, corners))
-            mask[rows] = leaving(*both)
+            followed = self._following.available(sides, second[rows])
+            mask[rows] = (leaving(*both) & followed).any(axis=0)
         return mask
 
     def shapes_of(self, keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
