@@ -26,8 +26,8 @@ SOLVED = 1e-14
 REMAINDER = 1e-6
 """Remainder of equations that count as consistent, relative to the right-hand side [-]."""
 UNLIMITED, LARGEST = 1e4, 2000
-"""Scaled speeds by an arbitrary right-hand side that count as unlimited; upper limit of the impulses
-of a step whose equations are then solved by least squares."""
+"""Scaled speeds by an arbitrary right-hand side that count as unlimited; upper limit of the
+impulses of a step whose equations are then solved by least squares."""
 Block = tuple[int, int, Sparse]
 """First row, first column and entries of a block of a matrix."""
 
