@@ -263,26 +263,6 @@ def test_impacts_of_different_bodies_in_one_step():
     np.testing.assert_allclose(gradient, exact * np.eye(2), atol=2e-2)
 
 
-def test_impacts_of_different_bodies_in_one_step_with_friction():
-    """The instants of impacts move the speeds that friction changes, too: each ball has the
-    derivative by its height that it has alone, of ``x = v T − μ (1 + e) g t* (T − t*)`` and of its
-    rotation, with ``dt*/dH = 1/(g t*)``."""
-    system = da.System("balls", gravity=(0.0, -10.0))
-    heights = [system.parameter(name, 1.0, "m") for name in ("left", "right")]
-    shapes = [planar.contact.HalfPlane(system.ground.point(0.0, 0.0), (0.0, 1.0))]
-    for k, height in enumerate(heights):
-        start = {"position": (float(k), height), "velocity": (5.0, 0.0)}
-        ball = planar.Body(f"ball{k}", mass=1.0, inertia=0.005, **start)
-        shapes.append(planar.contact.Circle(system.add(ball), 0.1))
-    system.add(planar.Collisions("floor", shapes, restitution=0.5, friction=0.2))
-    motion = run(system.build(), 0.6, 1e-3, integrator=da.AnticipatedImpacts())
-    gradient = both(motion, *(da.final(f"ball{k}.{q}") for k in (0, 1) for q in ("x", "angle")))
-    slip = 0.2 * 1.5 * (2 - 0.6 / np.sqrt(2 * 0.9 / 10))
-    turn = slip * 0.1 / 0.005
-    np.testing.assert_allclose(gradient[[0, 2]], slip * np.eye(2), atol=3e-3)
-    np.testing.assert_allclose(gradient[[1, 3]], turn * np.eye(2), atol=3e-2 * turn)
-
-
 def test_other_measures_are_refused():
     motion = run(bouncing(), 0.5, 1e-2)
     with pytest.raises(da.UnsupportedError, match="means over steps"):

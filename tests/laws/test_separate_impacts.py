@@ -1,7 +1,7 @@
 """Law of runs with separated impacts: motion and gradient are those of the sequence of impacts.
 
 The reference locates every impact: flights in closed form, instants by Newton's method, and
-derivatives by complex steps.
+derivatives by complex steps. Impacts of different bodies within one step need no separation.
 """
 
 from __future__ import annotations
@@ -214,3 +214,23 @@ def test_disc_in_a_corner(delay, friction):
     p += [friction] if friction else []
     names = ["disc.x", "disc.y", "disc.angular_velocity"]
     compare(corner_of(*p), names, lambda q: corner(q, end), p, end, friction > 0)
+
+
+def test_impacts_of_different_bodies_in_one_step_with_friction():
+    """The instants of impacts move the speeds that friction changes, too: each ball has the
+    derivative by its height that it has alone, of ``x = v T − μ (1 + e) g t* (T − t*)`` and of its
+    rotation, with ``dt*/dH = 1/(g t*)``."""
+    system = da.System("balls", gravity=(0.0, -10.0))
+    heights = [system.parameter(name, 1.0, "m") for name in ("left", "right")]
+    shapes = [planar.contact.HalfPlane(system.ground.point(0.0, 0.0), (0.0, 1.0))]
+    for k, height in enumerate(heights):
+        start = {"position": (float(k), height), "velocity": (5.0, 0.0)}
+        ball = planar.Body(f"ball{k}", mass=1.0, inertia=0.005, **start)
+        shapes.append(planar.contact.Circle(system.add(ball), 0.1))
+    system.add(planar.Collisions("floor", shapes, restitution=0.5, friction=0.2))
+    motion = da.solve_nonsmooth(system.build(), 0.6, step=1e-3)
+    gradient = both(motion, *(da.final(f"ball{k}.{q}") for k in (0, 1) for q in ("x", "angle")))
+    slip = 0.2 * 1.5 * (2 - 0.6 / np.sqrt(2 * 0.9 / 10))
+    turn = slip * 0.1 / 0.005
+    np.testing.assert_allclose(gradient[[0, 2]], slip * np.eye(2), atol=3e-3)
+    np.testing.assert_allclose(gradient[[1, 3]], turn * np.eye(2), atol=3e-2 * turn)

@@ -50,6 +50,7 @@ def advance(
         bent = bent_gaps(step, start, result)
         if not bent.size:
             break
+        bent = np.union1d(bent, result.curved)  # all with means over the path of one solution
         curved = np.isin(contacts.key, bent)
         means = path_means(step, start, contacts.some(curved), result)
         contacts = Contacts.joined([contacts.some(~curved), means])

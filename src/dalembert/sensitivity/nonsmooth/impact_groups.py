@@ -64,7 +64,7 @@ def moving_parts(
         if rows.size > 1 and not simultaneous(steps, k, keys[rows]):
             if closed[rows].all():
                 continue
-            raise unresolved(t)
+            raise unresolved(t, steps.step.rest > 0)
         moved = speeds[labels == label].sum(axis=0) > 0
         parts.append((rows, np.concatenate([matrix @ moved > 0, moved]).astype(float)))
     return parts

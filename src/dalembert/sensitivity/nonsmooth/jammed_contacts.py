@@ -6,8 +6,8 @@ change speeds, so that changes that contradict the conditions have unlimited spe
 
     [[A, B], [C, D]] (v, P) = (r, s)
 
-``P = S⁺ (s − C A⁻¹ r)`` with the pseudoinverse of ``S = D − C A⁻¹ B``: the impulses of least
-squares, the smallest ones among these, which are bounded.
+``P = S⁺ (s − C A⁻¹ r)`` with the pseudoinverse of ``S = D − C A⁻¹ B``: impulses of least squares,
+the smallest ones among these, which are bounded.
 """
 
 from __future__ import annotations

@@ -140,7 +140,7 @@ def step_tangent(steps: ContactSteps, k: int) -> StepTangent:
         The load of a contact with static friction does not grow evenly until it breaks away.
     """
     if steps.times_between[k] < UNRESOLVED:
-        raise unresolved(steps.span(k)[0])
+        raise unresolved(steps.span(k)[0], steps.step.rest > 0)
     if (impacts := steps.stacked_impacts(k)) is not None:
         stacked, place = impacts
         maps, shifts = steps.at(k, whole=True), stacked.at(place)

@@ -41,10 +41,15 @@ def times_between_impacts(step: ContactStep, record: ContactRecord) -> np.ndarra
     return times
 
 
-def unresolved(t: float) -> SingularityError:
-    """Error of a gradient by impacts that are not separated."""
+def unresolved(t: float, separated: bool) -> SingularityError:
+    """Error of a gradient by impacts at a time that are not separated, in a run that divides steps
+    to separate impacts or not."""
+    cure = (
+        "give solve_nonsmooth separate_impacts=True, which divides such steps, or take shorter ones"
+    )
+    if separated:
+        cure = "they are simultaneous but for 2⁻¹⁶ steps, as in a rattling cluster; shorten the run"
     return SingularityError(
         f"impacts on the same bodies come within one step at t = {t:.9g} s: which is first depends "
-        "on parameters, and so does the motion after them; give solve_nonsmooth "
-        "separate_impacts=True, which divides such steps, or take shorter steps"
+        f"on parameters, and so does the motion after them; {cure}"
     )

@@ -1,0 +1,69 @@
+"""Law of heaps: gradients are those of differences, and do not grow without bounds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar
+
+
+def pyramid() -> da.Model:
+    """Six discs with a force law that fall onto each other as a pyramid."""
+    system = da.System("pyramid", gravity=(0.0, -9.81))
+    stiffness, push = system.parameter("stiffness", 1e5), system.parameter("push", 0.0)
+    friction, size = system.parameter("friction", 0.3), 0.1
+    shapes = [planar.contact.HalfPlane(system.ground)]
+    for row in range(3):
+        for k in range(3 - row):
+            x, y = 1.02 * size * (2 * k + row), size * (1 + 3**0.5 * row) + 2e-3 * (row + 1)
+            start = {"position": (x, y), "velocity": (push if row == 2 else 0.0, 0.0)}
+            disc = system.add(planar.Body(f"disc{row}{k}", mass=1.0, inertia=0.005, **start))
+            shapes.append(planar.contact.Circle(disc, size))
+    law = planar.contact.HuntCrossley(stiffness=stiffness, damping=0.3)
+    system.add(planar.Collisions("discs", shapes, law=law, friction=friction))
+    return system.build()
+
+
+def test_pyramid_of_compliant_discs():
+    """Steps that are repeated with means over their path for one gap after the other."""
+    motion = da.solve_nonsmooth(pyramid(), 0.07, step=1e-3)
+    responses = [da.final(name) for name in ("disc20.y", "disc00.x", "disc10.y", "disc20.x")]
+    gradient = da.sensitivity(motion, responses, method="direct").values
+    adjoint = da.sensitivity(motion, responses, method="adjoint").values
+    scales = abs(gradient).max(axis=0)
+    np.testing.assert_allclose(adjoint / scales, gradient / scales, atol=1e-8)
+    scheme = da.FiniteDifference("central", dict.fromkeys(("stiffness", "push", "friction"), 1e-6))
+    values = da.sensitivity(motion, responses, method=scheme).values
+    np.testing.assert_allclose(gradient / scales, values / scales, atol=1e-5)
+
+
+def heap() -> da.Model:
+    """Twenty discs that fall into a box and come to rest."""
+    rng, system = np.random.default_rng(1), da.System("heap", gravity=(0.0, -9.81))
+    friction, size = system.parameter("friction", 0.4), system.parameter("size", 0.1)
+    shapes = []
+    for k in range(20):
+        place = 0.25 * np.array([k % 5, k // 5]) + (0.0, 0.15) + rng.uniform(-0.02, 0.02, 2)
+        disc = system.add(planar.Body(f"disc{k}", mass=1.0, inertia=0.005, position=tuple(place)))
+        shapes.append(planar.contact.Circle(disc, 0.1 if k else size))
+    for x, normal in ((0.0, (0.0, 1.0)), (-0.15, (1.0, 0.0)), (1.15, (-1.0, 0.0))):
+        shapes.append(planar.contact.HalfPlane(system.ground.point(x, 0.0), normal))
+    system.add(planar.Collisions("heap", shapes, friction=friction))
+    return system.build()
+
+
+@pytest.mark.thorough
+def test_discs_at_rest_in_a_heap():
+    """Two discs rest at the walls of the box, ``x = size − 0.15``, whatever the friction; the mean
+    slopes of runs over a range of friction are zero, too."""
+    options = {"step": 2e-3, "integrator": da.MoreauJean()}
+    model, responses = heap(), [da.final("disc0.x"), da.final("disc19.x")]
+    gradient = da.sensitivity(da.solve_nonsmooth(model, 1.0, **options), responses).values
+    np.testing.assert_allclose(gradient, [[0.0, 1.0], [0.0, 0.0]], atol=0.05)
+    ends = []
+    for friction in (0.39, 0.41):
+        moved = da.solve_nonsmooth(model, 1.0, parameters={"friction": friction}, **options)
+        ends.append([da.evaluate(moved, response) for response in responses])
+    np.testing.assert_allclose(np.diff(ends, axis=0) / 0.02, 0.0, atol=1e-6)
