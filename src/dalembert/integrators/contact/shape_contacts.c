@@ -395,6 +395,9 @@ static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const
     if (slot>=0) {
       casadi_take_means(arg, iw, i, slot);
       res[22][i] = arg[56][slot];
+    } else if (contact[0]==1 && !(res[0][r]>0) && casadi_leaves(arg, ahead, contact, iw[18])) {
+      kept[i] = 0;
+      res[22][i] += 10*res[11][3];
     } else if (kept[i]) {
       casadi_direction_rows(arg, iw, i, contact[1], contact[3], normal, point, gap);
     } else if (h*fabs(middle - res[24][r])>arg[36][6]) {

@@ -49,6 +49,7 @@ FILES = (
     *GEOMETRY,
     "feature_gaps.c",
     "last_impulses.c",
+    "leaving_corners.c",
     "shape_contacts.c",
     "anticipated_step.c",
 )

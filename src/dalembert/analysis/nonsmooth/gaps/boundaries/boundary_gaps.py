@@ -9,11 +9,11 @@ from dalembert.analysis.nonsmooth.gaps.boundaries.boundaries import Boundaries, 
 from dalembert.analysis.nonsmooth.gaps.boundaries.boundary_formulas import Arc, touch_function
 from dalembert.analysis.nonsmooth.gaps.boundaries.boundary_search import BoundarySearch, Feet, Touch
 from dalembert.analysis.nonsmooth.gaps.boundaries.leaving_corners import (
-    CornersOverSides,
     FollowingContacts,
-    leaving,
+    corners_over_sides,
 )
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
+from dalembert.analysis.nonsmooth.gaps.corners_over_faces import leaving
 from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapFormulas, GapKind
 from dalembert.analysis.nonsmooth.gaps.hulls.outline_corners import OutlineCorners
@@ -112,7 +112,7 @@ class BoundaryGaps(SearchedGaps):
             for configuration in (start, end):
                 at = self.geometry.positions(configuration)
                 placed = PlacedBoundaries(self._boundaries, self.geometry, at, configuration.p)
-                both.append(CornersOverSides(self.geometry, placed, at, sides, corners))
+                both.append(corners_over_sides(self.geometry, placed, at, sides, corners))
             followed = self._following.available(sides, second[rows])
             mask[rows] = (leaving(*both) & followed).any(axis=0)
         return mask

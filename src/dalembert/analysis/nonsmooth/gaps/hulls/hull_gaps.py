@@ -7,8 +7,13 @@ from functools import partial
 import numpy as np
 
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
+from dalembert.analysis.nonsmooth.gaps.corners_over_faces import leaving
 from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapKind
+from dalembert.analysis.nonsmooth.gaps.hulls.corners_over_hulls import (
+    are_sharp,
+    corners_over_hulls,
+)
 from dalembert.analysis.nonsmooth.gaps.hulls.feature_pairs import Pairs, some_pairs
 from dalembert.analysis.nonsmooth.gaps.hulls.hull_search import HullSearch
 from dalembert.analysis.nonsmooth.gaps.positions import Positions
@@ -82,6 +87,20 @@ class HullGaps(SearchedGaps):
         lowest = np.full(face.max(initial=0) + 1, np.inf)
         np.minimum.at(lowest, face, opened)
         return self._keys(some_pairs(faces, (lowest[face] >= -rounding) & (closed < -rounding)))
+
+    def leaving(self, start: Configuration, end: Configuration, keys: np.ndarray) -> np.ndarray:
+        mask = np.zeros(keys.size, dtype=bool)
+        rows = np.flatnonzero(keys // self._first[-1] ** 2 == Feature.FACE)
+        pairs = self._pairs_of(keys[rows]) if rows.size else None
+        if pairs is None:
+            return mask
+        places = [self.geometry.positions(configuration) for configuration in (start, end)]
+        sharp = are_sharp(self.geometry, pairs, places[0])
+        pairs, rows = some_pairs(pairs, sharp), rows[sharp]
+        if rows.size:
+            corners = (corners_over_hulls(self.geometry, pairs, at) for at in places)
+            mask[rows] = leaving(*corners).any(axis=0)
+        return mask
 
     def kinds(self, keys: np.ndarray) -> list[GapKind]:
         numbers, kinds = keys // self._first[-1] ** 2, []

@@ -1,0 +1,59 @@
+/* Corners that leave the faces of hulls before they would touch them */
+/* distance by which a place is beyond side j of a face with a normal, or of two ends of a planar side */
+static casadi_real casadi_beyond(const int* form, const casadi_real* corners,
+    const casadi_real* normal, casadi_int face, casadi_int j, casadi_int dimension,
+    const casadi_real* place) {
+  const int* loop = form;
+  casadi_int p, q, count;
+  casadi_real side[3], outward[3], relative[3];
+  if (dimension==2) {
+    p = face+1<form[0] ? face + 1 : 0;
+    q = j ? face : p;
+    p = j ? p : face;
+    casadi_between(corners + 3*q, corners + 3*p, outward);
+  } else {
+    loop = form + form[9] + form[form[8]+face];
+    count = form[form[8]+face+1] - form[form[8]+face];
+    p = loop[j];
+    q = loop[j+1<count ? j + 1 : 0];
+    casadi_between(corners + 3*p, corners + 3*q, side);
+    casadi_cross(side, normal, outward);
+  }
+  casadi_unit(outward);
+  casadi_between(corners + 3*p, place, relative);
+  return casadi_dot(outward, relative);
+}
+/* whether a sharp corner over a face is past the end of the face when the gap closes, if the bodies move
+   on as to the middle of the step, but for a quarter of a step; gaps that would close later than in
+   three steps or are at rest remain */
+static int casadi_leaves(const casadi_real** arg, const casadi_real** ahead, const int* contact,
+    casadi_int dimension) {
+  const int* place = (const int*) arg[38];
+  const int* form = (const int*) arg[39] + place[5*contact[1]];
+  const casadi_real* normal = arg[41] + 3*(place[5*contact[1]+2] + contact[2]);
+  const casadi_real* turned = ahead[41] + 3*(place[5*contact[1]+2] + contact[2]);
+  const casadi_real* from = arg[40] + 3*place[5*contact[1]+1];
+  const casadi_real* to = ahead[40] + 3*place[5*contact[1]+1];
+  const casadi_real* here = arg[40] + 3*(place[5*contact[3]+1] + contact[4]);
+  const casadi_real* there = ahead[40] + 3*(place[5*contact[3]+1] + contact[4]);
+  casadi_int count = 2, j, point = contact[2];
+  casadi_real relative[3], height, closing, share, moved, past;
+  if (arg[26][contact[1]]>0 || arg[26][contact[3]]>0) return 0;
+  if (dimension==3) {
+    count = form[form[8]+contact[2]+1] - form[form[8]+contact[2]];
+    point = form[form[9]+form[form[8]+contact[2]]];
+  }
+  casadi_between(from + 3*point, here, relative);
+  height = casadi_dot(normal, relative);
+  share = sqrt(casadi_dot(relative, relative));
+  casadi_between(to + 3*point, there, relative);
+  closing = 2*(height - casadi_dot(turned, relative));
+  if (!(height>0 && closing>1e-9*share && height<3*closing)) return 0;
+  share = height/closing + 0.25;
+  for (j=0; j<count; ++j) {
+    past = casadi_beyond(form, from, normal, contact[2], j, dimension, here);
+    moved = 2*(casadi_beyond(form, to, turned, contact[2], j, dimension, there) - past);
+    if (moved>0 && past + share*moved>0) return 1;
+  }
+  return 0;
+}
