@@ -169,10 +169,10 @@ class BoundarySearch:
         outlines = self.placed.polygons(b)
         sides = OutlineSides(outlines, place)
         foot, side = sides.touched(self.at.radii[hull], self.reach)
-        beyond = np.flatnonzero(~sides.above[foot, side])
-        normals = outlines.normals[foot[beyond], side[beyond]]
+        ends = np.flatnonzero(~sides.inside[foot, side])
+        normals = outlines.normals[foot[ends], side[ends]]
         faces = np.ones(foot.size, dtype=bool)
-        faces[beyond] = self.corners.lowest(corner[foot[beyond]], normals, self.at)
+        faces[ends] = self.corners.lowest(corner[foot[ends]], normals, self.at)
         foot, side = foot[faces], side[faces]
         yield Feet(
             Touch.SIDE,

@@ -10,6 +10,8 @@ from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import Polygons
 
 ROUNDING = 1e-12
 """Extension of a side beyond its ends, by its length."""
+END = 1e-6
+"""Distance from the ends of a side at which a corner over it may pass an end, by its length [-]."""
 AHEAD = 0.7
 """Cosine of the angle to the normal of a side at which a corner beyond its end still faces it."""
 
@@ -59,6 +61,13 @@ class OutlineSides:
         """Sides between the ends of which a place is."""
         above: np.ndarray = self._beyond <= ROUNDING * self.length
         return above
+
+    @cached_property
+    def inside(self) -> np.ndarray:
+        """Sides above which a place is, and not at an end."""
+        least = np.minimum(self._along, self.length - self._along)
+        inside: np.ndarray = least >= END * self.length
+        return inside
 
     @cached_property
     def faced(self) -> np.ndarray:
