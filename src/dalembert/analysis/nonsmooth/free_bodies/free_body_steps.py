@@ -127,8 +127,7 @@ class FreeBodySteps(PathContacts):
         self._sizes[NUMBERED] = motion.shapes.numbered
         self._sizes[HULLS] = not motion.shapes.only_balls
         bodies = motion.first.size - 1
-        order = n, n, bodies + 1, 1
-        self._order = [np.zeros(size, dtype=np.int32) for size in order]
+        self._order = [np.zeros(size, dtype=np.int32) for size in (n, n, bodies + 1, 1)]
         self._order.append(np.full((bodies, widest), -1, dtype=np.int32))
         self._inverses = np.zeros(bodies * widest**2), np.full(self.inertia.size, np.nan)
         counts = {
@@ -154,7 +153,7 @@ class FreeBodySteps(PathContacts):
             STALLED: SHORT_STEPS,
             FEW: FEW_PROXIMAL,
         }
-        fixed = WIDTH, GROUPS, WIDEST, SIZE, DIMENSION
+        fixed = (WIDTH, GROUPS, WIDEST, SIZE, DIMENSION)
         constants = tuple((place, int(counts[place])) for place in fixed)
         self._code = machine_code(*FILES, constants=constants)
         self.counts = np.zeros(LAST, dtype=np.int64)

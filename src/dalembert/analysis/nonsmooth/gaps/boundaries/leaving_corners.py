@@ -45,6 +45,7 @@ class FollowingContacts:
         hulls = len(geometry.hulls)
         self._outline = np.array([numbers[id(shape)] for shape in geometry.shapes])
         self._outline[self._outline < hulls] = -1
+        self._is_polygon = np.diff(geometry.starts) > 1
         self._vertex, self._hull = np.full(hulls, -1), dict[tuple[int, int], int]()
         for k, outline in enumerate(self._outline[:hulls].tolist()):
             if outline >= 0:
@@ -59,6 +60,7 @@ class FollowingContacts:
         for k, (shape, side, hull) in enumerate(zip(*sides, hulls, strict=True)):
             outline = int(self._outline[hull])
             if outline < 0:
+                mask[:, k] = self._is_polygon[hull]
                 continue
             own, others = self._count(int(shape)), self._count(outline)
             vertex = int(self._vertex[hull])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
@@ -62,7 +64,13 @@ class OutlineCorners:
         return mask
 
     def touching(self, pairs: Pairs, at: Positions, evaluate: EvaluatePairs) -> Pairs:
-        """The pairs without those of corners that touch by their sides."""
+        """The pairs without those of corners that touch by their sides.
+
+        A corner behind a face whose normal is beyond those of its sides, as near the end of a face
+        that it has entered, touches the face of the same hull that is the least behind it.
+        """
+        if pairs.feature is Feature.FACE:
+            pairs = self._facing(pairs, at)
         selected = np.ones(pairs.first.size, dtype=bool)
         corners = self._is_corner
         for hulls, sign in ((pairs.first, 1.0), (pairs.second, -1.0)):
@@ -74,6 +82,33 @@ class OutlineCorners:
                 outside = np.maximum(*along) > tolerance
                 selected[rows] &= self.convex(hulls[rows], at) & ~outside
         return some_pairs(pairs, selected)
+
+    def _facing(self, pairs: Pairs, at: Positions) -> Pairs:
+        """The pairs with other faces of their hulls for corners within these that the faces do not
+        face."""
+        rows = np.flatnonzero(self._is_corner[pairs.second] & ~self._is_corner[pairs.first])
+        if not rows.size:
+            return pairs
+        hulls, corner = pairs.first[rows], pairs.second[rows]
+        polygons = self._geometry.polygons(hulls, at)
+        place = at.corners[self._geometry.starts[corner], :2]
+        between = place[:, None] - polygons.corners
+        tangents = polygons.normals[..., ::-1] * (-1.0, 1.0)
+        heights, along = ((between * axes).sum(axis=2) for axes in (polygons.normals, tangents))
+        number = np.arange(polygons.corners.shape[1])
+        after = (number + 1) % polygons.counts[:, None]
+        ends = np.take_along_axis(polygons.corners, after[..., None], axis=1) - polygons.corners
+        inside = (along >= 0) & (along <= (ends * tangents).sum(axis=2)) & polygons.has_edge
+        sides = self._sides(corner, at)
+        beyond = [-(polygons.normals * side[:, None]).sum(axis=2) for side in sides]
+        faced = np.maximum(*beyond) <= FLUSH
+        row = np.arange(rows.size)
+        other = np.where(inside & faced, heights, -np.inf).argmax(axis=1)
+        inner = np.where(polygons.has_edge, heights, -np.inf).max(axis=1) < 0
+        change = inner & ~faced[row, pairs.own[rows]] & (inside & faced)[row, other]
+        own = pairs.own.copy()
+        own[rows[change]] = other[change]
+        return replace(pairs, own=own)
 
     def lowest(self, corners: np.ndarray, normals: np.ndarray, at: Positions) -> np.ndarray:
         """Mask of corners of hulls below which, along normals (n, 2), no next corner is."""
