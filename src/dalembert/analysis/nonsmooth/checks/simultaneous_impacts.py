@@ -70,7 +70,8 @@ def simultaneous_impact_warnings(
     return [
         f"an impact closes the gap of {worst.gap:.3g} m of {worst.names} within the step at "
         f"t = {worst.t:.9g} s, and both count as one, as if these bodies touched: separate impacts "
-        f"may lead to another motion; use step={worst.gap / (2 * worst.speed):.1g} or shorter"
+        f"may lead to another motion; use step={worst.gap / (2 * worst.speed):.1g} or shorter, or "
+        "separate_impacts=True"
     ]
 
 
