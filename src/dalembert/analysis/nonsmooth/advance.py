@@ -42,7 +42,8 @@ def advance(
     """
     start = step.begin(t, h, y, v, before is None)
     near = step.near(step.at(t, y), AHEAD * h * np.column_stack([v, start.free]))
-    contacts = step.in_middle(start, _facing(step, start, near, before))
+    facing = _facing(step, start, near, before)
+    contacts = step.in_middle(start, facing)
     result = _advanced(step, start, contacts, before)
     for _ in range(PATHS if step.force_laws.elements else 0):
         if not result.impulses.accepted or not np.isfinite(result.y).all():
@@ -60,6 +61,8 @@ def advance(
     result = replace(result, returning=returning_gaps(start, near, result, step.rounding))
     if step.scheme.anticipates:
         return result
+    if facing is not near:  # bodies may pass through corners that leave their sides
+        contacts = step.in_middle(start, near)
     return replace(result, closing=closing_gaps(start, contacts, result, step.rounding))
 
 
