@@ -60,31 +60,29 @@ def reference():
     return np.array([x + vx * left, y + vy * left - G * left**2 / 2, angle + spin * left])
 
 
-def planar_box(system):
+def add_planar(system, box_kind, table_kind):
+    """A box and a table as a rectangle, a polygon or an outline."""
     start = {"position": (START, HEIGHT / 2), "velocity": (SPEED, 0)}
     box = system.add(planar.Body("box", mass=MASS, inertia=INERTIA, **start))
-    contact = planar.contact
-    shapes = [contact.Rectangle(box, (LENGTH, HEIGHT)), contact.Polygon(system.ground, SIDES)]
+    x, y = LENGTH / 2, HEIGHT / 2
+    corners = (LENGTH, HEIGHT)
+    if box_kind is not planar.contact.Rectangle:
+        corners = [(-x, -y), (x, -y), (x, y), (-x, y)]
+    shapes = [box_kind(box, corners), table_kind(system.ground, SIDES)]
     system.add(planar.Collisions("touch", shapes, friction=MU))
+
+
+def planar_box(system):
+    add_planar(system, planar.contact.Rectangle, planar.contact.Polygon)
 
 
 def outlined_box(system):
     """The corners of the table pass the ends of the sides of the box, not over these."""
-    start = {"position": (START, HEIGHT / 2), "velocity": (SPEED, 0)}
-    box = system.add(planar.Body("box", mass=MASS, inertia=INERTIA, **start))
-    x, y, contact = LENGTH / 2, HEIGHT / 2, planar.contact
-    shapes = [contact.Outline(box, [(-x, -y), (x, -y), (x, y), (-x, y)])]
-    shapes += [contact.Outline(system.ground, SIDES)]
-    system.add(planar.Collisions("touch", shapes, friction=MU))
+    add_planar(system, planar.contact.Outline, planar.contact.Outline)
 
 
 def box_on_outline(system):
-    """A rectangle over an outline."""
-    start = {"position": (START, HEIGHT / 2), "velocity": (SPEED, 0)}
-    box = system.add(planar.Body("box", mass=MASS, inertia=INERTIA, **start))
-    contact = planar.contact
-    shapes = [contact.Rectangle(box, (LENGTH, HEIGHT)), contact.Outline(system.ground, SIDES)]
-    system.add(planar.Collisions("touch", shapes, friction=MU))
+    add_planar(system, planar.contact.Rectangle, planar.contact.Outline)
 
 
 def spatial_box(system):

@@ -24,8 +24,8 @@ static casadi_real casadi_beyond(const int* form, const casadi_real* corners,
   return casadi_dot(outward, relative);
 }
 /* whether a sharp corner over a face is past the end of the face when the gap closes, if the bodies move
-   on as to the middle of the step, but for a quarter of a step; gaps that would close later than in
-   three steps or are at rest remain */
+   on as to the middle of the step, but for a share of a step; gaps that would close later than within
+   some steps or are at rest remain */
 static int casadi_leaves(const casadi_real** arg, const casadi_real** ahead, const int* contact,
     casadi_int dimension) {
   const int* place = (const int*) arg[38];
@@ -48,8 +48,8 @@ static int casadi_leaves(const casadi_real** arg, const casadi_real** ahead, con
   share = sqrt(casadi_dot(relative, relative));
   casadi_between(to + 3*point, there, relative);
   closing = 2*(height - casadi_dot(turned, relative));
-  if (!(height>0 && closing>1e-9*share && height<3*closing)) return 0;
-  share = height/closing + 0.25;
+  if (!(height>0 && closing>arg[37][26]*share && height<arg[37][25]*closing)) return 0;
+  share = height/closing + arg[37][24];
   for (j=0; j<count; ++j) {
     past = casadi_beyond(form, from, normal, contact[2], j, dimension, here);
     moved = 2*(casadi_beyond(form, to, turned, contact[2], j, dimension, there) - past);

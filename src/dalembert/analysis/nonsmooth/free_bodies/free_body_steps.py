@@ -19,6 +19,7 @@ from dalembert.analysis.nonsmooth.free_bodies.path_contacts import (
     contact_arrays,
 )
 from dalembert.analysis.nonsmooth.free_bodies.step_outcome import NUMBERS, PRESSED, StepOutcome
+from dalembert.analysis.nonsmooth.gaps.corners_over_faces import LIMITS
 from dalembert.analysis.nonsmooth.gaps.hulls.compiled_features import GEOMETRY
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
 from dalembert.analysis.nonsmooth.middle_directions import TURNS
@@ -103,13 +104,12 @@ class FreeBodySteps(PathContacts):
         self.ahead = list(map(np.zeros_like, geometry))
         limits = 0.0, step.solver.tolerance, step.rounding, -1.0, 0.0, step.least_travel
         self.limits = np.array([*limits, step.rounding, step.clearance, step.longest])
-        coefficients = motion.laws(step.p)
         used = [0, 1, *range(FIRST, FIRST + len(step.groups))]
         self._radii = motion.radii(step.p)
-        self._laws = np.ascontiguousarray(coefficients[used].T)
+        self._laws = np.ascontiguousarray(motion.laws(step.p)[used].T)
         self._settings = np.array([0.0, BLOCK_REGULARIZATION, OVERSHOOT])
         shares = 2 * AHEAD, CLOSING, SLOW, ROUNDING, JAMMED, SLOWEST, TURNS
-        self._shares = np.array([*SOLUTION_SHARES, *shares])
+        self._shares = np.array([*SOLUTION_SHARES, *shares, *LIMITS])
         self._groups = np.cumsum([1, *step.groups]).astype(np.int32)
         self._loop: Loop | None = None
         self._pressed, self._kept = np.zeros(0, np.int64), np.zeros(0, np.int32)
