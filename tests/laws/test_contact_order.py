@@ -64,7 +64,7 @@ def lean(inertia: float, time: float) -> float:
 @pytest.mark.parametrize(("build", "inertia"), [(rolling_disc, 0.5), (rolling_ball, 0.4)])
 def test_bodies_roll_with_second_order(build, inertia, scheme, compiled, monkeypatch):
     if not compiled:
-        monkeypatch.setattr(FreeBodyMarch, "of", lambda step: None)
+        monkeypatch.setattr(FreeBodyMarch, "of", lambda *arguments: None)
     model, time, errors = build(), 0.56, []
     exact = (LOWER + UPPER) * np.sin(lean(inertia, time))
     for step in (8e-3, 4e-3):
@@ -102,7 +102,7 @@ def turned(time: float) -> float:
 @pytest.mark.parametrize("compiled", [True, False])
 def test_a_box_turns_over_its_corner_with_second_order(compiled, monkeypatch):
     if not compiled:
-        monkeypatch.setattr(FreeBodyMarch, "of", lambda step: None)
+        monkeypatch.setattr(FreeBodyMarch, "of", lambda *arguments: None)
     model, time = tipped_box(), 0.56
     errors = [
         abs(-da.solve_nonsmooth(model, time, step=step).values("box.angle")[-1] - turned(time))
@@ -244,7 +244,7 @@ def test_chaplygins_ball_rolls_with_second_order(scheme, compiled, monkeypatch):
     """Gyroscopic moments are those of the mean speeds, and conserve the energy; friction of
     ``MoreauJean`` exchanges some."""
     if not compiled:
-        monkeypatch.setattr(FreeBodyMarch, "of", lambda step: None)
+        monkeypatch.setattr(FreeBodyMarch, "of", lambda *arguments: None)
     model, time, errors = chaplygin_ball(), 1.6, []
     exchanged = 1e-11 if scheme.anticipates else 1e-6
     for step in (8e-3, 4e-3):

@@ -26,7 +26,7 @@ def failing(request, monkeypatch):
         return original(self, t, h, result, log)
 
     monkeypatch.setattr(NonsmoothRun, "failure", failure)
-    monkeypatch.setattr(FreeBodyMarch, "of", lambda step: None)
+    monkeypatch.setattr(FreeBodyMarch, "of", lambda *arguments: None)
     return request.param
 
 
@@ -125,7 +125,7 @@ def test_the_least_step_that_fails_is_named(monkeypatch):
         return Status(Outcome.NOT_CONVERGED, text, t, 1.0) if t > 2 * STEP else result
 
     monkeypatch.setattr(NonsmoothRun, "failure", failure)
-    monkeypatch.setattr(FreeBodyMarch, "of", lambda step: None)
+    monkeypatch.setattr(FreeBodyMarch, "of", lambda *arguments: None)
     motion = da.solve_nonsmooth(bouncing(), 0.1, step=STEP)
     assert motion.status.outcome is Outcome.NOT_CONVERGED
     assert f"{STEP / 64:.3g} s" in str(motion.status)

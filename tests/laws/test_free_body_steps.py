@@ -138,7 +138,7 @@ def both_ways(model: da.Model, monkeypatch, **options):
     """Runs in machine code and by general steps."""
     compiled = da.solve_nonsmooth(model, **options)
     with monkeypatch.context() as patch:
-        patch.setattr(FreeBodyMarch, "of", lambda step: None)
+        patch.setattr(FreeBodyMarch, "of", lambda *arguments: None)
         general = da.solve_nonsmooth(model, **options)
     return compiled, general
 
@@ -173,7 +173,7 @@ def test_steps_of_hulls_are_the_general_steps(scene, seed, monkeypatch):
     monkeypatch.setattr(nonsmooth_run, "advance", counted)
     compiled = da.solve_nonsmooth(model, 0.12, step=1e-3)
     assert len(calls) < 5
-    monkeypatch.setattr(FreeBodyMarch, "of", lambda step: None)
+    monkeypatch.setattr(FreeBodyMarch, "of", lambda *arguments: None)
     compare(compiled, da.solve_nonsmooth(model, 0.12, step=1e-3))
 
 
@@ -227,7 +227,7 @@ def test_edges_that_were_closed_before_need_no_general_step(seed, steps, monkeyp
     assert set(calls) <= {0.0, compiled.record.t[-2], *unsolved} and len(unsolved) <= 1
     assert compiled.statistics["maximum penetration [m]"] <= 1e-9 * 0.1
     assert compiled.record.loss.min() >= -1e-10 * 10.0  # their energy is some joules
-    monkeypatch.setattr(FreeBodyMarch, "of", lambda step: None)
+    monkeypatch.setattr(FreeBodyMarch, "of", lambda *arguments: None)
     compare(compiled, da.solve_nonsmooth(model, 4e-3 * steps, step=4e-3), pressing=2)
 
 
@@ -338,7 +338,7 @@ def test_steps_that_close_gaps_are_repeated_by_the_general_step(monkeypatch):
     monkeypatch.setattr(nonsmooth_run, "advance", counted)
     compiled = da.solve_nonsmooth(model, 0.3, step=1e-3)
     repeated = len(calls)
-    monkeypatch.setattr(FreeBodyMarch, "of", lambda step: None)
+    monkeypatch.setattr(FreeBodyMarch, "of", lambda *arguments: None)
     general = da.solve_nonsmooth(model, 0.3, step=1e-3)
     assert 1 < repeated < 300 and len(calls) == repeated + 300
     for name, tolerance in AGREEMENT.items():

@@ -200,7 +200,7 @@ def test_a_body_on_others_that_would_fall_with_it_rests_on_them(compiled, monkey
     """A plate falls on a column of two discs: forces do not change their relative speeds, and those
     of rounding are no impacts."""
     if not compiled:
-        monkeypatch.setattr(FreeBodyMarch, "of", lambda step: None)
+        monkeypatch.setattr(FreeBodyMarch, "of", lambda *arguments: None)
     system, shapes = da.System("column", gravity=(0, -9.81)), planar.contact
     radius, side = 0.1, 0.2
     sides = [shapes.HalfPlane(system.ground.center)]

@@ -55,6 +55,8 @@ class NonsmoothKeywords(OverTimeKeywords, total=False):
     solver: ContactSolver
     balance: float
     separate_impacts: bool
+    sleep_after: float | None
+    sleep_speed: float
 
 
 class EquilibriumKeywords(TypedDict, total=False):

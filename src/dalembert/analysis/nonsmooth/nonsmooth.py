@@ -41,6 +41,10 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
         run still counts as completed
     separate_impacts : whether steps are divided where impacts on connected bodies follow each other
         within one step, which would otherwise count as one
+    sleep_after : time at rest after which free bodies that press on each other take no part in the
+        steps, until another body presses on them or their forces change [s]; None: never. No
+        gradients
+    sleep_speed : upper limit of the speeds of bodies at rest [m/s]
 
     Examples
     --------
@@ -67,6 +71,8 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
     solver: ContactSolver = field(default_factory=ContactSolver)
     balance: float = 0.25
     separate_impacts: bool = False
+    sleep_after: float | None = None
+    sleep_speed: float = 1e-3
 
     def __post_init__(self) -> None:
         if not isinstance(self.integrator, ContactScheme):
@@ -76,6 +82,7 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
         if not isinstance(self.solver, ContactSolver):
             raise AnalysisError(f"solver is {self.solver!r}; give ContactSolver()")
         check_balance(self.balance)
+        check_sleep(self)
 
     def resample(self, motion: NonsmoothMotion, times: np.ndarray) -> NonsmoothMotion:
         """The motion at other times within the run, linear within steps.
@@ -91,6 +98,17 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
     def contact_forces(self, motion: NonsmoothMotion, row: int) -> ContactForces:
         """Positions and mean forces of the contacts of the step at an output."""
         return contact_forces(motion, row)
+
+
+def check_sleep(analysis: Nonsmooth) -> None:
+    """Raise unless the options of sleeping bodies are positive and their steps allow it."""
+    if analysis.sleep_after is None:
+        return
+    for name in ("sleep_after", "sleep_speed"):
+        if not getattr(analysis, name) > 0:
+            raise AnalysisError(f"{name} is {getattr(analysis, name)!r}; give a positive number")
+    if analysis.separate_impacts:
+        raise AnalysisError("sleep_after and separate_impacts exclude each other; leave out one")
 
 
 @check_arguments

@@ -24,6 +24,7 @@ from dalembert.analysis.nonsmooth.checks.run_accuracy import RunAccuracy
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import ConsistentSpeeds, correct_position
 from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
+from dalembert.analysis.nonsmooth.free_bodies.sleeping_bodies import SleepRule
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.separate_impacts import ImpactSequence
 from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
@@ -151,8 +152,9 @@ class NonsmoothRun:
         result, last, k = None, None, 0
         if self.step.smooth.coupling.orderings is not None:
             self.step.smooth.coupling.orderings.forget()
-        balls = FreeBodyMarch.of(self.step)
+        balls = FreeBodyMarch.of(self.step, SleepRule.of(self.analysis))
         sequence = ImpactSequence(self.step) if self.analysis.separate_impacts else None
+        self.sleeping = balls.sleeping if balls else None
         try:
             while k < grid.size - 1:
                 if balls is not None and last is not None:
@@ -176,9 +178,7 @@ class NonsmoothRun:
                     if not position.accepted:
                         failure = self.not_corrected(t, h, str(position), position.residual)
                     elif self.is_far(t + h, log.y, result.y, position.x):
-                        far = (
-                            "the nearest such position is farther away than the motion of the step"
-                        )
+                        far = "the nearest such position is farther than the motion of the step"
                         failure = self.not_corrected(t, h, far, position.residual)
                 if failure is not None:
                     divided = self.divided(grid, k)
@@ -294,9 +294,10 @@ class NonsmoothRun:
 
     def statistics(self, record: ContactRecord, log: StepLog, elapsed: float) -> dict[str, Any]:
         count = max(record.loss.size, 1)
-        key = "initial overlaps removed"
-        overlaps = {key: self.closed_gaps} if self.closed_gaps else {}
-        return overlaps | {
+        own = {"initial overlaps removed": self.closed_gaps} if self.closed_gaps else {}
+        if self.sleeping and self.analysis.sleep_after is not None:
+            own["bodies that sleep, on average"] = round(self.sleeping.count / count, 3)
+        return own | {
             "integrator": type(self.analysis.integrator).__name__,
             "steps": record.loss.size,
             "divisions of steps": self.divisions,

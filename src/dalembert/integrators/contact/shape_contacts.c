@@ -281,6 +281,7 @@ static casadi_real casadi_contacts(const casadi_real** arg, casadi_real** res, c
   const casadi_int* sizes = (const casadi_int*) arg[47];
   const casadi_int* keys = (const casadi_int*) arg[43];
   const casadi_int* on_path = (const casadi_int*) arg[54];
+  const int* body = (const int*) arg[29];
   casadi_int e, i, j, k;
   casadi_real deepest = 0, gap, direction[9], point[3];
   int contact[6];
@@ -291,6 +292,7 @@ static casadi_real casadi_contacts(const casadi_real** arg, casadi_real** res, c
   for (e=0; e<iw[17]; ++e) {
     i = ((const int*) arg[31])[e];
     j = ((const int*) arg[32])[e];
+    if (body[i]<0 && body[j]<0) continue;
     if (i>=iw[15]) {
       gap = casadi_wall_contacts(arg, res, iw, e, i, j, reach);
     } else if (place[5*i+4]<0 || place[5*j+4]<0) {

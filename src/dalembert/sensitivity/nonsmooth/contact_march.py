@@ -144,7 +144,21 @@ class ContactDirect(ContactPass, ForwardWalk[np.ndarray]):
 
 
 class ContactEngine(Engine):
-    """Gradient engine of ``solve_nonsmooth``."""
+    """Gradient engine of ``solve_nonsmooth``.
+
+    Raises
+    ------
+    UnsupportedError
+        Bodies may have slept in the run.
+    """
+
+    def __init__(self, samples: Sequence[Sample]):
+        super().__init__(samples)
+        if samples[0].motion.analysis.sleep_after is not None:
+            raise UnsupportedError(
+                "the run has sleep_after: bodies that sleep do not follow their equations of "
+                "motion, so that there are no gradients; leave it out"
+            )
 
     def direct(self, columns: Sequence[int]) -> np.ndarray:
         return ContactDirect(self.samples, columns).gradient()

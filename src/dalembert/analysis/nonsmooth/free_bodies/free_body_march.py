@@ -12,29 +12,23 @@ from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import (
     FreeBodyMotion,
     free_body_motion,
 )
-from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import (
-    CHUNK,
-    PRESSING,
-    STEPS,
-    FreeBodySteps,
-)
+from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import CHUNK, FreeBodySteps
 from dalembert.analysis.nonsmooth.free_bodies.path_repeats import PathRepeats
-from dalembert.analysis.nonsmooth.free_bodies.step_outcome import (
-    DEPTH,
-    FRICTION,
-    LOSS,
-    PRESSED,
-    RESIDUAL,
-    ROUNDS_OF,
-    StepOutcome,
+from dalembert.analysis.nonsmooth.free_bodies.recorded_contacts import PRESSING, STEPS
+from dalembert.analysis.nonsmooth.free_bodies.sleeping_bodies import (
+    NO_SLEEP,
+    SleepingBodies,
+    SleepRule,
 )
+from dalembert.analysis.nonsmooth.free_bodies.step_outcome import DEPTH, StepOutcome
 from dalembert.analysis.nonsmooth.gyroscopic import turn_error
-from dalembert.analysis.nonsmooth.step_log import StepEntries, StepLog
+from dalembert.analysis.nonsmooth.step_log import StepLog
 from dalembert.analysis.nonsmooth.step_state import (
     PATH_CHANGE,
     LastImpulses,
     convergence_rate,
 )
+from dalembert.errors import UnsupportedError
 from dalembert.symbolic.evaluation.fixed_call import FixedCalls
 
 REPORTED = 16
@@ -52,10 +46,22 @@ class FreeBodyMarch:
     step : ContactStep
     motion : functions of the step
     steps : arrays and machine code of a step
+    rule : when bodies sleep; None: never
+
+    Attributes
+    ----------
+    sleeping : SleepingBodies
     """
 
-    def __init__(self, step: ContactStep, motion: FreeBodyMotion, steps: FreeBodySteps):
+    def __init__(
+        self,
+        step: ContactStep,
+        motion: FreeBodyMotion,
+        steps: FreeBodySteps,
+        rule: SleepRule | None = None,
+    ):
         self._step, self._motion, self._steps = step, motion, steps
+        self.sleeping = SleepingBodies(rule, motion, steps)
         self._t, self._h = np.zeros(1), np.zeros(1)
         self._y = np.zeros(step.model.equations.coordinate_count)
         self._next, self._still = np.zeros_like(self._y), np.zeros_like(steps.v)
@@ -85,13 +91,21 @@ class FreeBodyMarch:
         self._inexact: dict[int, float] = {}
 
     @classmethod
-    def of(cls, step: ContactStep) -> FreeBodyMarch | None:
-        """The loop, if the steps run in machine code."""
+    def of(cls, step: ContactStep, rule: SleepRule | None = None) -> FreeBodyMarch | None:
+        """The loop, if the steps run in machine code.
+
+        Raises
+        ------
+        UnsupportedError
+            They do not, and bodies are to sleep.
+        """
         motion = free_body_motion(step)
-        if motion is None:
-            return None
-        steps = FreeBodySteps(step, motion)
-        return cls(step, motion, steps) if steps.available else None
+        steps = None if motion is None else FreeBodySteps(step, motion)
+        if motion is not None and steps is not None and steps.available:
+            return cls(step, motion, steps, rule)
+        if rule is not None:
+            raise UnsupportedError(NO_SLEEP)
+        return None
 
     def march(
         self,
@@ -127,6 +141,7 @@ class FreeBodyMarch:
                 if not self._move():
                     break
                 self._y[:] = self._next
+                self.sleeping.sleep(float(grid[k + 1] - grid[k]))
                 self._look_ahead(grid, k + 1)
                 self._ys[k - begin], self._vs[k - begin] = self._y, steps.v
                 k += 1
@@ -171,6 +186,7 @@ class FreeBodyMarch:
         steps, repeats, row = self._steps, self._repeats, k - 1 - begin
         repeats.begin(k)
         steps.remove_last()
+        self.sleeping.restore()
         self._curved.pop(k, None)
         if repeats.count > REPETITIONS:
             return False
@@ -209,12 +225,30 @@ class FreeBodyMarch:
         self._place()
         steps.arms[:] = self._motion.shapes.arms(steps.corners, steps.references)
         steps.warm(*self._last.pressing)
+        self.sleeping.begin(steps.v)
 
     def _attempt(self) -> StepOutcome:
+        """The step, repeated where it wakes bodies that sleep."""
+        steps, before = self._steps, self._steps.v.copy()
+        outcome = self._turned_step()
+        while outcome is StepOutcome.DONE and self.sleeping.wakes():
+            steps.remove_last()
+            steps.v[:] = before
+            outcome = StepOutcome.UNSOLVED if steps.on_path else self._turned_step()
+        if outcome is StepOutcome.DONE:
+            self.sleeping.record()
+        return outcome
+
+    def _applied(self) -> bool:
+        """Whether the forces of the step, without those on sleeping bodies, are finite."""
+        finite = self._forces()
+        return finite and not (self.sleeping.hold() and self._steps.on_path)
+
+    def _turned_step(self) -> StepOutcome:
         """The step, repeated with the mean speeds of its solution in the gyroscopic forces."""
         steps, before, last = self._steps, self._steps.v.copy(), np.inf
         rows, scales = self._step.smooth.turning, self._step.model.scales.displacements
-        outcome = steps() if self._forces() else StepOutcome.UNSOLVED
+        outcome = steps() if self._applied() else StepOutcome.UNSOLVED
         for _ in range(PATHS if rows.size else 0):
             if outcome is not StepOutcome.DONE:
                 break
@@ -239,41 +273,14 @@ class FreeBodyMarch:
         if count <= 0:
             return begin
         end = begin + count
-        numbers = steps.numbers[:count].copy()
-        contacts = int(numbers[:, PRESSED].sum())
-        keys, impulses, offsets, kept = steps.pressing(contacts)
-        owner = np.repeat(np.arange(count), numbers[:, PRESSED].astype(int))
-        order = np.lexsort((keys, owner))
-        keys, impulses, offsets = keys[order], impulses[order], offsets[order]
-        kept = kept[order] > 0
+        curved = {k - 1 - begin: self._curved.pop(k) for k in [*self._curved] if begin < k <= end}
+        part = steps.entries(count, self._step.longest, curved)
         y, v = self._ys[:count].copy(), self._vs[:count].copy()
         depth = self._step.deepest(self._step.at(grid[end], y[-1]))
-        none, zero = np.zeros(contacts, dtype=int), np.zeros(contacts)
-        curved = np.zeros(contacts, dtype=bool)
-        for k in [k for k in self._curved if begin < k <= end]:
-            curved |= (owner == k - 1 - begin) & np.isin(keys, self._curved.pop(k))
-        part = StepEntries(
-            multiplier=np.zeros((0, count)),
-            count=numbers[:, PRESSED].astype(int),
-            owner=none,
-            key=keys,
-            impulse=impulses,
-            offset=offsets,
-            curved=curved,
-            kept=kept,
-            longest=np.full(count, self._step.longest),
-            loss=numbers[:, LOSS],
-            friction=numbers[:, FRICTION],
-            work=zero,
-            fraction=zero,
-            residual=numbers[:, RESIDUAL],
-            rounds=numbers[:, ROUNDS_OF].astype(int),
-            converged=np.ones(count, dtype=bool),
-        )
-        depths = np.abs(np.append(numbers[1:, DEPTH], depth))
+        depths = np.abs(np.append(steps.numbers[1:count, DEPTH], depth))
         log.extend(grid[begin + 1 : end + 1], y, v, depths, part)
-        own = slice(contacts - int(numbers[-1, PRESSED]), contacts)
-        self._last = LastImpulses((keys[own], impulses[own]), keys[:0])
+        own, contacts = slice(-int(part.count[-1]) or part.key.size, None), part.key.size
+        self._last = LastImpulses((part.key[own], part.impulse[own]), part.key[:0])
         rest = int(steps.counts[STEPS]) - count
         self._ys[:rest], self._vs[:rest] = self._ys[count:][:rest], self._vs[count:][:rest]
         steps.forget(count, contacts)

@@ -15,10 +15,14 @@ from dalembert.analysis.nonsmooth.free_bodies.path_contacts import (
     OFFSET,
     SIZES,
     STEP,
-    PathContacts,
     contact_arrays,
 )
-from dalembert.analysis.nonsmooth.free_bodies.step_outcome import NUMBERS, PRESSED, StepOutcome
+from dalembert.analysis.nonsmooth.free_bodies.recorded_contacts import (
+    PRESSING,
+    RECORDED,
+    RecordedContacts,
+)
+from dalembert.analysis.nonsmooth.free_bodies.step_outcome import NUMBERS, StepOutcome
 from dalembert.analysis.nonsmooth.gaps.corners_over_faces import LIMITS
 from dalembert.analysis.nonsmooth.gaps.hulls.compiled_features import GEOMETRY
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
@@ -61,16 +65,17 @@ GROWTH = 1.5
 """Ratio of new memory for pairs or contacts to the number that first exceeded it [-]."""
 WIDTH, GROUPS, SPEEDS, ENTRIES, UNKNOWNS, OUTCOME, WIDEST, BLOCKS, SIZE = range(1, 10)
 ITERATIONS, MERITS, JUMPING, WORK, SHAPES, BALLS, BODIES, PAIRS, DIMENSION = range(10, 19)
-CONTACTS, STEPS, PRESSING, RECORDED, INERTIA, PROXIMAL, REPEATS = range(19, 26)
+CONTACTS = 19
+INERTIA, PROXIMAL, REPEATS = range(23, 26)
 CENTRAL, POLISH, STALLED, FEW, LAST = range(26, 31)
 """Places among the counts of the loop, and their number."""
-LAST_IMPULSES, NUMBERED, SLOTS, HULLS = 0, 2, 4, 5
+NUMBERED, SLOTS, HULLS = 2, 4, 5
 """Places among the sizes of the shapes."""
 RENEWALS = 4
 """Upper limit of the repetitions of a call with other lists and orders."""
 
 
-class FreeBodySteps(PathContacts):
+class FreeBodySteps(RecordedContacts):
     """Arrays of the machine code, and its calls.
 
     Parameters
@@ -105,7 +110,7 @@ class FreeBodySteps(PathContacts):
         limits = 0.0, step.solver.tolerance, step.rounding, -1.0, 0.0, step.least_travel
         self.limits = np.array([*limits, step.rounding, step.clearance, step.longest])
         used = [0, 1, *range(FIRST, FIRST + len(step.groups))]
-        self._radii = motion.radii(step.p)
+        self.radii, self.body, self._reserved = motion.radii(step.p), motion.body.copy(), 0
         self._laws = np.ascontiguousarray(motion.laws(step.p)[used].T)
         self._settings = np.array([0.0, BLOCK_REGULARIZATION, OVERSHOOT])
         shares = 2 * AHEAD, CLOSING, SLOW, ROUNDING, JAMMED, SLOWEST, TURNS
@@ -194,40 +199,9 @@ class FreeBodySteps(PathContacts):
         self._sizes[CALL] = STEP
         return outcome
 
-    def warm(self, keys: np.ndarray, impulses: np.ndarray) -> None:
-        """Initial impulses of contacts with some keys, zero for others."""
-        count = keys.size
-        if count > self._last[0].size:
-            self._reserve(count)
-        self._last[0][:count], self._last[1][:count] = keys, impulses
-        self._sizes[LAST_IMPULSES] = count
-
-    def pressing(self, count: int) -> list[np.ndarray]:
-        """Keys, impulses and offsets of the first recorded contacts, and the mask of those with the
-        directions at the start of their steps."""
-        return [array[:count].copy() for array in self._recorded]
-
-    @property
-    def _recorded(self) -> tuple[np.ndarray, ...]:
-        return self._pressed, self._impulses, self._offsets, self._kept
-
-    def forget(self, steps: int, contacts: int) -> None:
-        """Remove the first steps, and their contacts, from the record."""
-        done, pressing = self.counts[STEPS], self.counts[PRESSING]
-        self.numbers[: done - steps] = self.numbers[steps:done].copy()
-        for array in self._recorded:
-            array[: pressing - contacts] = array[contacts:pressing].copy()
-        self.counts[STEPS] -= steps
-        self.counts[PRESSING] -= contacts
-
-    def remove_last(self) -> None:
-        """Remove the last step from the record."""
-        self.counts[STEPS] -= 1
-        self.counts[PRESSING] -= int(self.numbers[self.counts[STEPS], PRESSED])
-
     def _renew_list(self, reach: float) -> None:
         """Pairs within reach and a margin."""
-        centers, radii = self._shapes.sizes(self.corners, self._radii)
+        centers, radii = self._shapes.sizes(self.corners, self.radii)
         near = self._neighbours.listed(centers, self.normals.copy(), radii, reach)
         pairs, laws = self._shapes.touching(near)
         self.renumber(pairs)
@@ -242,7 +216,7 @@ class FreeBodySteps(PathContacts):
     def _renew_order(self) -> None:
         """Order of elimination for the contacts of the step."""
         pairs = self._pair_of[: self.counts[COUNT]]
-        bodies = self._motion.body[self._pairs[:2, pairs]]
+        bodies = self.body[self._pairs[:2, pairs]]
         order = self._motion.orderings.between(*bodies[:, (bodies >= 0).all(axis=0)])
         parts = order.owner, order.position, order.first, order.row, order.members
         rows = self._order[3]
@@ -253,6 +227,14 @@ class FreeBodySteps(PathContacts):
         for array, part in zip(self._order, parts, strict=True):
             array.ravel()[: part.size] = part.ravel()
         self.counts[ENTRIES] = order.entries
+
+    def reserve_record(self, contacts: int) -> None:
+        """Room in the record for a number of contacts that are appended after each step."""
+        self._reserved = contacts
+        if self._pressed.size < RECORDS + 16 * contacts:
+            self._allocate(self._pairs.shape[1], self._contacts, self._entries)
+        else:
+            self.counts[RECORDED] = self._pressed.size - contacts
 
     def _reserve(self, contacts: int) -> None:
         self._allocate(self._pairs.shape[1], int(GROWTH * contacts), self._entries)
@@ -277,18 +259,18 @@ class FreeBodySteps(PathContacts):
         path, before = contact_arrays(contacts), contact_arrays(contacts)[:2]
         for own, old_part in zip((*path, *before), (*self._path, *self._before), strict=True):
             own[: old_part.shape[0]] = old_part
-        records = max(RECORDS, 4 * contacts)
+        records = max(RECORDS + 32 * self._reserved, 4 * contacts, self._pressed.size)
         recorded = np.zeros(records, np.int64), *np.zeros((2, records, k)), whole(records)
         used = self.counts[PRESSING]
         for own, old_part in zip(recorded, self._recorded, strict=True):
             own[:used] = old_part[:used]
         self._pressed, self._impulses, self._offsets, self._kept = recorded
         row, column = whole(rows + 1), whole(pattern)
-        motion, bodies = self._motion, (self._motion.body, self._motion.first)
+        motion, bodies = self._motion, (self.body, self._motion.first)
         inputs = [real(pattern), real(pattern), real(rows), real(contacts * groups), real(contacts)]
         inputs += [real(rows), real(rows), real(rows), self._settings, row, column, row, column]
         inputs += [self._groups, self.inertia, motion.starts, motion.columns, *self._order]
-        inputs += [self.v, self.force, self.references, self.normals, self._radii, self.velocities]
+        inputs += [self.v, self.force, self.references, self.normals, self.radii, self.velocities]
         inputs += [self._laws, *bodies, *self._pairs, *self._old, self.limits, self._shares]
         shapes, slots = self._shapes, 2 * contacts + 1
         inputs += [shapes.places, shapes.records, self.corners, real(3 * shapes.axes)]
@@ -300,7 +282,8 @@ class FreeBodySteps(PathContacts):
         inputs += [*before, *self.ahead, real(3 * shapes.axes)]
         self._sizes[SLOTS] = slots
         self._status, self._pair_of = real(4), whole(contacts)
-        outputs = [real(rows), real(entries), real(n), real(rows), real(rows * k)]
+        self._solved = real(rows)
+        outputs = [self._solved, real(entries), real(n), real(rows), real(rows * k)]
         outputs += [real(rows) for _ in range(5)]
         outputs += [real(n), self._status, real(entries), real(n), whole(contacts + 1)]
         outputs += [whole(contacts * 2 * widest), whole(pattern), whole(contacts)]
@@ -313,7 +296,7 @@ class FreeBodySteps(PathContacts):
         blocks, size = self.counts[[BLOCKS, SIZE]]
         work = 12 * k**2 + 3 * k * (k + 1) + 2 * k + 4 * k * widest + (2 * widest) ** 2
         work = int(max(work, blocks * size + size**2))
-        self.counts[[WORK, CONTACTS, RECORDED]] = work, contacts, records
+        self.counts[[WORK, CONTACTS, RECORDED]] = work, contacts, records - self._reserved
         assert self._code is not None
         memory = work + rows + MEMORY + contacts + 2 + entries
         self._loop = Loop(self._code, inputs, outputs, list(self.counts), memory)

@@ -30,6 +30,7 @@ class PathContacts(ABC):
     """
 
     counts: np.ndarray
+    body: np.ndarray
     limits: np.ndarray
     width: int
     _motion: FreeBodyMotion
@@ -133,12 +134,17 @@ class PathContacts(ABC):
 
     def shift_path_gaps(self, gaps: np.ndarray, displacement: np.ndarray) -> None:
         """Distances at the start by which gaps at the end are linear in the displacement."""
-        first, body, widest = self._motion.first, self._motion.body, 2 * self._motion.widest
+        first, body, widest = self._motion.first, self.body, 2 * self._motion.widest
         means = self._means.reshape(-1, self.width, widest)[:, 0]
         for k, gap in enumerate(gaps):
             bodies = [b for b in body[self._path[1][k, [1, 3]]] if b >= 0]
             own = np.concatenate([np.arange(first[b], first[b + 1]) for b in bodies])
             self._path[2][k] = gap - means[k, : own.size] @ displacement[own]
+
+    @property
+    def on_path(self) -> bool:
+        """Whether contacts have means over a path."""
+        return bool(self._sizes[PATH])
 
     def leave_path(self) -> None:
         """No means over a path in the following steps."""

@@ -1,0 +1,136 @@
+"""Record of the pressing contacts of steps in machine code, and initial impulses of the next."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from dalembert.analysis.nonsmooth.free_bodies.path_contacts import COUNT, PathContacts
+from dalembert.analysis.nonsmooth.free_bodies.step_outcome import (
+    FRICTION,
+    LOSS,
+    PRESSED,
+    RESIDUAL,
+    ROUNDS_OF,
+)
+from dalembert.analysis.nonsmooth.step_log import StepEntries
+
+LAST_IMPULSES = 0
+"""Place of the number of initial impulses among the sizes of the shapes."""
+STEPS, PRESSING, RECORDED = range(20, 23)
+"""Places among the counts of the loop: recorded steps, recorded contacts, and their upper limit."""
+
+
+class RecordedContacts(PathContacts):
+    """Steps with a record of their pressing contacts: keys, impulses, offsets.
+
+    A subclass allocates the arrays.
+    """
+
+    numbers: np.ndarray
+    _last: tuple[np.ndarray, np.ndarray]
+    _solved: np.ndarray
+    _pairs: np.ndarray
+    _pair_of: np.ndarray
+    _pressed: np.ndarray
+    _impulses: np.ndarray
+    _offsets: np.ndarray
+    _kept: np.ndarray
+
+    def warm(self, keys: np.ndarray, impulses: np.ndarray) -> None:
+        """Initial impulses of contacts with some keys, zero for others."""
+        count = keys.size
+        if count > self._last[0].size:
+            self._reserve(count)
+        self._last[0][:count], self._last[1][:count] = keys, impulses
+        self._sizes[LAST_IMPULSES] = count
+
+    def warm_more(self, keys: np.ndarray, impulses: np.ndarray) -> None:
+        """Initial impulses of more contacts."""
+        count = self._sizes[LAST_IMPULSES]
+        others = ~np.isin(self._last[0][:count], keys)
+        known = [part[:count][others] for part in self._last]
+        self.warm(np.concatenate([known[0], keys]), np.concatenate([known[1], impulses]))
+
+    def pressing_shapes(self) -> np.ndarray:
+        """(2, n) shapes of the pressing contacts of the last step."""
+        count = int(self.counts[COUNT])
+        pressing = self._solved[: count * self.width : self.width] > 0
+        return np.asarray(self._pairs[:2, self._pair_of[:count][pressing]])
+
+    def near_shapes(self, reach: float) -> np.ndarray:
+        """(2, n) shapes of the contacts of the last step that pressed or were within reach [m]."""
+        count = int(self.counts[COUNT])
+        near = self._solved[: count * self.width : self.width] > 0
+        near |= self._gaps[:count] <= reach
+        return np.asarray(self._pairs[:2, self._pair_of[:count][near]])
+
+    def last_recorded(self) -> list[np.ndarray]:
+        """Keys, impulses and offsets of the pressing contacts of the last step."""
+        end, count = int(self.counts[PRESSING]), self.pressing_shapes().shape[1]
+        begin = end - int(self.numbers[self.counts[STEPS] - 1, PRESSED])
+        return [array[begin : begin + count].copy() for array in self._recorded[:3]]
+
+    def append(self, keys: np.ndarray, impulses: np.ndarray, offsets: np.ndarray) -> None:
+        """Append contacts to the record of the last step."""
+        own = slice(int(self.counts[PRESSING]), int(self.counts[PRESSING]) + keys.size)
+        kept = np.zeros(keys.size, dtype=np.int32)
+        for array, part in zip(self._recorded, (keys, impulses, offsets, kept), strict=True):
+            array[own] = part
+        self.counts[PRESSING] += keys.size
+        self.numbers[self.counts[STEPS] - 1, PRESSED] += keys.size
+
+    def entries(self, steps: int, longest: float, curved: Mapping[int, np.ndarray]) -> StepEntries:
+        """The first recorded steps, with their contacts in the order of the keys.
+
+        Parameters
+        ----------
+        longest : longest step that might follow [s]
+        curved : keys of contacts with means over the path, by the number of the step
+        """
+        numbers = self.numbers[:steps].copy()
+        count = numbers[:, PRESSED].astype(int)
+        keys, impulses, offsets, kept = (array[: count.sum()] for array in self._recorded)
+        owner = np.repeat(np.arange(steps), count)
+        order = np.lexsort((keys, owner))
+        keys, zero = keys[order], np.zeros(keys.size)
+        means = np.zeros(keys.size, dtype=bool)
+        for step, own in curved.items():
+            means |= (owner == step) & np.isin(keys, own)
+        return StepEntries(
+            multiplier=np.zeros((0, steps)),
+            count=count,
+            owner=np.zeros(keys.size, dtype=int),
+            key=keys,
+            impulse=impulses[order],
+            offset=offsets[order],
+            curved=means,
+            kept=kept[order] > 0,
+            longest=np.full(steps, longest),
+            loss=numbers[:, LOSS],
+            friction=numbers[:, FRICTION],
+            work=zero,
+            fraction=zero,
+            residual=numbers[:, RESIDUAL],
+            rounds=numbers[:, ROUNDS_OF].astype(int),
+            converged=np.ones(steps, dtype=bool),
+        )
+
+    @property
+    def _recorded(self) -> tuple[np.ndarray, ...]:
+        return self._pressed, self._impulses, self._offsets, self._kept
+
+    def forget(self, steps: int, contacts: int) -> None:
+        """Remove the first steps, and their contacts, from the record."""
+        done, pressing = self.counts[STEPS], self.counts[PRESSING]
+        self.numbers[: done - steps] = self.numbers[steps:done].copy()
+        for array in self._recorded:
+            array[: pressing - contacts] = array[contacts:pressing].copy()
+        self.counts[STEPS] -= steps
+        self.counts[PRESSING] -= contacts
+
+    def remove_last(self) -> None:
+        """Remove the last step from the record."""
+        self.counts[STEPS] -= 1
+        self.counts[PRESSING] -= int(self.numbers[self.counts[STEPS], PRESSED])
