@@ -77,6 +77,20 @@ def _places(shape: Shape) -> list[ca.SX]:
     return points + [ca.SX(value.local_axes) for value in values if isinstance(value, Frame)]
 
 
+def refuse_start(step: ContactStep, t: float, y: np.ndarray) -> None:
+    """Refuse a start at which bodies overlap or a closed gap has no direction.
+
+    Raises
+    ------
+    AnalysisError
+        Names the element and both bodies.
+    """
+    refuse_concentric(step, t, y)
+    refuse_filled_bores(step, t, y)
+    if step.scheme.projection:  # otherwise initial gaps are never corrected
+        refuse_overlaps(step, t, y)
+
+
 def refuse_concentric(step: ContactStep, t: float, y: np.ndarray) -> None:
     """Refuse a start at which a closed gap has no direction, as of balls with one centre.
 
