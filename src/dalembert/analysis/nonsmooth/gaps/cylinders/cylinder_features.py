@@ -12,8 +12,10 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.gaps.cylinders.cylinders import SECTORS, Cylinders
 from dalembert.analysis.nonsmooth.gaps.cylinders.rim_candidates import (
+    MEET,
     Evaluate,
     evaluated,
+    on_lines,
     rims_at_lines,
     some_rows,
 )
@@ -60,7 +62,7 @@ def cylinder_features(
     gaps, faces = [], _faces(cylinders, others)
     best = np.max([beside, _ends(cylinders, others), faces.max(axis=1)], axis=0)
     for k, candidates in enumerate(lines):
-        rows, gap, _, normal = evaluated(candidates, evaluate)
+        rows, gap, normal = _meeting(candidates, others, size, evaluate)
         lines[k], separation = rows, _separation(rows, normal, cylinders, others)
         np.maximum.at(best, rows[1], separation)
         gaps.append(np.where(gap - separation <= FLAT * size[rows[1]], gap, -np.inf))
@@ -148,6 +150,20 @@ def _sides(cylinders: Cylinders, others: Polyhedra) -> list[Rows]:
         reverse = (across * between).sum(axis=2)[pair, edge] < 0
     none = np.zeros(pair.size, dtype=bool)
     return [(Feature.EDGES, pair, none, 0 * pair, edge + reverse * count)]
+
+
+def _meeting(
+    candidates: Rows, others: Polyhedra, size: np.ndarray, evaluate: Evaluate
+) -> tuple[Rows, np.ndarray, np.ndarray]:
+    """The candidates whose second contact point is on the edge; gaps and normals."""
+    rows, gap, place, normal = evaluated(candidates, evaluate)
+    feature, pair, _, _, edge = rows
+    if feature is not Feature.RIM_EDGE or not pair.size:
+        return rows, gap, normal
+    starts = others.corners[pair, others.form.edges[edge, 0]]
+    foot = place + normal * (gap / 2)[:, None]
+    meets = on_lines(foot, starts, others.lines[pair, edge]) <= MEET * size[pair]
+    return some_rows(rows, meets), gap[meets], normal[meets]
 
 
 def _at_capsules(rows: Rows, cylinders: Cylinders, others: Polyhedra, evaluate: Evaluate) -> Rows:
