@@ -155,14 +155,20 @@ def _sides(cylinders: Cylinders, others: Polyhedra) -> list[Rows]:
 def _meeting(
     candidates: Rows, others: Polyhedra, size: np.ndarray, evaluate: Evaluate
 ) -> tuple[Rows, np.ndarray, np.ndarray]:
-    """The candidates whose second contact point is on the edge; gaps and normals."""
+    """The candidates, without rims that do not meet their edge between its ends; gaps and normals.
+
+    The separation along a normal of both does not exclude these: where an end and a face are
+    parallel, it is that of all crossings of the rim and the lines of the edges.
+    """
     rows, gap, place, normal = evaluated(candidates, evaluate)
     feature, pair, _, _, edge = rows
-    if feature is not Feature.RIM_EDGE or not pair.size:
+    if feature not in (Feature.RIM_EDGE, Feature.RIM_LINE) or not pair.size:
         return rows, gap, normal
-    starts = others.corners[pair, others.form.edges[edge, 0]]
-    foot = place + normal * (gap / 2)[:, None]
-    meets = on_lines(foot, starts, others.lines[pair, edge]) <= MEET * size[pair]
+    starts, ends = (others.corners[pair, others.form.edges[edge, k]] for k in range(2))
+    meets = between_ends(place, starts, ends)
+    if feature is Feature.RIM_EDGE:
+        foot = place + normal * (gap / 2)[:, None]
+        meets &= on_lines(foot, starts, ends - starts) <= MEET * size[pair]
     return some_rows(rows, meets), gap[meets], normal[meets]
 
 
