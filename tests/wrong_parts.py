@@ -62,7 +62,7 @@ PARTS: dict[str, tuple[str, list[str]]] = {
         contact(
             shape_i='{ type = "Polygon", body = "disc", vertices = [[0,0],[2,0],[1,0.1],[0,2]] }'
         ),
-        ["forces.touch", "convex", "anticlockwise"],
+        ["forces.touch", "dent", "several convex polygons"],
     ),
     "contact with itself": (
         contact(shape_j='{ type = "Circle", point = "disc.P", radius = 0.1 }'),

@@ -9,6 +9,7 @@ import dalembert as da
 from dalembert import planar, spatial
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
+from dalembert.cli import main
 from dalembert.errors import ModelError
 from dalembert.io import load
 
@@ -97,7 +98,7 @@ def test_laws_in_files_have_units(tmp_path, schema):
         ("touching = false", "friction = -1", r"pairs\[1\].friction: is -1"),
         ("touching = false", "static_friction = 0.1", r"pairs\[1\]: static_friction is 0.1; it"),
         ("touching = false", "spinning = 0.1", r"box.pairs\[1\].spinning: nothing spins about"),
-        ("touching = false", 'rolling = "1 s"', r"pairs\[1\]: 1 s does not fit, expected m"),
+        ("touching = false", 'rolling = "1 s"', r"pairs\[1\].rolling: 1 s does not fit, exp"),
         ("friction = 0.2", 'impact_law = "brach"', "box.impact_law: unknown law 'brach'"),
         ("touching = false", "restitution = 1.5", r"pairs\[1\]: restitution is above 1: 1.5"),
         ("radius = 0.1", "radius = 0", r"shapes.discs\[0\].radius: is 0 m"),
@@ -111,7 +112,14 @@ def test_laws_in_files_have_units(tmp_path, schema):
          r"crates\[0\]: unknown type 'Prism'; known: Vertex, Circle, Bore"),
         ('"Rectangle", point = "crate", size = [0.2, 0.1]',
          '"Polygon", body = "crate", vertices = [[0, 0], [0, 1], [1, 0]]',
-         r"shapes.crates\[0\]: its vertices are no convex polygon"),
+         r"shapes.crates\[0\]: its vertices run clockwise; give them anticlockwise"),
+        ('"Rectangle", point = "crate", size = [0.2, 0.1]',
+         '"Polygon", body = "crate", vertices = [[0, 0], [4, 0], [1, 1], [0, 4]]',
+         r"shapes.crates\[0\]: it has a dent, or edges that cross; give an Outline, or several"),
+        ('"Rectangle", point = "crate", size = [0.2, 0.1]',
+         '"Polygon", body = "crate", vertices = [[0, 0], [1, 0]]',
+         r"box.shapes.crates\[0\]: needs at least 3 vertices"),
+        ("radius = 0.1", 'radius = "1 kg"', r"box.shapes.discs\[0\].radius: 1 kg does not fit"),
         ('discs = [{ type = "Circle", point = "disc", radius = 0.1 }]', "discs = 3",
          "shapes.discs: expected a list"),
     ],
@@ -120,6 +128,60 @@ def test_errors_name_the_place(tmp_path, old, new, message):
     assert old in FILE
     with pytest.raises(ModelError, match=message):
         read(tmp_path, FILE.replace(old, new)).build()
+
+
+def test_files_without_shapes_are_refused(tmp_path):
+    start, end = FILE.index("pairs"), FILE.index("[forces.box.shapes]")
+    text = FILE[:start] + "[forces.box.shapes]\n"
+    assert end > start
+    with pytest.raises(
+        ModelError, match=r"forces\.box\.shapes: there are no shapes; give contact.Circle"
+    ):
+        read(tmp_path, text)
+
+
+def test_polygons_that_cross_themselves_are_refused():
+    """All corners of a pentagram are left turns."""
+    system = da.System("star")
+    body = system.add(planar.Body("star", mass=1.0, inertia=1.0))
+    angles = 4 * np.pi / 5 * np.arange(5)
+    star = contact.Polygon(body, np.column_stack([np.cos(angles), np.sin(angles)]).tolist())
+    system.add(planar.Collisions("touch", [star, contact.HalfPlane(system.ground)]))
+    with pytest.raises(ModelError, match="its edges cross each other"):
+        system.build()
+
+
+def test_polygons_may_have_corners_on_an_edge():
+    """Rounding makes some of these corners a dent of 1e-17 m."""
+    for angle in np.linspace(0.1, 3, 30):
+        system = da.System("plate")
+        body = system.add(planar.Body("plate", mass=1.0, inertia=1.0))
+        c, s = np.cos(angle), np.sin(angle)
+        corners = np.array([[0, 0], [0.1, 0], [0.3, 0], [0.3, 0.2], [0, 0.2]]) @ [[c, s], [-s, c]]
+        plate = contact.Polygon(body, corners.tolist())
+        system.add(planar.Collisions("touch", [plate, contact.HalfPlane(system.ground)]))
+        system.build()
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("position = [0.5, 0.05]", "position = [0.5, 0.04]", "crate and a fixed shape overlap"),
+        ('walls = [{ type = "HalfPlane", point = "ground" }]', "walls = []", "nothing can touch"),
+    ],
+)
+def test_starts_that_cannot_run_are_wrong_input(command, old, new, message, tmp_path, capsys):
+    """Exit code 2, of ``check``, too."""
+    assert old in FILE
+    path = tmp_path / "model.toml"
+    path.write_text(
+        FILE.replace(old, new) + '[analysis]\ntype = "Nonsmooth"\nduration = 0.1\n',
+        encoding="utf-8",
+    )
+    output = ["--output", str(tmp_path / "out")] if command == "run" else []
+    assert main([command, str(path), *output]) == 2
+    assert f"analysis: box: {message}" in " ".join(capsys.readouterr().err.split())
 
 
 def pucks(**options) -> da.Model:

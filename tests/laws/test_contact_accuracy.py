@@ -261,3 +261,32 @@ def test_a_coin_that_reels_about_its_mass_centre_has_small_errors(scheme: da.Ant
     moved = motion.values("coin.position") - (0, 0, height)
     assert np.abs(moved).max() < 1e-3 * radius
     assert motion.error_estimate.share < 0.05 and not motion.warnings
+
+
+def links(touching: bool) -> da.Model:
+    """A chain of flat links of capsules that overlap at their joints."""
+    system, groups, chain = da.System("chain", gravity=(0.0, -G)), {}, []
+    for k in range(4):
+        placed = {"position": (0.1 + 0.2 * k, 0.5), "angle": 0.0}
+        link = system.add(planar.Bar(f"link{k}", length=0.2, mass=0.5, **placed))
+        groups[f"part{k}"] = [planar.contact.Capsule(link.start, link.end, 0.02)]
+        chain.append(link)
+        if k:
+            system.add(planar.Revolute(f"joint{k}", chain[k - 1].end, link.start))
+    groups["floor"] = [planar.contact.HalfPlane(system.ground)]
+    pairs = [planar.contact.Pair((f"part{k}", f"part{k + 1}"), touching=touching) for k in range(3)]
+    system.add(planar.Collisions("hits", groups, friction=0.3, pairs=pairs))
+    return system.build()
+
+
+def test_a_chain_that_falls_flat_has_small_errors():
+    """Its links turn by 1e-5 rad in the step of the impact, which are a large part of their
+    rotations, but not of their motion."""
+    motion = da.solve_nonsmooth(links(touching=False), 0.6, step=1e-3)
+    assert abs(motion["link1.angle"]).max() < 2e-5
+    assert motion.error_estimate.share < 0.05 and not motion.warnings
+
+
+def test_overlaps_at_joints_name_the_joint():
+    with pytest.raises(da.AnalysisError, match=r"overlap by 0.04 m at the start; the joint joint"):
+        da.solve_nonsmooth(links(touching=True), 0.6, step=1e-3)

@@ -184,6 +184,30 @@ def test_a_disc_slides_flat_on_an_inclined_plane():
     assert motion["d.vx"][-1] == pytest.approx(expected * np.cos(angle), abs=1e-9)
 
 
+@pytest.mark.few(1)
+@pytest.mark.parametrize("integrator", [da.AnticipatedImpacts(), da.MoreauJean()])
+@pytest.mark.parametrize("floor", ["plane", "box", "cylinder"])
+def test_a_disc_that_spins_on_its_end_is_braked_at_its_rim(floor, integrator):
+    """``ω̇ = −μ g m R/J``; no point of the rim of an upright disc is the lowest."""
+    system = da.System("disc", gravity=(0.0, 0.0, -G))
+    spin = {"position": (0, 0, 0.025), "angular_velocity": (0, 0, 10.0)}
+    body = system.add(spatial.Cylinder("d", radius=0.1, length=0.05, mass=1.0, **spin))
+    ground = system.ground
+    floors = {
+        "plane": contact.HalfSpace(ground.frame()),
+        "box": contact.Box(ground.point(0, 0, -0.1), (1.0, 1.0, 0.2)),
+        "cylinder": contact.Cylinder(ground.point(0, 0, -0.2), ground.point(0, 0, 0), 0.3),
+    }
+    shapes = [cylinder(body, 0.1, 0.05), floors[floor]]
+    system.add(spatial.Collisions("floor", shapes, friction=0.3))
+    motion = da.solve_nonsmooth(system.build(), 0.1, step=1e-3, integrator=integrator)
+    assert motion.status.success
+    places = motion.contact_forces(0.001).places
+    np.testing.assert_allclose(np.hypot(*places[:, :2].T), 0.1, rtol=1e-3)
+    expected = 10.0 - 0.3 * G * 2 / 0.1 * 0.1
+    assert motion["d.angular_velocity"][-1, 2] == pytest.approx(expected, rel=2e-3)
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize("on_box", [False, True])
 @pytest.mark.parametrize(("share", "falls"), [(0.9, False), (1.05, True)])

@@ -299,3 +299,30 @@ def test_rigid_and_compliant_contacts_in_one_model():
     assert float(motion.data["penetration"].max()) < 1e-12
     forces = motion.contact_forces(0.5)
     assert sorted(forces.forces[:, 1]) == pytest.approx([20, 30], rel=1e-5)
+
+
+@pytest.mark.few(1)
+@pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
+@pytest.mark.parametrize("support", ["plane", "box", "cylinder"])
+def test_an_upright_cylinder_stands_on_eight_springs(support, scheme):
+    """Its end does not tilt, at the penetration ``m g/(8 k)``."""
+    stiffness, weight = 1e5, 9.81
+    depth = weight / (8 * stiffness)
+    system = da.System("column", gravity=(0.0, 0.0, -9.81))
+    place = (0.0, 0.0, 0.025 - depth)
+    body = system.add(spatial.Cylinder("d", radius=0.1, length=0.05, mass=1.0, position=place))
+    ground, kit = system.ground, spatial.contact
+    supports = {
+        "plane": kit.HalfSpace(ground.frame()),
+        "box": kit.Box(ground.point(0, 0, -0.1), (1.0, 1.0, 0.2)),
+        "cylinder": kit.Cylinder(ground.point(0, 0, -0.2), ground.point(0, 0, 0), 0.3),
+    }
+    shapes = [kit.Cylinder(body.point(0, 0, -0.025), body.point(0, 0, 0.025), 0.1)]
+    law = kit.KelvinVoigt(stiffness=stiffness)
+    system.add(spatial.Collisions("s", [*shapes, supports[support]], friction=0.3, law=law))
+    motion = da.solve_nonsmooth(system.build(), 0.05, step=1e-3, integrator=scheme)
+    assert motion.status.success
+    assert abs(motion["d.z"] - place[2]).max() < 1e-9
+    assert abs(motion["d.angular_velocity"]).max() < 1e-8
+    forces = motion.contact_forces(0.05).forces
+    np.testing.assert_allclose(forces[:, 2], np.sign(forces[0, 2]) * weight / 8, rtol=1e-6)

@@ -70,6 +70,9 @@ class Located:
             return here
         owner = re.split(r"[.\[]", entity, maxsplit=1)[0]
         if owner not in self._section:
+            field = entity.partition(".")[2]  # of a component: its class and its field
+            if field and self._has(keys, re.split(r"[.\[]", field, maxsplit=1)[0]):
+                return f"{here}.{field}"
             return f"{here}.{entity}" if self._has(keys, owner) else here or entity
         named = key_path(self._section[owner], owner) + entity[len(owner) :]
         return here if here.startswith(named) else named

@@ -251,7 +251,8 @@ class MechanismElements:
         """A contact shape, or the point or body that replaces it."""
         if isinstance(entry, str):
             return self.references.end(Point, entry)
-        return self.component(SHAPES[self.document.space.dimension], entry, where)
+        with self.located(*where):
+            return self.component(SHAPES[self.document.space.dimension], entry, where)
 
     def shapes(self, entry: list | dict[str, list], where: tuple[str | int, ...]) -> Any:
         """Contact shapes, or lists of these by the names of groups."""

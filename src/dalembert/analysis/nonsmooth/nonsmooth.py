@@ -84,6 +84,15 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
         check_balance(self.balance)
         check_sleep(self)
 
+    def checks(self, model: Model) -> dict[str, Callable[[], object]]:
+        """Checks of the options, and of the shapes at the start."""
+
+        def start() -> None:
+            if model.kind in self.kinds:
+                NonsmoothRun(self, model, None).state_at_start()
+
+        return {**super().checks(model), "": start}
+
     def resample(self, motion: NonsmoothMotion, times: np.ndarray) -> NonsmoothMotion:
         """The motion at other times within the run, linear within steps.
 

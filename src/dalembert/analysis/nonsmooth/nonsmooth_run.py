@@ -33,11 +33,9 @@ from dalembert.analysis.nonsmooth.step_log import StepLog
 from dalembert.analysis.nonsmooth.step_state import PATH_CHANGE, StepResult
 from dalembert.analysis.nonsmooth.touching_shapes import (
     bodies_of,
-    refuse_concentric,
-    refuse_filled_bores,
     refuse_lonely_shapes,
     refuse_moving_places,
-    refuse_overlaps,
+    refuse_start,
 )
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.timeline import (
@@ -48,6 +46,7 @@ from dalembert.analysis.timeline import (
     uniform_grid,
 )
 from dalembert.errors import AnalysisError, SingularityError
+from dalembert.model.graph.assembly.guesses import AssembledState
 from dalembert.model.graph.model import Model
 from dalembert.results.nonsmooth_motion import ContactRecord, NonsmoothMotion
 from dalembert.results.status import Outcome, Status, Warnings, reached, stopped
@@ -100,12 +99,14 @@ class NonsmoothRun:
         own = smooth, scheme, analysis.solver, self.h, rest
         self.step = ContactStep(model, sources, self.p, *own)
 
-    def execute(self, progress) -> NonsmoothMotion:
+    def state_at_start(self) -> AssembledState:
+        """Assembled state; ``AnalysisError`` where shapes cannot start there."""
         state = self.model.assemble(self.p, self.start)
-        refuse_concentric(self.step, self.start, state.y)
-        refuse_filled_bores(self.step, self.start, state.y)
-        if self.analysis.integrator.projection:  # otherwise initial gaps are never corrected
-            refuse_overlaps(self.step, self.start, state.y)
+        refuse_start(self.step, self.start, state.y)
+        return state
+
+    def execute(self, progress) -> NonsmoothMotion:
+        state = self.state_at_start()
         self.state = state.y, state.v
         log = StepLog(self.step, self.start, *self.state)
         grid = uniform_grid(self.start, self.end, self.h)

@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.analysis.contact.gap_checks import ROUNDED
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.gaps.model_gaps import APART as OFFSET
-from dalembert.elements.base import Element
+from dalembert.elements.base import Constraint, Element
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.pairs import APART
 from dalembert.elements.contact.shapes import Shape
@@ -77,6 +77,20 @@ def _places(shape: Shape) -> list[ca.SX]:
     return points + [ca.SX(value.local_axes) for value in values if isinstance(value, Frame)]
 
 
+def refuse_start(step: ContactStep, t: float, y: np.ndarray) -> None:
+    """Refuse a start at which bodies overlap or a closed gap has no direction.
+
+    Raises
+    ------
+    AnalysisError
+        Names the element and both bodies.
+    """
+    refuse_concentric(step, t, y)
+    refuse_filled_bores(step, t, y)
+    if step.scheme.projection:  # otherwise initial gaps are never corrected
+        refuse_overlaps(step, t, y)
+
+
 def refuse_concentric(step: ContactStep, t: float, y: np.ndarray) -> None:
     """Refuse a start at which a closed gap has no direction, as of balls with one centre.
 
@@ -117,10 +131,23 @@ def refuse_overlaps(step: ContactStep, t: float, y: np.ndarray) -> None:
     others = np.unique(step.pairs(contacts.key[inside])).size - 1
     more = f"; {others} other pair{'s' * (others > 1)} overlap{'s' * (others == 1)} by less"
     name, bodies = step.names[contacts.owner[deepest]], bodies_of(step.model, contacts, deepest)
+    remedy = "move them apart by this depth along the normal of the contact"
+    if joint := _joint_between(step.model, _moving(step.model, contacts, deepest)):
+        remedy = (
+            f"the joint {joint} connects them: give their shapes two groups and "
+            "contact.Pair(…, touching=False), or leave a clearance between them"
+        )
     raise AnalysisError(
-        f"{name}: {bodies} overlap by {-contacts.distance[deepest]:.3g} m at the start; move them "
-        f"apart by this depth along the normal of the contact{more if others else ''}"
+        f"{name}: {bodies} overlap by {-contacts.distance[deepest]:.3g} m at the start; {remedy}"
+        f"{more if others else ''}"
     )
+
+
+def _joint_between(model: Model, bodies: list[str]) -> str:
+    """Name of a joint of bodies, or of a body and the ground; empty without one."""
+    wanted = set(bodies) if len(bodies) > 1 else {*bodies, model.parts.ground.name}
+    joints = (e for e in model.parts.elements.values() if isinstance(e, Constraint))
+    return next((e.name for e in joints if wanted <= {part.name for part in e.parts()}), "")
 
 
 def refuse_filled_bores(step: ContactStep, t: float, y: np.ndarray) -> None:
@@ -181,6 +208,11 @@ def _can_touch(element: Collisions) -> bool:
 
 def bodies_of(model: Model, contacts: Contacts, row: int) -> str:
     """Names of the bodies that a gap moves with."""
+    names = _moving(model, contacts, row)
+    return " and ".join(names) if len(names) > 1 else f"{''.join(names)} and a fixed shape"
+
+
+def _moving(model: Model, contacts: Contacts, row: int) -> list[str]:
     width = contacts.drift.shape[1]
     directions = contacts.directions[row * width : (row + 1) * width]
     used = np.asarray(abs(directions).sum(axis=0)).ravel() > 0
@@ -190,4 +222,4 @@ def bodies_of(model: Model, contacts: Contacts, row: int) -> str:
         if used[first : first + count].any():
             names.append(group.name)
         first += count
-    return " and ".join(names) if len(names) > 1 else f"{''.join(names)} and a fixed shape"
+    return names

@@ -138,12 +138,12 @@ class Collisions(Element):
         return shape
 
     def _check_shapes(self) -> None:
-        bodies = {shape.carrier.name for shape in self.members}
+        if not self.members:
+            raise ModelError(f"there are no shapes; give {EXAMPLE}", f"{self.name}.shapes")
+        first, bodies = self.members[0], {shape.carrier.name for shape in self.members}
         if not self.hulls and not self.boundaries and len(bodies) != 1:
-            text = "there is no ball nor another shape; give shapes such as "
-            example = EXAMPLES.get(self.members[0].dimension, EXAMPLE)
-            raise ModelError(text + example, self.name)
-        first = self.members[0]
+            example = EXAMPLES.get(first.dimension, EXAMPLE)
+            raise ModelError(f"there is no ball nor another shape; give {example}", self.name)
         for shape in self.members:
             if shape.dimension != first.dimension:
                 planar, other = sorted((first, shape), key=lambda s: s.dimension)

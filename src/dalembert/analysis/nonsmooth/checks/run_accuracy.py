@@ -12,7 +12,7 @@ difference of two runs may be a third of their errors. Where the first estimate 
 ``CERTAIN`` and ``ALLOWED``, the steps are repeated as four and as three, too, and the largest
 estimate counts. Only coordinates are compared, as speeds jump. The size of the motion of a body
 includes that of its points by its rotation: the mass centre of a coin that spins in place moves by
-the error alone.
+the error alone, as does the angle of a plate that falls flat.
 """
 
 from __future__ import annotations
@@ -39,6 +39,8 @@ SHORT, LONG, FURTHER = 8, 5, (4, 3)
 they are compared."""
 UNPREDICTABLE = 0.5
 """Estimated error above which the motion is one of several that the steps may lead to [-]."""
+FAINT = 1e-4
+"""Minimum motion of points of a body by its rotation, relative to that of its mass centre [-]."""
 ENTRIES = 2e5
 """Upper limit of the number of entries of the states of a run whose warnings have the estimate."""
 
@@ -96,7 +98,7 @@ class RunAccuracy:
         error = error / ((SHORT / count) ** self._order - 1)
         ranges = np.ptp(y, axis=1)
         sizes = motion_sizes(ranges, model.guesses.units, model.scales.coordinates)
-        sizes = np.maximum(sizes, SMALL * ranges_by_rotation(self.step, record))
+        sizes = np.maximum(sizes, sizes_by_points(self.step, record))
         resolved = CLEARANCE / TARGET * model.scales.coordinates  # of gaps of bodies at rest
         sizes = np.maximum(sizes, np.where(sizes > 0, resolved, 0.0))
         return largest_error(error, sizes, model.guesses.names, times, longer)
@@ -123,21 +125,29 @@ class RunAccuracy:
         ]
 
 
-def ranges_by_rotation(step: ContactStep, record: ContactRecord) -> np.ndarray:
-    """(n_y,) motion of points of the bodies by their rotations, at the radii of gyration, for
-    coordinates that are lengths; zero for others [m]."""
+def sizes_by_points(step: ContactStep, record: ContactRecord) -> np.ndarray:
+    """(n_y,) minimum sizes of coordinates by the motion of points of their bodies, at the radii of
+    gyration: of lengths by that due to rotation, of rotations by that of the mass centre."""
     y = record.ends.y
     inertia = step.smooth.at(float(record.t[0]), y[:, 0], step.p)[0].matrix.diagonal()
-    ranges, first, speed = np.zeros(y.shape[0]), 0, 0
+    sizes, first, speed = np.zeros(y.shape[0]), 0, 0
     for group in step.model.coordinates:
         units, speed_units = (np.array(u) for u in (group.coordinate_units, group.speed_units))
         angular, linear = (speed + np.flatnonzero(speed_units == unit) for unit in ("rad", "m"))
         if angular.size and linear.size and inertia[linear].min() > 0:
             radius = np.sqrt(inertia[angular].max() / inertia[linear].min())
-            half = _largest_turn(group, y[first : first + units.size], units) / 2
-            ranges[first + np.flatnonzero(units == "m")] = 2 * radius * np.sin(half)
+            motion = y[first : first + units.size]
+            lengths, angles = units == "m", units == "rad"
+            half = _largest_turn(group, motion, units) / 2
+            sizes[first + np.flatnonzero(lengths)] = SMALL * 2 * radius * np.sin(half)
+            travel = np.ptp(motion[lengths], axis=1).max(initial=0.0)
+            if radius > 0:
+                sizes[first + np.flatnonzero(angles)] = FAINT * travel / radius
+                if group.attitude is not None:  # Euler parameters, half the rotation
+                    attitude = first + group.attitude[0] + np.arange(4)
+                    sizes[attitude] = FAINT * travel / radius / 2
         first, speed = first + units.size, speed + speed_units.size
-    return ranges
+    return sizes
 
 
 def _largest_turn(group: Coordinates, y: np.ndarray, units: np.ndarray) -> float:

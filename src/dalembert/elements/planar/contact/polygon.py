@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import casadi as ca
@@ -19,6 +20,9 @@ from dalembert.elements.point import Point
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression
+
+FLAT = 1e-12
+"""Dents and turns of a polygon that count as rounding, relative to its squared size [-]."""
 
 
 class ConvexShape(Spotted):
@@ -75,6 +79,34 @@ def outline(corners: ca.SX, u: ca.SX) -> ca.SX:
     count = corners.shape[1]
     weights = [ca.fmax(0, 1 - ca.fabs(u - k)) for k in range(count + 1)]
     return ca.mtimes(corners, ca.vertcat(weights[0] + weights[count], *weights[1:count]))
+
+
+def _convex(corners: list[ca.SX]) -> list[Condition]:
+    """Conditions that corners are those of a convex polygon, anticlockwise.
+
+    A polygon without right turns is convex if all triangles of its first corner are anticlockwise
+    and on one side of its first edge; others go round several times, such as a pentagram.
+    """
+    first, following = corners[0], corners[1:] + corners[:1]
+    edges = [b - a for a, b in zip(corners, following, strict=True)]
+    rounding = FLAT * ca.mmax(ca.vertcat(*(ca.sumsqr(edge) for edge in edges)))
+    turns = [_cross(a, b) for a, b in zip(edges, edges[1:] + edges[:1], strict=True)]
+    rays = [corner - first for corner in corners[1:]]
+    triangles = [_cross(a, b) for a, b in pairwise(rays)]
+    sides = [_cross(rays[0], ray) for ray in rays[1:]]
+    dent = "it has a dent, or edges that cross; give an Outline, or several convex polygons"
+    return [
+        (sum(triangles) + rounding, "its vertices run clockwise; give them anticlockwise"),
+        (ca.vertcat(*turns) + rounding, dent),
+        (
+            ca.vertcat(*triangles, *sides) + rounding,
+            "its edges cross each other; give the vertices in their order",
+        ),
+    ]
+
+
+def _cross(a: ca.SX, b: ca.SX) -> ca.SX:
+    return a[0] * b[1] - a[1] * b[0]
 
 
 def _extended(corners: list[ca.SX]) -> list[Condition]:
@@ -145,13 +177,7 @@ class Polygon(ConvexShape):
 
     def conditions(self) -> list[Condition]:
         corners = self.corners()
-        cross_products = []
-        for a, b, c in zip(
-            corners, corners[1:] + corners[:1], corners[2:] + corners[:2], strict=True
-        ):
-            cross_products.append((b - a)[0] * (c - b)[1] - (b - a)[1] * (c - b)[0])
-        wrong = "its vertices are no convex polygon; give them anticlockwise, without dents"
-        return [*super().conditions(), (ca.vertcat(*cross_products), wrong), *_extended(corners)]
+        return [*super().conditions(), *_convex(corners), *_extended(corners)]
 
 
 @dataclass(eq=False)

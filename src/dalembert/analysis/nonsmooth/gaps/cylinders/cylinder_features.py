@@ -12,8 +12,10 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.gaps.cylinders.cylinders import SECTORS, Cylinders
 from dalembert.analysis.nonsmooth.gaps.cylinders.rim_candidates import (
+    MEET,
     Evaluate,
     evaluated,
+    on_lines,
     rims_at_lines,
     some_rows,
 )
@@ -60,7 +62,7 @@ def cylinder_features(
     gaps, faces = [], _faces(cylinders, others)
     best = np.max([beside, _ends(cylinders, others), faces.max(axis=1)], axis=0)
     for k, candidates in enumerate(lines):
-        rows, gap, _, normal = evaluated(candidates, evaluate)
+        rows, gap, normal = _meeting(candidates, others, size, evaluate)
         lines[k], separation = rows, _separation(rows, normal, cylinders, others)
         np.maximum.at(best, rows[1], separation)
         gaps.append(np.where(gap - separation <= FLAT * size[rows[1]], gap, -np.inf))
@@ -148,6 +150,26 @@ def _sides(cylinders: Cylinders, others: Polyhedra) -> list[Rows]:
         reverse = (across * between).sum(axis=2)[pair, edge] < 0
     none = np.zeros(pair.size, dtype=bool)
     return [(Feature.EDGES, pair, none, 0 * pair, edge + reverse * count)]
+
+
+def _meeting(
+    candidates: Rows, others: Polyhedra, size: np.ndarray, evaluate: Evaluate
+) -> tuple[Rows, np.ndarray, np.ndarray]:
+    """The candidates, without rims that do not meet their edge between its ends; gaps and normals.
+
+    The separation along a normal of both does not exclude these: where an end and a face are
+    parallel, it is that of all crossings of the rim and the lines of the edges.
+    """
+    rows, gap, place, normal = evaluated(candidates, evaluate)
+    feature, pair, _, _, edge = rows
+    if feature not in (Feature.RIM_EDGE, Feature.RIM_LINE) or not pair.size:
+        return rows, gap, normal
+    starts, ends = (others.corners[pair, others.form.edges[edge, k]] for k in range(2))
+    meets = between_ends(place, starts, ends)
+    if feature is Feature.RIM_EDGE:
+        foot = place + normal * (gap / 2)[:, None]
+        meets &= on_lines(foot, starts, ends - starts) <= MEET * size[pair]
+    return some_rows(rows, meets), gap[meets], normal[meets]
 
 
 def _at_capsules(rows: Rows, cylinders: Cylinders, others: Polyhedra, evaluate: Evaluate) -> Rows:

@@ -12,8 +12,10 @@ from dalembert.analysis.nonsmooth.gaps.cylinders.cylinder_features import (
 )
 from dalembert.analysis.nonsmooth.gaps.cylinders.cylinders import SECTORS, Cylinders
 from dalembert.analysis.nonsmooth.gaps.cylinders.rim_candidates import (
+    MEET,
     Evaluate,
     evaluated,
+    on_rims,
     rims_at_lines,
     rims_at_rims,
     some_rows,
@@ -70,7 +72,11 @@ def features_of_cylinders(first: Cylinders, second: Cylinders, evaluate: Evaluat
     size = sum(2 * np.maximum(c.half, c.radii) for c in (first, second))
     best, nearest, gaps = ends.max(axis=1), np.full(size.size, np.inf), []
     for k, candidate in enumerate(candidates):
-        part, gap, _, normal = evaluated(candidate, evaluate)
+        part, gap, place, normal = evaluated(candidate, evaluate)
+        if part[0] is Feature.RIM_RIM and part[1].size:
+            other, foot = second.some(part[1]), place + normal * (gap / 2)[:, None]
+            meets = on_rims(foot, other, part[4] // SECTORS) <= MEET * size[part[1]]
+            part, gap, normal = some_rows(part, meets), gap[meets], normal[meets]
         candidates[k], separation = part, _separation(part, normal, first, second)
         np.maximum.at(best, part[1], separation)
         valid = gap - separation <= FLAT * size[part[1]]

@@ -12,6 +12,10 @@ from dalembert.elements.contact.hull import MARKS
 SECTORS = 32
 """Parts of a rim, from whose middles Newton's method for an angle starts."""
 
+LEVEL, SLANTED = 1e-12, 0.9
+"""Sine of the angle of a rim and a plane below which all points of the rim are the lowest, and one
+in a fixed direction counts: normal to x, or to y where the component of the axis is above this."""
+
 
 @dataclass(frozen=True, eq=False)
 class Cylinders:
@@ -67,11 +71,15 @@ class Cylinders:
         return farthest
 
     def lowest(self, normals: np.ndarray) -> np.ndarray:
-        """(m, 2, 3) points of both rims farthest against unit vectors (m, 3)."""
+        """(m, 2, 3) points of both rims farthest against unit vectors (m, 3); any point of rims
+        across these."""
         axis = self.outward[:, 0]
         across = normals - (normals * axis).sum(axis=1, keepdims=True) * axis
         length = np.linalg.norm(across, axis=1, keepdims=True)
-        across = np.divide(across, length, out=np.zeros_like(across), where=length > 0)
+        other = np.where(np.abs(axis[:, :1]) < SLANTED, np.eye(3)[0], np.eye(3)[1])
+        level = other - (other * axis).sum(axis=1, keepdims=True) * axis
+        across = np.where(length > LEVEL, across, level)
+        across /= np.linalg.norm(across, axis=1, keepdims=True)
         across -= (across * axis).sum(axis=1, keepdims=True) * axis
         points: np.ndarray = self.ends - (self.radii[:, None] * across)[:, None]
         return points

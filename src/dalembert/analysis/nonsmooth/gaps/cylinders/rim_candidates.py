@@ -19,6 +19,9 @@ Evaluate = Callable[[Rows], tuple[np.ndarray, np.ndarray, np.ndarray]]
 
 SAME = 1e-9
 """Distance of two points of a rim that are the same, by the largest coordinate."""
+MEET = 1e-6
+"""Distance of a contact point from its rim or edge that is an error of the point, by the size of
+the shapes."""
 TURNS = sector_directions(np.arange(SECTORS))[:, :2]
 """(SECTORS, 2) cosine and sine of the starts."""
 
@@ -84,6 +87,27 @@ def evaluated(rows: Rows, evaluate: Evaluate) -> tuple[Rows, np.ndarray, np.ndar
         table = np.column_stack([pair, swapped, own // SECTORS, rim])[valid]
         valid = valid[np.sort(np.unique(np.hstack([table, cells]), axis=0, return_index=True)[1])]
     return some_rows(rows, valid), gap[valid], place[valid], normal[valid]
+
+
+def on_lines(places: np.ndarray, starts: np.ndarray, along: np.ndarray) -> np.ndarray:
+    """(n,) distances of places from lines (n, 3): of the second contact points of rims and edges.
+
+    They are zero but where a rim is parallel to the edge at the point nearest to it, as of an end
+    that stands on a box: both have no common normal there, and do not touch.
+    """
+    unit = along / np.linalg.norm(along, axis=1, keepdims=True)
+    distance: np.ndarray = np.linalg.norm(np.cross(places - starts, unit), axis=1)
+    return distance
+
+
+def on_rims(places: np.ndarray, cylinders: Cylinders, end: np.ndarray) -> np.ndarray:
+    """(n,) distances of places from the rims of ends, as ``on_lines``."""
+    row = np.arange(end.size)
+    relative, axis = places - cylinders.ends[row, end], cylinders.outward[row, end]
+    height = (relative * axis).sum(axis=1)
+    beside = np.linalg.norm(relative - height[:, None] * axis, axis=1) - cylinders.radii
+    distance: np.ndarray = np.hypot(height, beside)
+    return distance
 
 
 def some_rows(rows: Rows, selected: np.ndarray) -> Rows:

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from dalembert.analysis.nonsmooth.gaps.cylinders.cylinders import LEVEL, SLANTED
 from dalembert.elements.contact.contact_point import (
     ContactPoint,
     contact_at_wall,
     contact_of_balls,
 )
-from dalembert.elements.contact.shapes import NO_LENGTH
 
 ITERATIONS = 8
 """Newton iterations of an angle."""
@@ -59,9 +59,12 @@ class Rim:
 
 
 def contact_with_plane(point: ca.SX, normal: ca.SX, rim: Rim) -> ContactPoint:
-    """The point of a rim farthest against a normal; the centre of a rim parallel to the plane."""
+    """The point of a rim farthest against a normal; one of a rim parallel to the plane."""
     across = normal - ca.dot(normal, rim.outward) * rim.outward
-    across = across / ca.sqrt(ca.sumsqr(across) + NO_LENGTH**2)
+    other = ca.if_else(ca.fabs(rim.outward[0]) < SLANTED, ca.SX([1, 0, 0]), ca.SX([0, 1, 0]))
+    level = other - ca.dot(other, rim.outward) * rim.outward
+    across = ca.if_else(ca.sumsqr(across) > LEVEL**2, across, level)
+    across /= ca.norm_2(across)
     across -= ca.dot(across, rim.outward) * rim.outward  # rounding, of a rim parallel to the plane
     lowest = rim.center - rim.radius * across
     return contact_at_wall(point, normal, lowest, ca.SX(0))

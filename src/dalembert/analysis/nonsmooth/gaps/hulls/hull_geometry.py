@@ -65,6 +65,7 @@ class HullGeometry:
         self.hulls, self.dimension = [solid.hull for _, solid in hulls], element.dimension
         self.boundaries = [boundary for _, boundary in boundaries]
         self._groups, self._laws = element.group_of(self.shapes), element.laws
+        self._has_force = np.array([law is not None for law in element.force_laws])
         self.starts = np.cumsum([0, *(len(hull.corners) for hull in self.hulls)])
         self._edge_starts = np.cumsum([0, *(len(hull.edges) for hull in self.hulls)])
         self._face_starts = np.cumsum([0, *(len(hull.faces) for hull in self.hulls)])
@@ -166,6 +167,16 @@ class HullGeometry:
         """(n,) numbers of the laws of pairs of shapes."""
         numbers: np.ndarray = self._laws[self._groups[first], self._groups[second]]
         return numbers
+
+    def compliant(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """(n,) mask of pairs of shapes with a force law."""
+        mask: np.ndarray = self._has_force[self.law(first, second)]
+        return mask
+
+    @property
+    def has_compliant_ends(self) -> bool:
+        """Whether there are cylinders and force laws."""
+        return bool(self.flat_ends.any() and self._has_force.any())
 
     def reach(self, arms: np.ndarray, moved: np.ndarray) -> float:
         """Largest distance that two shapes cover by displacements of their twists.

@@ -11,6 +11,7 @@ from dalembert.analysis.nonsmooth.gaps.cylinders.cylinder_pairs import (
     features_of_cylinders,
 )
 from dalembert.analysis.nonsmooth.gaps.cylinders.cylinders import Cylinders
+from dalembert.analysis.nonsmooth.gaps.cylinders.standing_ends import on_points_alone
 from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
 from dalembert.analysis.nonsmooth.gaps.hulls.compiled_features import CompiledFeatures
 from dalembert.analysis.nonsmooth.gaps.hulls.feature_pairs import EvaluatePairs, Pairs, some_pairs
@@ -53,7 +54,10 @@ class HullSearch:
         hulls = self._hulls(at, reach, evaluate)
         if self._end.any():
             hulls = [self._outlines.touching(pairs, at, evaluate) for pairs in hulls]
-        return [*self._walls(at, reach), *hulls, *on_terrain]
+        listed = [*self._walls(at, reach), *hulls, *on_terrain]
+        if self.geometry.has_compliant_ends:
+            listed = on_points_alone(listed, self.geometry.flat_ends, self.geometry.compliant)
+        return [pairs for pairs in listed if pairs.first.size]
 
     def _may_touch(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """Mask of pairs of shapes that may touch, not both of balls, nor corners of boundaries and
