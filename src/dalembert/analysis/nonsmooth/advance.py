@@ -124,6 +124,8 @@ def _closed(
         held = resting & (opens <= step.rounding)
         keys = np.union1d(step.closed(at_end).key, near.key[held])
         keys = keys[~np.isin(keys, contacts.key)]
+        if not keys.size:
+            break
         added = near.some(np.isin(near.key, keys))
         if not added.count:
             added = step.starting(start, keys)

@@ -12,7 +12,7 @@ import scipy
 from dalembert.analysis.nonsmooth.saddle import Entries, SaddlePattern, saddle, stored_entries
 from dalembert.errors import SingularityError
 from dalembert.integrators.contact.block_ordering import BlockOrderings
-from dalembert.integrators.contact.delassus import Delassus
+from dalembert.integrators.contact.delassus import DENSE, Delassus
 from dalembert.sparse.factorise import general_factors
 from dalembert.symbolic.evaluation.kernel import Matrix
 
@@ -216,11 +216,11 @@ class Mobility:
         return np.linalg.inv(blocks)
 
 
-def delassus(directions: Matrix, mobility: Mobility) -> np.ndarray | Delassus:
-    """``W A⁻¹ Wᵀ``, as an operator if the directions are sparse."""
+def delassus(directions: Matrix, mobility: Mobility) -> Delassus:
+    """``W A⁻¹ Wᵀ``; directions that are arrays are compressed by rows for many contacts."""
+    if isinstance(directions, np.ndarray) and directions.shape[0] > DENSE:
+        directions = scipy.sparse.csr_array(directions)
     responses = mobility.responses(directions)
-    if not scipy.sparse.issparse(directions):
-        return np.asarray(directions @ responses.T)
     none = np.zeros(directions.shape[0])
     matrices = mobility.matrix, mobility.joints
     orderings = mobility.coupling.orderings

@@ -78,7 +78,10 @@ class Approach:
     @cached_property
     def nearby(self) -> np.ndarray:
         """(n,) largest change of a normal speed by forces in the step at the same bodies [m/s]."""
-        return largest_nearby(self.contacts.directions, np.abs(self._change))
+        change, contacts = np.abs(self._change), self.contacts
+        if isinstance(contacts.directions, np.ndarray):
+            return largest_moving(contacts.moved_speeds, change)
+        return largest_nearby(contacts.directions, change)
 
     @cached_property
     def fast(self) -> np.ndarray:
@@ -126,6 +129,12 @@ class Approach:
             return newton
         limited = np.clip(self.struck[:, 0], 0.0, np.maximum(-before, 0.0))
         return np.where(self.hit, limited, newton)
+
+
+def largest_moving(moved: np.ndarray, change: np.ndarray) -> np.ndarray:
+    """``largest_nearby`` of contacts whose bodies have the speeds ``moved`` (n, n_v), a mask."""
+    of_speeds = np.where(moved, change[:, None], 0.0).max(axis=0, initial=0.0)
+    return np.maximum(change, np.where(moved, of_speeds, 0.0).max(axis=1, initial=0.0))
 
 
 def largest_nearby(directions: scipy.sparse.csr_array, change: np.ndarray) -> np.ndarray:

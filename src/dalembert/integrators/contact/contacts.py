@@ -16,7 +16,7 @@ import numpy as np
 import scipy
 
 from dalembert.integrators.contact.contact_laws import ContactLaws, widest_groups
-from dalembert.symbolic.evaluation.kernel import Matrix
+from dalembert.symbolic.evaluation.kernel import Matrix, dense_array
 
 if TYPE_CHECKING:
     from dalembert.integrators.contact.delassus import Delassus
@@ -29,7 +29,8 @@ class Contacts:
     Attributes
     ----------
     distance : (n,) ``g``
-    directions : (n k, n_v) ``W``, so that the relative velocity is ``u = W v + w``
+    directions : (n k, n_v) ``W``, so that the relative velocity is ``u = W v + w``; an array for
+        few speeds, compressed by rows for many
     drift : (n, k) ``w``, from motions prescribed in time [m/s]
     laws : restitution and friction
     groups : widths of the groups of tangential components, as in ``FrictionProblem``
@@ -37,6 +38,8 @@ class Contacts:
     owner : (n,) number of the element of the gap
     turning : (n, k) ``b``, half of the change of ``u`` by that of ``W``, ``w`` in the step [m/s]
     kept : (n,) mask of the gaps that keep their directions at the start of the step
+    moved : (n, n_v) mask of the speeds of the bodies of each gap; None if they are those with
+        stored directions
     """
 
     distance: np.ndarray
@@ -48,6 +51,7 @@ class Contacts:
     owner: np.ndarray
     turning: np.ndarray | float = 0.0
     kept: np.ndarray | bool = False
+    moved: np.ndarray | None = None
 
     @property
     def count(self) -> int:
@@ -87,6 +91,7 @@ class Contacts:
             self.owner[selected],
             self._turnings[selected],
             self.kept_mask[selected],
+            None if self.moved is None else self.moved[selected],
         )
 
     @classmethod
@@ -105,18 +110,31 @@ class Contacts:
         across = [p.directions for p in parts]
         if any(scipy.sparse.issparse(part) for part in across):
             stacked: Matrix = scipy.sparse.csr_array(scipy.sparse.vstack(across))
-        else:
-            stacked = np.vstack(across)
-        return cls(distance, stacked, drift, laws, groups, key, owner, turning, kept)
+            return cls(distance, stacked, drift, laws, groups, key, owner, turning, kept)
+        directions, moved = np.concatenate(across), np.concatenate([p.moved_speeds for p in parts])
+        return cls(distance, directions, drift, laws, groups, key, owner, turning, kept, moved)
+
+    @property
+    def moved_speeds(self) -> np.ndarray:
+        """(n, n_v) ``moved``, or the mask of the speeds with directions that are not zero."""
+        if self.moved is not None:
+            return self.moved
+        acting = dense_array(self.directions) != 0
+        moved: np.ndarray = acting.reshape(*self.drift.shape, acting.shape[1]).any(axis=1)
+        return moved
 
     @property
     def kept_mask(self) -> np.ndarray:
         """(n,) ``kept``."""
-        return np.broadcast_to(self.kept, self.key.shape)
+        if isinstance(self.kept, np.ndarray):
+            return self.kept
+        return np.full(self.key.shape, self.kept)
 
     @property
     def _turnings(self) -> np.ndarray:
-        return np.broadcast_to(self.turning, self.drift.shape)
+        if isinstance(self.turning, np.ndarray):
+            return self.turning
+        return np.full(self.drift.shape, self.turning)
 
     def padded(self, groups: tuple[int, ...]) -> Contacts:
         """The gaps with zeros for the components of wider groups that they lack."""

@@ -113,6 +113,7 @@ class CollisionGaps(GapSource):
             self.groups,
             first * pairs.shapes.positions.shape[0] + second,
             np.zeros(rows.size, dtype=int),
+            moved=pairs.derivatives.moved(rows),
         )
 
     def deepest(self, configuration: Configuration) -> float:

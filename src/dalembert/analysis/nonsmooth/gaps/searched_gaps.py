@@ -152,12 +152,13 @@ class SearchedGaps(GapSource):
         count = distance.size
         return Contacts(
             distance,
-            derivatives.rows(np.arange(count)),
+            derivatives.rows(),
             np.zeros((count, 1 + sum(self.groups))),
             ContactLaws.of(last.at.coefficients[:, number], self.groups, number),
             self.groups,
             key,
             np.zeros(count, dtype=int),
+            moved=derivatives.moved(),
         )
 
     def kind(

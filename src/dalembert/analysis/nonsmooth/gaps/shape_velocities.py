@@ -9,11 +9,13 @@ import casadi as ca
 import numpy as np
 import scipy
 
-from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.evaluation.kernel import Kernel, Matrix
 from dalembert.symbolic.formulas.expression import stack
 
 TWIST = 6
 """Components of a velocity and an angular velocity."""
+DENSE = 100
+"""Upper limit of speeds for which directions of gaps are dense, as handling patterns costs more."""
 
 
 class ShapeVelocities:
@@ -37,6 +39,11 @@ class ShapeVelocities:
         self._sizes = np.bincount(own[0], minlength=self._count)
         first = np.cumsum(self._sizes) - self._sizes
         self._width = int(self._sizes.max(initial=1))
+        self._used = np.arange(self._width) < self._sizes[:, None]
+        self._moved: np.ndarray | None = None
+        if self._speeds <= DENSE:
+            self._moved = np.zeros((self._count, self._speeds), dtype=bool)
+            self._moved[own[0], own[1]] = True
         self._columns = np.zeros((self._count, self._width), dtype=int)
         place = np.arange(own.shape[1]) - first[own[0]]
         self._columns[own[0], place] = own[1]
@@ -73,13 +80,43 @@ class ShapeVelocities:
         self, blocks: np.ndarray, first: np.ndarray, second: np.ndarray, derivatives: np.ndarray
     ) -> GapDerivatives:
         """``W = K J`` of pairs with derivatives ``blocks`` (n, k, 12) by both twists."""
-        own = [
-            blocks[:, :, :TWIST] @ derivatives[first],
-            blocks[:, :, TWIST:] @ derivatives[second],
-        ]
-        inside = np.arange(self._width) < self._sizes[:, None]
-        columns, used = (np.hstack([t[first], t[second]]) for t in (self._columns, inside))
-        return GapDerivatives(np.concatenate(own, axis=2), columns, used, self._speeds)
+        return GapDerivatives(self, blocks, np.stack([first, second], axis=1), derivatives)
+
+    def rows(
+        self, blocks: np.ndarray, shapes: np.ndarray, derivatives: np.ndarray
+    ) -> Matrix:
+        """``W`` (n k, n_v) of pairs of shapes (n, 2), dense for few speeds."""
+        count, components = blocks.shape[:2]
+        by_twists = blocks.reshape(count, components, 2, TWIST).swapaxes(1, 2)
+        values = (by_twists @ derivatives[shapes]).swapaxes(1, 2)
+        columns, used = self._columns[shapes], self._used[shapes]
+        if self._speeds > DENSE:
+            return self._compressed(values, columns, used)
+        row = np.arange(count * components).reshape(count, components, 1, 1)
+        place = row * self._speeds + columns[:, None]
+        size = count * components * self._speeds
+        entries = np.where(used[:, None], values, 0.0)
+        dense = np.bincount(place.ravel(), entries.ravel(), size)  # adds those of equal speeds
+        return dense.reshape(count * components, self._speeds)
+
+    def moved(self, shapes: np.ndarray) -> np.ndarray | None:
+        """(n, n_v) mask of the speeds that move pairs of shapes (n, 2); None for many speeds."""
+        if self._moved is None:
+            return None
+        moved: np.ndarray = self._moved[shapes].any(axis=1)
+        return moved
+
+    def _compressed(
+        self, values: np.ndarray, columns: np.ndarray, used: np.ndarray
+    ) -> scipy.sparse.csr_array:
+        """``W`` compressed by rows, of values (n, k, 2, c) for speeds (n, 2, c)."""
+        count, components = values.shape[:2]
+        starts = np.zeros(count * components + 1, dtype=np.int32)
+        np.cumsum(np.repeat(used.sum(axis=(1, 2)), components), out=starts[1:])
+        inside = np.repeat(used[:, None], components, axis=1)
+        indices = np.repeat(columns[:, None], components, axis=1)[inside].astype(np.int32)
+        shape = count * components, self._speeds
+        return scipy.sparse.csr_array((values[inside], indices, starts), shape=shape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,25 +125,23 @@ class GapDerivatives:
 
     Attributes
     ----------
-    values : (n, k, 2 c)
-    columns : (n, 2 c) numbers of the speeds
-    used : (n, 2 c) False for padding
-    speeds : number of speeds
+    velocities : ShapeVelocities
+    blocks : (n, k, 12) derivatives by both twists
+    shapes : (n, 2) numbers of the shapes
+    derivatives : (s, 6, c) of the twists by the own speeds of the shapes
     """
 
-    values: np.ndarray
-    columns: np.ndarray
-    used: np.ndarray
-    speeds: int
+    velocities: ShapeVelocities
+    blocks: np.ndarray
+    shapes: np.ndarray
+    derivatives: np.ndarray
 
-    def rows(self, selected: np.ndarray) -> scipy.sparse.csr_array:
-        """``W`` (m k, n_v) of selected gaps."""
-        values, used = self.values[selected], self.used[selected]
-        count, components, _ = values.shape
-        starts = np.zeros(count * components + 1, dtype=np.int32)
-        np.cumsum(np.repeat(used.sum(axis=1), components), out=starts[1:])
-        inside = np.repeat(used[:, None], components, axis=1)
-        columns = np.repeat(self.columns[selected][:, None], components, axis=1)
-        indices = columns[inside].astype(np.int32)
-        shape = count * components, self.speeds
-        return scipy.sparse.csr_array((values[inside], indices, starts), shape=shape)
+    def rows(self, selected: np.ndarray | slice = slice(None)) -> Matrix:
+        """``W`` (m k, n_v) of selected gaps, of all by default."""
+        blocks, shapes = self.blocks[selected], self.shapes[selected]
+        return self.velocities.rows(blocks, shapes, self.derivatives)
+
+    def moved(self, selected: np.ndarray | slice = slice(None)) -> np.ndarray | None:
+        """(m, n_v) mask of the speeds that move the shapes of selected gaps, of all by default;
+        None for many speeds."""
+        return self.velocities.moved(self.shapes[selected])
