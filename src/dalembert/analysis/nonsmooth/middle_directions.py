@@ -63,8 +63,7 @@ def is_same_side(start: Contacts, middle: Contacts, sizes: np.ndarray) -> np.nda
     start, middle : the same gaps at both positions
     sizes : (n_v,) natural displacements
     """
-    normals = np.arange(start.count) * start.drift.shape[1]
-    one, other = (gaps.directions[normals] for gaps in (start, middle))
+    one, other = start.normals, middle.normals
     if isinstance(one, np.ndarray):
         return np.asarray((one * other) @ sizes**2 > 0)
     return np.asarray(scipy.sparse.csr_array(one).multiply(other) @ sizes**2 > 0)

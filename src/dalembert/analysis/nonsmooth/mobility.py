@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
@@ -102,6 +103,22 @@ class Coupling:
         entries = own, (rows, columns)
         return cls(group, position, order[place], sizes[blocked], coupled, orderings, entries)
 
+    @cached_property
+    def free(self) -> np.ndarray:
+        """(n,) mask of the speeds in blocks."""
+        return self.group >= 0
+
+    @cached_property
+    def inside(self) -> np.ndarray:
+        """(groups, w, w) mask of the entries of blocks that are no padding."""
+        inside = np.arange(self.members.shape[1]) < self.sizes[:, None]
+        return np.asarray(inside[:, :, None] & inside[:, None])
+
+    @cached_property
+    def places(self) -> tuple[np.ndarray, np.ndarray]:
+        """Blocks of the speeds in blocks, and their positions in these."""
+        return self.group[self.free], self.position[self.free]
+
     def repeated(self, count: int) -> Coupling:
         """Groups of the speeds of several steps that follow one another, all in blocks."""
         assert not self.coupled.size
@@ -154,10 +171,9 @@ class Mobility:
             return (right.T / self._diagonal).T, np.zeros((m, *shape))
         speeds, coupled = np.zeros(right.shape), self.coupling.coupled
         if self._inverses.size:
-            members, free = self.coupling.members, self.coupling.group >= 0
+            members, free = self.coupling.members, self.coupling.free
             own = self._inverses @ right[members].reshape(*members.shape, -1)
-            own = own[self.coupling.group[free], self.coupling.position[free]]
-            speeds[free] = own.reshape(speeds[free].shape)
+            speeds[free] = own[self.coupling.places].reshape(-1, *shape)
         below = np.zeros((m, *shape)) if below is None else below
         solution = self._factors.solve(np.concatenate([right[coupled], below]))
         speeds[coupled] = solution[: coupled.size]
@@ -208,6 +224,9 @@ class Mobility:
         if not count:
             return blocks
         blocks[:] = np.eye(width)
+        if isinstance(self.matrix, np.ndarray):
+            own = self.matrix[members[:, :, None], members[:, None]]
+            return np.linalg.inv(np.where(self.coupling.inside, own, blocks))
         row, column, value = _entries(self.matrix)
         free = self.coupling.group[row] >= 0
         row, column = row[free], column[free]
@@ -232,9 +251,6 @@ def _columns(pattern: ca.Sparsity) -> np.ndarray:
 
 
 def _entries(matrix: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows, columns and values of the entries that are not zero."""
-    if scipy.sparse.issparse(matrix):
-        entries = matrix.tocoo()
-        return entries.row, entries.col, entries.data
-    row, column = np.nonzero(matrix)
-    return row, column, matrix[row, column]
+    """Rows, columns and values of the entries of a sparse matrix."""
+    entries = matrix.tocoo()
+    return entries.row, entries.col, entries.data

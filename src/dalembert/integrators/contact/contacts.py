@@ -75,6 +75,14 @@ class Contacts:
         """Number of components of the velocities that are not rotations."""
         return 1 + sum(self.groups[:1])
 
+    @property
+    def normals(self) -> Matrix:
+        """(n, n_v) rows of ``W`` along the normals."""
+        width = self.drift.shape[1]
+        if isinstance(self.directions, np.ndarray):
+            return self.directions[::width]
+        return self.directions[np.arange(self.count) * width]
+
     def some(self, selected: np.ndarray) -> Contacts:
         """The selected gaps."""
         if selected.dtype == bool and selected.all():

@@ -144,7 +144,5 @@ def _rebounds(step: ContactStep, record: ContactRecord, k: int) -> Rebounds | No
 
 def effective_masses(contacts: Contacts, mobility) -> np.ndarray:
     """(n,) effective masses along the normals of the gaps [kg]."""
-    width = contacts.drift.shape[1]
-    normals = contacts.directions[np.arange(contacts.count) * width]
-    diagonal = delassus(normals, mobility).diagonal()
+    diagonal = delassus(contacts.normals, mobility).diagonal()
     return np.divide(1.0, diagonal, out=np.zeros_like(diagonal), where=diagonal > 0)

@@ -252,11 +252,13 @@ def collision_gaps(model: Model) -> list[GapSource]:
 
 def _collision_gaps(model: Model, element: Collisions) -> GapSource:
     """Gaps of balls, of other convex shapes and of boundaries where there are any."""
-    balls = [CollisionGaps(model, element)] if element.balls else []
     shapes = any(not isinstance(shape, Round) for shape, _ in element.hulls)
     hulls = [HullGaps(model, element)] if shapes else []
     boundaries = [BoundaryGaps(model, element)] if element.boundaries else []
-    sources: list[GapSource] = [*balls, *hulls, *boundaries]
+    others: list[GapSource] = [*hulls, *boundaries]
+    bodies = {ball.point.body.name for ball in element.balls}
+    meet = len(bodies) > 1 or (bodies and element.walls)  # balls each other, or walls
+    sources = [CollisionGaps(model, element), *others] if meet or not others else others
     return sources[0] if len(sources) == 1 else JoinedGaps(sources)
 
 
