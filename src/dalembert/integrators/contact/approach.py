@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
+from dalembert.integrators.contact.least_speeds import LeastSpeeds
+
 if TYPE_CHECKING:
     from dalembert.integrators.contact.contacts import Contacts
 
@@ -50,7 +52,7 @@ class Approach:
     hit: np.ndarray | bool = False
     rest: float = 0.0
 
-    @property
+    @cached_property
     def fastest(self) -> float:
         """The largest component of a velocity [m/s]."""
         linear = self.contacts.linear
@@ -64,12 +66,12 @@ class Approach:
         offsets[:, 1:linear] = laws.tangential[:, None] * self.before[:, 1:linear]
         return offsets
 
-    @property
+    @cached_property
     def forced(self) -> float:
         """The largest change of a normal velocity by forces in the step [m/s]."""
         return float(np.abs(self._change).max(initial=0.0))
 
-    @property
+    @cached_property
     def _change(self) -> np.ndarray:
         """(n,) change of the normal speeds by forces in the step [m/s]."""
         start = self.before if self.struck is None else self.struck
@@ -96,7 +98,12 @@ class Approach:
         least = np.maximum(slow * self.nearby, SLOWEST * gap / self.h)
         return np.asarray(squared > least**2)
 
-    @property
+    @cached_property
+    def least(self) -> LeastSpeeds:
+        """Minimum normal speeds at the end of the step."""
+        return LeastSpeeds(self)
+
+    @cached_property
     def impacting(self) -> np.ndarray:
         """(n,) mask of the gaps that close faster than forces on their bodies change speeds."""
         return np.asarray((self.before[:, 0] < 0) & self.fast)

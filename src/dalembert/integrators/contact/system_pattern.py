@@ -35,9 +35,7 @@ class SystemPattern:
     place: np.ndarray
 
     @classmethod
-    def of(
-        cls, directions: Rows, inertia: Matrix, joints: Matrix, width: int
-    ) -> SystemPattern:
+    def of(cls, directions: Rows, inertia: Matrix, joints: Matrix, width: int) -> SystemPattern:
         """Pattern for contacts with ``width`` rows of ``W`` each."""
         count, n = directions.shape[0] // width, directions.shape[1]
         size = n + joints.shape[0]

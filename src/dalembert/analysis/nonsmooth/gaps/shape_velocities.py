@@ -82,9 +82,7 @@ class ShapeVelocities:
         """``W = K J`` of pairs with derivatives ``blocks`` (n, k, 12) by both twists."""
         return GapDerivatives(self, blocks, np.stack([first, second], axis=1), derivatives)
 
-    def rows(
-        self, blocks: np.ndarray, shapes: np.ndarray, derivatives: np.ndarray
-    ) -> Matrix:
+    def rows(self, blocks: np.ndarray, shapes: np.ndarray, derivatives: np.ndarray) -> Matrix:
         """``W`` (n k, n_v) of pairs of shapes (n, 2), dense for few speeds."""
         count, components = blocks.shape[:2]
         by_twists = blocks.reshape(count, components, 2, TWIST).swapaxes(1, 2)
