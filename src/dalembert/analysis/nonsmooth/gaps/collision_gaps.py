@@ -30,11 +30,8 @@ from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.evaluation.mapped_kernel import MappedKernel
 from dalembert.symbolic.once import once
-
-SMALLEST = 16
-"""Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
-
 
 class CollisionGaps(GapSource):
     """Gaps of one ``Collisions`` element.
@@ -82,7 +79,13 @@ class CollisionGaps(GapSource):
         number = {name: k for k, name in enumerate(dict.fromkeys(self._names))}
         self.owner = np.array([number[name] for name in self._names])
         self._neighbours = Neighbours(self.owner)
-        self._kernels: dict[tuple[bool, int], Kernel] = {}
+        self._gaps = [
+            MappedKernel(_gap_function(self.dimension, wall, self._turns)) for wall in (False, True)
+        ]
+        self._points = {
+            feature: MappedKernel(gap_function(feature, self.dimension))
+            for feature in (Feature.CORNERS, Feature.WALL)
+        }
         self._last: NearPairs | None = None
 
     def near(self, configuration: Configuration, travels: np.ndarray) -> Contacts:
@@ -184,19 +187,19 @@ class CollisionGaps(GapSource):
     def points(
         self, configuration: Configuration, keys: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        positions, normals, radii, _ = self._geometry(*configuration)
+        shapes = self._shapes(configuration)
         places, directions = super().points(configuration, keys)
-        balls = radii.size
-        for k, key in enumerate(keys):
-            here, there = divmod(int(key), positions.shape[1])
-            other = np.concatenate([positions[:, there], radii[there], positions[:, there]])
-            if here >= balls:
-                feature, own = Feature.WALL, [positions[:, here], normals[:, here - balls], [0.0]]
-            else:
-                feature, own = Feature.CORNERS, [positions[:, here], radii[here]]
-            function = gap_function(feature, self.dimension)
-            out = function(np.concatenate([*own, positions[:, here]]), other)
-            places[k], directions[k] = out[2].full().ravel(), out[3].full()
+        first, second = np.divmod(keys, shapes.positions.shape[0])
+        walls = first >= shapes.radii.size
+        for rows, feature in ((walls, Feature.WALL), (~walls, Feature.CORNERS)):
+            here, there = first[rows], second[rows]
+            position, other = shapes.positions[here].T, shapes.positions[there].T
+            own = [self._own(shapes, here, feature is Feature.WALL)]
+            if feature is Feature.WALL:
+                own.append(np.zeros((1, here.size)))  # its radius
+            columns = [position, *own, position], [other, shapes.radii[None, there], other]
+            results = self._points[feature](*map(np.vstack, columns))
+            places[rows], directions[rows] = results[2][..., 0], results[3]
         return places, directions
 
     def bodies(self, keys: np.ndarray) -> np.ndarray:
@@ -211,21 +214,18 @@ class CollisionGaps(GapSource):
         width = 1 + sum(self.groups)
         if not count:
             return np.zeros(0), np.zeros((0, width, 2 * TWIST))
-        size = SMALLEST << max(0, int(np.ceil(np.log2(count / SMALLEST))))
-        first, second = chosen if size == count else chosen[:, np.arange(size) % count]
-        own = shapes.normals[first - radii.size].T if wall else radii[None, first]
+        first, second = chosen
+        own = self._own(shapes, first, wall)
         here, there = positions[first].T, positions[second].T
-        kernel = self._kernel(wall, size)
-        distance, blocks = kernel(np.vstack([here, own]), np.vstack([there, radii[second]]))
-        blocks = blocks.reshape(width, 2 * TWIST, size, order="F")
-        return distance.ravel()[:count], np.moveaxis(blocks, 2, 0)[:count]
+        columns = np.vstack([here, own]), np.vstack([there, radii[None, second]])
+        distance, blocks = self._gaps[wall](*columns)
+        return distance.ravel(), blocks
 
-    def _kernel(self, wall: bool, size: int) -> Kernel:
-        """Gap function of two balls, or of a wall and a ball, mapped over ``size`` pairs."""
-        if (wall, size) not in self._kernels:
-            function = _gap_function(self.dimension, wall, self._turns)
-            self._kernels[wall, size] = Kernel(function.map(size))
-        return self._kernels[wall, size]
+    @staticmethod
+    def _own(shapes: ShapesAt, first: np.ndarray, wall: bool) -> np.ndarray:
+        """(3, n) normals of walls, or (1, n) radii of balls."""
+        balls = shapes.radii.size
+        return shapes.normals[first - balls].T if wall else shapes.radii[None, first]
 
     @property
     def _turns(self) -> bool:

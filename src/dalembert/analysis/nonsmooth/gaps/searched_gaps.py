@@ -18,10 +18,8 @@ from dalembert.elements.contact.collisions import Collisions
 from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
-from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.evaluation.mapped_kernel import MappedKernel
 
-SMALLEST = 16
-"""Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
 AHEAD = 1.25
 """Reach of a search at a new position, by the largest request at the position before: one search
 suffices for the end of a step and the start of the next one."""
@@ -65,7 +63,7 @@ class SearchedGaps(GapSource):
         self.geometry = HullGeometry(model, element)
         self.speeds = model.all_equations.speed_count
         self._last: LastPosition | None = None
-        self._kernels: dict[tuple[Feature, int], Kernel] = {}
+        self._kernels: dict[Feature, MappedKernel] = {}
 
     @abstractmethod
     def within(self, last: LastPosition) -> list[Contacts]:
@@ -123,17 +121,10 @@ class SearchedGaps(GapSource):
     def evaluate(self, feature: Feature, columns: list[np.ndarray]) -> list[np.ndarray]:
         """(n,) distances, (n, k, 12) derivatives of gap velocities by twists, (n, 3) places and
         (n, 3, k) directions of n pairs of features."""
-        count, k = columns[0].shape[1], self.dimension
-        size = SMALLEST << max(0, int(np.ceil(np.log2(max(count, 1) / SMALLEST))))
-        padded = np.arange(size) % count
-        kernel = self._kernel(feature, size)
-        distance, blocks, place, directions = kernel(*(column[:, padded] for column in columns))
-        return [
-            distance.ravel()[:count],
-            blocks.T.reshape(size, 2 * TWIST, -1)[:count].swapaxes(1, 2),
-            place.T[:count],
-            directions.T.reshape(size, k, 3)[:count].swapaxes(1, 2),
-        ]
+        if feature not in self._kernels:
+            self._kernels[feature] = MappedKernel(self.function(feature))
+        distance, blocks, place, directions = self._kernels[feature](*columns)
+        return [distance.ravel(), blocks, place[..., 0], directions]
 
     def contacts(
         self,
@@ -184,12 +175,6 @@ class SearchedGaps(GapSource):
     def _turns(self) -> bool:
         """Whether there is friction of rotations."""
         return len(self.groups) > 1
-
-    def _kernel(self, feature: Feature, size: int) -> Kernel:
-        """Gap function mapped over ``size`` pairs."""
-        if (feature, size) not in self._kernels:
-            self._kernels[feature, size] = Kernel(self.function(feature).map(size))
-        return self._kernels[feature, size]
 
     def none(self) -> Contacts:
         """No contacts."""

@@ -1,0 +1,43 @@
+"""Functions of columns, evaluated for any number of columns at once."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+
+from dalembert.symbolic.evaluation.kernel import BoundArrays
+
+SMALLEST = 16
+"""Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
+
+
+class MappedKernel:
+    """A function mapped over columns, for numbers of columns that change from call to call.
+
+    Parameters
+    ----------
+    function : of columns, dense in all inputs and outputs
+    """
+
+    def __init__(self, function: ca.Function):
+        self.function = function
+        self._shapes = [function.size_out(i) for i in range(function.n_out())]
+        self._idle: dict[int, list[BoundArrays]] = {}  # that no call uses
+
+    def __call__(self, *columns: np.ndarray) -> list[np.ndarray]:
+        """(n, r, c) results of each output (r, c), for n columns (m, n) of each input."""
+        count = columns[0].shape[1]
+        size = SMALLEST
+        while size < count:
+            size *= 2
+        idle = self._idle.setdefault(size, [])
+        bound = idle.pop() if idle else BoundArrays(self.function.map(size))
+        for own, argument in zip(bound.arguments, columns, strict=True):
+            own.reshape(size, -1)[:count] = argument.T  # the rest is of earlier calls
+        bound.evaluate()
+        results = [
+            result.reshape(size, c, r)[:count].copy().swapaxes(1, 2)
+            for result, (r, c) in zip(bound.results, self._shapes, strict=True)
+        ]
+        idle.append(bound)
+        return results
