@@ -224,7 +224,10 @@ def _added(step: ContactStep, start: StepStart, end: Configuration, contacts: Co
     those that separate the shapes there, or, without any, count if forces can open them.
     """
     keys = step.closed(end).key
-    gaps = step.starting(start, keys[~np.isin(keys, contacts.key)])
+    keys = keys[~np.isin(keys, contacts.key)]
+    if not keys.size:
+        return contacts.some(np.zeros(contacts.count, dtype=bool))
+    gaps = step.starting(start, keys)
     closed = gaps.distance < -step.rounding
     separating = step.separating(step.at(start.t, start.y), end, gaps.key[closed])
     if not separating.size:

@@ -282,10 +282,10 @@ class ContactStep(ModelGaps):
         rounding = STILL * self.solver.newton_tolerance * scale
         static = may_stick(contacts, approach.before, before.stuck if before else none, rounding)
         start, rounds = warm_start(contacts, before, shape), 0
+        rigid = FrictionProblem(matrix, free, laws.friction, contacts.groups, scale)
         for _ in range(ROUNDS):
             offsets[compliant.rows, 0] = compliant.offsets
-            velocity = free + offsets
-            problem = FrictionProblem(matrix, velocity, laws.friction, contacts.groups, scale)
+            problem = rigid.with_velocity(free + offsets)
             if compliant.rows.size:
                 problem = compliant_problem(problem, compliant.compliance)
             state = laws, static, approach.before

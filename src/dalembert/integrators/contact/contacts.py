@@ -111,6 +111,9 @@ class Contacts:
         if any(part.groups != groups for part in parts):
             groups = widest_groups([part.groups for part in parts])
             parts = [part.padded(groups) for part in parts]
+        parts = [part for part in parts if part.count] or parts[:1]
+        if len(parts) == 1:
+            return parts[0]
         rows = [(p.distance, p.drift, p.key, p.owner, p._turnings, p.kept_mask) for p in parts]
         columns = (np.concatenate(column) for column in zip(*rows, strict=True))
         distance, drift, key, owner, turning, kept = columns
@@ -165,6 +168,10 @@ class Contacts:
         )
 
 
+SHARED = "starts", "discs", "mobility", "weights"
+"""Properties of a friction problem that do not depend on its velocity."""
+
+
 @dataclass(frozen=True, eq=False)
 class FrictionProblem:
     """Frictional contact problem; components of each contact are consecutive, normal first.
@@ -203,6 +210,12 @@ class FrictionProblem:
         """Number of components that are not rotations."""
         return 1 + sum(self.groups[:1])
 
+    def with_velocity(self, velocity: np.ndarray) -> FrictionProblem:
+        """The problem with another ``b``, and what follows from the rest."""
+        problem = replace(self, velocity=velocity)
+        problem.__dict__.update((name, getattr(self, name)) for name in SHARED)
+        return problem
+
     @cached_property
     def starts(self) -> np.ndarray:
         """(groups + 1,) first component of each group, and the number of components."""
@@ -232,15 +245,21 @@ class FrictionProblem:
     @cached_property
     def weights(self) -> np.ndarray:
         """(n, k) residual per violation of an impulse; rotations count by their energy [m/s]."""
-        sliding, turning = np.split(self.mobility.copy(), [self.linear], axis=1)
-        sliding[:, 0] -= self.compliance
-        return np.hstack([sliding, np.sqrt(turning * sliding[:, :1])])
+        weights = self.mobility.copy()
+        weights[:, 0] -= self.compliance
+        turning = weights[:, self.linear :]
+        if turning.size:
+            weights[:, self.linear :] = np.sqrt(turning * weights[:, :1])
+        return weights
 
     def size(self, impulses: np.ndarray) -> float:
         """Reference speed: the scale or the largest change of speed of a contact by its impulse."""
         sliding = impulses[:, : self.linear]
-        changes = np.linalg.norm(sliding, axis=1) * (self.mobility[:, 0] - self.compliance)
-        return max(self.scale, float(np.nan_to_num(changes).max(initial=0.0)))
+        changes = lengths_of(sliding) * (self.mobility[:, 0] - self.compliance)
+        largest = float(changes.max(initial=0.0))
+        if not np.isfinite(largest):
+            largest = float(np.nan_to_num(changes).max())
+        return max(self.scale, largest)
 
     def project(self, impulses: np.ndarray, speeds: np.ndarray) -> np.ndarray:
         """``proj(P − ρ u)``: normal part onto ``≥ minimum``, each group onto its disc ``μ P_N``."""
@@ -259,7 +278,16 @@ class FrictionProblem:
 
 def clip_lengths(vectors: np.ndarray, radii: np.ndarray) -> np.ndarray:
     """Vectors shortened to their radii."""
-    lengths = np.linalg.norm(vectors, axis=1)
+    lengths = lengths_of(vectors)
     outside = lengths > radii
+    if not outside.any():
+        return vectors
     factors = np.where(outside, radii / np.where(outside, lengths, 1.0), 1.0)
     return vectors * factors[:, None]
+
+
+def lengths_of(vectors: np.ndarray) -> np.ndarray:
+    """(n,) lengths of vectors (n, k)."""
+    if vectors.shape[1] == 1:
+        return np.abs(vectors[:, 0])
+    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))

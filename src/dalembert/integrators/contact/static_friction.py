@@ -59,8 +59,10 @@ def solve_with_static_friction(
     static : (n,) mask of contacts with static friction at first
     before : (n, k) relative velocities before the step
     """
-    rounds, slips = 0, np.zeros_like(static)
     higher = laws.higher_at_rest
+    if not higher.any():
+        return solver.solve(problem, start), static
+    rounds, slips = 0, np.zeros_like(static)
     while True:
         own = problem
         if static.any():
@@ -69,7 +71,7 @@ def solve_with_static_friction(
             own = replace(problem, friction=friction)
         solution = solver.solve(own, start)
         start, rounds = solution.impulses, rounds + solution.rounds
-        if not higher.any() or not solution.accepted:
+        if not solution.accepted:
             break
         after = problem.speeds(start)[:, 1 : problem.linear]
         turned = (after * before[:, 1 : problem.linear]).sum(axis=1) < 0

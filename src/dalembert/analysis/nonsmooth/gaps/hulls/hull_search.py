@@ -65,6 +65,8 @@ class HullSearch:
 
     def _walls(self, at: Positions, reach: float) -> list[Pairs]:
         """Corners and rims near walls."""
+        if not len(at.walls):
+            return []
         starts, count = self.geometry.starts, len(self.geometry.hulls)
         hull = np.repeat(np.arange(count), np.diff(starts))
         normals, points = at.walls[:, 1], at.walls[:, 0]
