@@ -33,6 +33,7 @@ from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.evaluation.mapped_kernel import MappedKernel
 from dalembert.symbolic.once import once
 
+
 class CollisionGaps(GapSource):
     """Gaps of one ``Collisions`` element.
 
