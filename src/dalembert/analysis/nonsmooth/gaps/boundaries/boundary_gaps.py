@@ -24,6 +24,7 @@ from dalembert.elements.contact.collisions import Collisions
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.evaluation.mapped_kernel import MappedKernel
 
 
 class BoundaryGaps(SearchedGaps):
@@ -60,6 +61,9 @@ class BoundaryGaps(SearchedGaps):
         e = model.all_equations
         self._values = Kernel(ca.Function("values", [e.t, e.y, e.p], [self.formulas.geometry]))
         self._functions: dict[tuple[int, ...], ca.Function] = {}
+        self._mapped: dict[ca.Function, MappedKernel] = {}
+        self._last_listed: tuple[np.ndarray, list[GapKind], tuple[np.ndarray, np.ndarray]] | None
+        self._last_listed = None
         self._placed: tuple[Positions, PlacedBoundaries] | None = None
 
     def within(self, last: LastPosition) -> list[Contacts]:
@@ -91,17 +95,18 @@ class BoundaryGaps(SearchedGaps):
         if not keys.size:
             return self.none()
         values = self._values(*configuration)[0].ravel()
-        first, second = self.shapes_of(keys)
-        distance, blocks = np.zeros(keys.size), list[np.ndarray]()
-        kinds = self.kinds(keys)
+        if self._last_listed is None or not np.array_equal(keys, self._last_listed[0]):
+            self._last_listed = keys.copy(), self.kinds(keys), self.shapes_of(keys)
+        kinds, shapes = self._last_listed[1:]
+        distance = np.zeros(keys.size)
+        blocks = np.zeros((keys.size, 1 + sum(self.groups), 2 * TWIST))
         for kind in kinds:
-            results = kind.function.call([ca.DM(values[entries].T) for entries in kind.arguments])
-            distance[kind.row] = results[0].full().ravel()
-            own = results[1].full().T.reshape(kind.row.size, 2 * TWIST, -1).swapaxes(1, 2)
-            blocks.append(own)
-        order = np.argsort(np.concatenate([kind.row for kind in kinds]))
-        gaps = first, second, distance, np.concatenate(blocks)[order], keys
-        return self.contacts(self.position(configuration), *gaps)
+            if kind.function not in self._mapped:
+                self._mapped[kind.function] = MappedKernel(kind.function)
+            columns = (values[entries].T for entries in kind.arguments)
+            gaps, derivatives, *_ = self._mapped[kind.function](*columns)
+            distance[kind.row], blocks[kind.row] = gaps.ravel(), derivatives
+        return self.contacts(self.position(configuration), *shapes, distance, blocks, keys)
 
     def leaving(self, start: Configuration, end: Configuration, keys: np.ndarray) -> np.ndarray:
         touch, first, second, own, other = self._parts(keys)
