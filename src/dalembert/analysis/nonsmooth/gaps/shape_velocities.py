@@ -15,11 +15,14 @@ from dalembert.symbolic.formulas.expression import stack
 TWIST = 6
 """Components of a velocity and an angular velocity."""
 DENSE = 100
-"""Upper limit of speeds for which directions of gaps are dense, as handling patterns costs more."""
+"""Upper limit of speeds for which directions of gaps are arrays, as handling patterns costs more."""
+MOST = 20_000
+"""Upper limit of pairs of a shape and a speed for the same."""
 
 
 class ShapeVelocities:
-    """``J`` of all shapes, each with the columns of its own speeds.
+    """``J`` of all shapes, each with the columns of its own speeds, or of all speeds if these are
+    few.
 
     Parameters
     ----------
@@ -35,28 +38,34 @@ class ShapeVelocities:
         column = np.repeat(np.arange(speeds.numel()), np.diff(starts))
         shape, self._count = row // TWIST, moving.numel() // TWIST
         self._speeds = speeds.numel()
-        own = np.unique(np.stack([shape, column]), axis=1)
-        self._sizes = np.bincount(own[0], minlength=self._count)
-        first = np.cumsum(self._sizes) - self._sizes
-        self._width = int(self._sizes.max(initial=1))
-        self._used = np.arange(self._width) < self._sizes[:, None]
-        self._moved: np.ndarray | None = None
-        if self._speeds <= DENSE:
-            self._moved = np.zeros((self._count, self._speeds), dtype=bool)
-            self._moved[own[0], own[1]] = True
-        self._columns = np.zeros((self._count, self._width), dtype=int)
-        place = np.arange(own.shape[1]) - first[own[0]]
-        self._columns[own[0], place] = own[1]
-        order = {(int(s), int(c)): int(k) for s, c, k in zip(*own, place, strict=True)}
-        within = [order[int(s), int(c)] for s, c in zip(shape, column, strict=True)]
-        self._places = shape, row % TWIST, np.array(within, dtype=int)
+        self._dense = self._speeds <= DENSE and self._count * self._speeds <= MOST
+        moved = np.zeros((self._count, self._speeds), dtype=bool) if self._dense else None
+        if moved is not None:
+            moved[shape, column] = True
+            self._width, within = self._speeds, column
+        else:
+            within = self._own_columns(shape, column)
+        self._moved, self._places = moved, (shape, row % TWIST, within)
         entries = ca.densify(stack(jacobian.nonzeros()))  # type: ignore[arg-type]
         self._entries = Kernel(ca.Function("velocities", list(inputs), [entries]))
         fixed = not ca.depends_on(entries, ca.vertcat(*inputs))
         self._constant = self._assembled(self._entries(*([0.0] * len(inputs)))) if fixed else None
 
+    def _own_columns(self, shape: np.ndarray, column: np.ndarray) -> np.ndarray:
+        """Places of entries among the speeds of their shapes, which are listed."""
+        own = np.unique(np.stack([shape, column]), axis=1)
+        sizes = np.bincount(own[0], minlength=self._count)
+        self._width = int(sizes.max(initial=1))
+        self._used = np.arange(self._width) < sizes[:, None]
+        self._columns = np.zeros((self._count, self._width), dtype=int)
+        place = np.arange(own.shape[1]) - (np.cumsum(sizes) - sizes)[own[0]]
+        self._columns[own[0], place] = own[1]
+        order = {(int(s), int(c)): int(k) for s, c, k in zip(*own, place, strict=True)}
+        within = [order[int(s), int(c)] for s, c in zip(shape, column, strict=True)]
+        return np.array(within, dtype=int)
+
     def __call__(self, *arguments) -> np.ndarray:
-        """(n, 6, c) derivatives of the twists by the own speeds of the shapes."""
+        """(n, 6, c) derivatives of the twists by the own speeds of the shapes, or by all."""
         if self._constant is not None:
             return self._constant
         return self._assembled(self._entries(*arguments))
@@ -73,7 +82,7 @@ class ShapeVelocities:
 
     def displacements(self, derivatives: np.ndarray, travels: np.ndarray) -> np.ndarray:
         """(n, 6, m) displacements and rotations of the shapes by those of the bodies."""
-        moved: np.ndarray = derivatives @ travels[self._columns]
+        moved: np.ndarray = derivatives @ (travels if self._dense else travels[self._columns])
         return moved
 
     def gap_derivatives(
@@ -85,17 +94,13 @@ class ShapeVelocities:
     def rows(self, blocks: np.ndarray, shapes: np.ndarray, derivatives: np.ndarray) -> Matrix:
         """``W`` (n k, n_v) of pairs of shapes (n, 2), dense for few speeds."""
         count, components = blocks.shape[:2]
+        own = derivatives[shapes]
+        if self._dense:
+            rows = blocks @ own.reshape(count, 2 * TWIST, self._speeds)
+            return rows.reshape(count * components, self._speeds)
         by_twists = blocks.reshape(count, components, 2, TWIST).swapaxes(1, 2)
-        values = (by_twists @ derivatives[shapes]).swapaxes(1, 2)
-        columns, used = self._columns[shapes], self._used[shapes]
-        if self._speeds > DENSE:
-            return self._compressed(values, columns, used)
-        row = np.arange(count * components).reshape(count, components, 1, 1)
-        place = row * self._speeds + columns[:, None]
-        size = count * components * self._speeds
-        entries = np.where(used[:, None], values, 0.0)
-        dense = np.bincount(place.ravel(), entries.ravel(), size)  # adds those of equal speeds
-        return dense.reshape(count * components, self._speeds)
+        values = (by_twists @ own).swapaxes(1, 2)
+        return self._compressed(values, self._columns[shapes], self._used[shapes])
 
     def moved(self, shapes: np.ndarray) -> np.ndarray | None:
         """(n, n_v) mask of the speeds that move pairs of shapes (n, 2); None for many speeds."""
@@ -126,7 +131,7 @@ class GapDerivatives:
     velocities : ShapeVelocities
     blocks : (n, k, 12) derivatives by both twists
     shapes : (n, 2) numbers of the shapes
-    derivatives : (s, 6, c) of the twists by the own speeds of the shapes
+    derivatives : (s, 6, c) of the twists by the speeds of the shapes
     """
 
     velocities: ShapeVelocities
