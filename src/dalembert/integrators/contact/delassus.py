@@ -23,7 +23,7 @@ DENSE = 100
 SMALL = 20_000
 """Upper limit of entries below which products of dense matrices are cheaper than sparse ones."""
 
-SHARED = "_own", "_product", "compressed"
+SHARED = "_own", "product", "compressed"
 """Properties of an operator that do not depend on its shift; the last ones of arrays."""
 
 
@@ -60,13 +60,13 @@ class Delassus:
         """The matrix of few contacts; None for more."""
         if self.shift.size > DENSE:
             return None
-        matrix = self._product.copy()
+        matrix = self.product.copy()
         matrix[np.diag_indices_from(matrix)] += self.shift
         return matrix
 
     @cached_property
-    def _product(self) -> np.ndarray:
-        """(r, r) ``H``."""
+    def product(self) -> np.ndarray:
+        """(r, r) ``H``, without the shift."""
         return dense_array(self.directions @ self.responses.T)
 
     @cached_property
@@ -83,7 +83,7 @@ class Delassus:
 
     def __matmul__(self, impulses: np.ndarray) -> np.ndarray:
         if self.is_dense:
-            return np.asarray(self._product @ impulses + self.shift * impulses)
+            return np.asarray(self.product @ impulses + self.shift * impulses)
         return np.asarray(self.directions @ self.response(impulses) + self.shift * impulses)
 
     def response(self, impulses: np.ndarray) -> np.ndarray:
@@ -103,7 +103,7 @@ class Delassus:
         """(r,) diagonal of ``H``."""
         w, x = self.directions, self.responses
         if self.is_dense:
-            return self._product.diagonal()
+            return self.product.diagonal()
         if np.array_equal(w.indices, x.indices):
             row = np.repeat(np.arange(self.shift.size), np.diff(w.indptr))
             return np.bincount(row, w.data * x.data, self.shift.size)
