@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -21,6 +22,7 @@ WIDEST = 6
 """Largest number of coupled speeds without joints whose matrix is inverted as a block."""
 PATTERNS = 3
 """Upper limit of the stored patterns of matrices: those of steps, and of mass alone."""
+SINGULAR = "inertia and joints of a step have no solution; look for a singular position"
 COLUMNS = 256
 """Right-hand sides solved at once with the factors of coupled bodies."""
 
@@ -147,7 +149,7 @@ class Mobility:
     """
 
     def __init__(self, matrix: Matrix, joints: Matrix, coupling: Coupling):
-        self.matrix, self.joints, self.coupling = matrix, joints, coupling
+        self.matrix, self.coupling = matrix, coupling
         self.plain = not coupling.coupled.size and coupling.members.shape[1] == 1
         try:
             if self.plain:
@@ -156,10 +158,24 @@ class Mobility:
                     raise np.linalg.LinAlgError("singular")
             else:
                 self._inverses = self._inverted()
-                self._factors = general_factors(coupling.saddle(matrix, joints))
         except np.linalg.LinAlgError:
-            text = "inertia and joints of a step have no solution; look for a singular position"
-            raise SingularityError(text) from None
+            raise SingularityError(SINGULAR) from None
+        self._constrain(joints)
+
+    def with_joints(self, joints: Matrix) -> Mobility:
+        """The solution with other constraints of the same speeds."""
+        mobility = copy(self)
+        mobility._constrain(joints)
+        return mobility
+
+    def _constrain(self, joints: Matrix) -> None:
+        self.joints = joints
+        if self.plain:
+            return
+        try:
+            self._factors = general_factors(self.coupling.saddle(self.matrix, joints))
+        except np.linalg.LinAlgError:
+            raise SingularityError(SINGULAR) from None
 
     def __call__(
         self, right: np.ndarray, below: np.ndarray | None = None
@@ -226,6 +242,8 @@ class Mobility:
         blocks[:] = np.eye(width)
         if isinstance(self.matrix, np.ndarray):
             own = self.matrix[members[:, :, None], members[:, None]]
+            if width == 1 and own.all():
+                return 1.0 / own
             return np.linalg.inv(np.where(self.coupling.inside, own, blocks))
         row, column, value = _entries(self.matrix)
         free = self.coupling.group[row] >= 0

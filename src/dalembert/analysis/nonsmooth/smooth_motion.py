@@ -234,7 +234,7 @@ class SmoothMotion:
             momentum = start.h * force
             if self._reacts:
                 momentum = momentum + (matrix - start.mass) @ (after - start.v)
-        mobility = Mobility(matrix, joints, self.coupling)
+        mobility = start.free.mobility.with_joints(joints)
         rates = -2 * (still + open_by / start.h + joints @ start.v)
         change, multiplier = mobility(momentum, rates)
         return FreeMotion(start.v + change, multiplier, mobility)

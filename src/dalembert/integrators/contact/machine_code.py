@@ -135,7 +135,9 @@ def _calls_of_all(text: str) -> str:
 
 def problem_arrays(problem: FrictionProblem, operator: Delassus) -> list[np.ndarray]:
     """Contiguous arrays of numbers of a friction problem and its operator."""
-    minimum = np.broadcast_to(problem.minimum, problem.shape[:1])
+    minimum = problem.minimum
+    if not isinstance(minimum, np.ndarray):
+        minimum = np.full(problem.shape[0], minimum)
     arrays = [*(part.data for part in operator.compressed), problem.velocity]
     arrays += [problem.friction, minimum, problem.mobility, problem.weights, operator.shift]
     return [np.ascontiguousarray(array, dtype=float) for array in arrays]
