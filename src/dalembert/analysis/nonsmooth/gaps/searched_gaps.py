@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -25,25 +27,62 @@ AHEAD = 1.25
 suffices for the end of a step and the start of the next one."""
 
 
+class EvaluatedGaps(NamedTuple):
+    """Gaps of pairs of shapes.
+
+    Attributes
+    ----------
+    first, second : (n,) numbers of the shapes
+    distance : (n,)
+    blocks : (n, k, 12) derivatives of gap velocities by both twists
+    key : (n,)
+    """
+
+    first: np.ndarray
+    second: np.ndarray
+    distance: np.ndarray
+    blocks: np.ndarray
+    key: np.ndarray
+
+    def some(self, selected: np.ndarray) -> EvaluatedGaps:
+        """The selected gaps."""
+        if selected.all():
+            return self
+        return EvaluatedGaps(*(column[selected] for column in self))
+
+    @classmethod
+    def joined(cls, parts: list[EvaluatedGaps]) -> EvaluatedGaps:
+        """Gaps of several kinds."""
+        if len(parts) == 1:
+            return parts[0]
+        return cls(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
 @dataclass(eq=False)
 class LastPosition:
     """Gaps at one position.
 
     Attributes
     ----------
+    geometry : of the shapes
     configuration : of the position
-    at, velocities : positions and velocities of the shapes
+    at : positions of the shapes
     reach : distance within which gaps are evaluated; at first that of the position before
     requested : largest distance of a request
-    contacts : the gaps; None before the first request
+    gaps : those within ``reach``; None before the first request
     """
 
+    geometry: HullGeometry
     configuration: Configuration
     at: Positions
-    velocities: np.ndarray
     reach: float
     requested: float = 0.0
-    contacts: Contacts | None = None
+    gaps: EvaluatedGaps | None = None
+
+    @cached_property
+    def velocities(self) -> np.ndarray:
+        """Derivatives of the twists of the shapes by speeds."""
+        return self.geometry.velocities(*self.configuration)
 
 
 class SearchedGaps(GapSource):
@@ -66,7 +105,7 @@ class SearchedGaps(GapSource):
         self._kernels: dict[Feature, MappedKernel] = {}
 
     @abstractmethod
-    def within(self, last: LastPosition) -> list[Contacts]:
+    def within(self, last: LastPosition) -> list[EvaluatedGaps]:
         """All gaps within ``last.reach``."""
 
     @abstractmethod
@@ -91,20 +130,21 @@ class SearchedGaps(GapSource):
         last = self._last = self.position(configuration)
         moved = self.geometry.velocities.displacements(last.velocities, travels)
         reach = self.geometry.reach(self.arms(last.at), moved)
-        contacts = self._searched(last, reach)
-        return contacts.some(contacts.distance <= reach)
+        gaps = self._searched(last, reach)
+        near = gaps.distance <= reach
+        return self.contacts(last, gaps.some(near)) if near.any() else self.none()
 
     def deepest(self, configuration: Configuration) -> float:
         last = self._last = self.position(configuration)
         return float(self._searched(last, 0.0).distance.min(initial=0.0))
 
-    def _searched(self, last: LastPosition, reach: float) -> Contacts:
+    def _searched(self, last: LastPosition, reach: float) -> EvaluatedGaps:
         """Gaps at a position, which include all within reach."""
-        if last.contacts is None or reach > last.reach:
+        if last.gaps is None or reach > last.reach:
             last.reach = max(last.reach, reach)
-            last.contacts = Contacts.joined(self.within(last) or [self.none()])
+            last.gaps = EvaluatedGaps.joined(self.within(last) or [self._no_gaps])
         last.requested = max(last.requested, reach)
-        return last.contacts
+        return last.gaps
 
     def position(self, configuration: Configuration) -> LastPosition:
         """The last position if it is this one, else a new one."""
@@ -112,11 +152,10 @@ class SearchedGaps(GapSource):
         if last is not None and configuration.equals(last.configuration):
             return last
         at = self.geometry.positions(configuration)
-        velocities = self.geometry.velocities(*configuration)
         ahead = 0.0
         if last is not None:
             ahead = AHEAD * last.requested or last.reach
-        return LastPosition(configuration.copy(), at, velocities, ahead)
+        return LastPosition(self.geometry, configuration.copy(), at, ahead)
 
     def evaluate(self, feature: Feature, columns: list[np.ndarray]) -> list[np.ndarray]:
         """(n,) distances, (n, k, 12) derivatives of gap velocities by twists, (n, 3) places and
@@ -126,16 +165,9 @@ class SearchedGaps(GapSource):
         distance, blocks, place, directions = self._kernels[feature](*columns)
         return [distance.ravel(), blocks, place[..., 0], directions]
 
-    def contacts(
-        self,
-        last: LastPosition,
-        first: np.ndarray,
-        second: np.ndarray,
-        distance: np.ndarray,
-        blocks: np.ndarray,
-        key: np.ndarray,
-    ) -> Contacts:
-        """Contacts of pairs of shapes with evaluated gaps."""
+    def contacts(self, last: LastPosition, gaps: EvaluatedGaps) -> Contacts:
+        """Contacts of evaluated gaps."""
+        first, second, distance, blocks, key = gaps
         number = self.geometry.law(first, second)
         derivatives = self.geometry.velocities.gap_derivatives(
             blocks, first, second, last.velocities
@@ -175,6 +207,11 @@ class SearchedGaps(GapSource):
     def _turns(self) -> bool:
         """Whether there is friction of rotations."""
         return len(self.groups) > 1
+
+    @cached_property
+    def _no_gaps(self) -> EvaluatedGaps:
+        none, blocks = np.zeros(0, dtype=int), np.zeros((0, 1 + sum(self.groups), 2 * TWIST))
+        return EvaluatedGaps(none, none, np.zeros(0), blocks, none)
 
     def none(self) -> Contacts:
         """No contacts."""

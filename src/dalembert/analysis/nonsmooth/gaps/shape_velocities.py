@@ -15,7 +15,7 @@ from dalembert.symbolic.formulas.expression import stack
 TWIST = 6
 """Components of a velocity and an angular velocity."""
 DENSE = 100
-"""Upper limit of speeds for which directions of gaps are arrays, as handling patterns costs more."""
+"""Upper limit of speeds for which directions of gaps are arrays: handling patterns costs more."""
 MOST = 20_000
 """Upper limit of pairs of a shape and a speed for the same."""
 

@@ -18,7 +18,11 @@ from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapFormulas, GapKind
 from dalembert.analysis.nonsmooth.gaps.hulls.outline_corners import OutlineCorners
 from dalembert.analysis.nonsmooth.gaps.positions import Positions
-from dalembert.analysis.nonsmooth.gaps.searched_gaps import LastPosition, SearchedGaps
+from dalembert.analysis.nonsmooth.gaps.searched_gaps import (
+    EvaluatedGaps,
+    LastPosition,
+    SearchedGaps,
+)
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.integrators.contact.contacts import Contacts
@@ -66,7 +70,7 @@ class BoundaryGaps(SearchedGaps):
         self._last_listed = None
         self._placed: tuple[Positions, PlacedBoundaries] | None = None
 
-    def within(self, last: LastPosition) -> list[Contacts]:
+    def within(self, last: LastPosition) -> list[EvaluatedGaps]:
         parts = []
         search = BoundarySearch(
             self.geometry,
@@ -78,10 +82,8 @@ class BoundaryGaps(SearchedGaps):
         for feet in search.feet():
             if feet.first.size:
                 gaps = self.evaluate(Feature.WALL, self._columns(feet, last.at))
-                near = gaps[0] <= last.reach
-                feet, distance, blocks = feet.some(near), gaps[0][near], gaps[1][near]
-                columns = feet.first, feet.second, distance, blocks, self._keys(feet)
-                parts.append(self.contacts(last, *columns))
+                columns = feet.first, feet.second, *gaps[:2], self._keys(feet)
+                parts.append(EvaluatedGaps(*columns).some(gaps[0] <= last.reach))
         return parts
 
     def arms(self, at: Positions) -> np.ndarray:
@@ -106,7 +108,8 @@ class BoundaryGaps(SearchedGaps):
             columns = (values[entries].T for entries in kind.arguments)
             gaps, derivatives, *_ = self._mapped[kind.function](*columns)
             distance[kind.row], blocks[kind.row] = gaps.ravel(), derivatives
-        return self.contacts(self.position(configuration), *shapes, distance, blocks, keys)
+        gaps = EvaluatedGaps(*shapes, distance, blocks, keys)
+        return self.contacts(self.position(configuration), gaps)
 
     def leaving(self, start: Configuration, end: Configuration, keys: np.ndarray) -> np.ndarray:
         touch, first, second, own, other = self._parts(keys)

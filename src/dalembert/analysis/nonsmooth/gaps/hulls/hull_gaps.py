@@ -19,7 +19,11 @@ from dalembert.analysis.nonsmooth.gaps.hulls.feature_columns import FeatureColum
 from dalembert.analysis.nonsmooth.gaps.hulls.feature_pairs import Pairs, some_pairs
 from dalembert.analysis.nonsmooth.gaps.hulls.hull_search import HullSearch
 from dalembert.analysis.nonsmooth.gaps.positions import Positions
-from dalembert.analysis.nonsmooth.gaps.searched_gaps import LastPosition, SearchedGaps
+from dalembert.analysis.nonsmooth.gaps.searched_gaps import (
+    EvaluatedGaps,
+    LastPosition,
+    SearchedGaps,
+)
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
@@ -62,13 +66,13 @@ class HullGaps(SearchedGaps):
         self._first = np.cumsum([0, *self.geometry.feature_counts])
         self._last_listed: ListedFeatures | None = None
 
-    def within(self, last: LastPosition) -> list[Contacts]:
+    def within(self, last: LastPosition) -> list[EvaluatedGaps]:
         near = self._search(last.at, last.reach, partial(self._normals, last.at))
         pairs = [part for part in map(self._with_ends, near) if part.first.size]
         if not pairs:
             return []
-        gaps = self._gaps(pairs, last.at)
-        return [self.contacts(last, *(column[gaps[2] <= last.reach] for column in gaps))]
+        gaps = EvaluatedGaps.joined([self._gaps(part, last.at) for part in pairs])
+        return [gaps.some(gaps.distance <= last.reach)]
 
     def _with_ends(self, pairs: Pairs) -> Pairs:
         """The pairs without corners of endless shapes."""
@@ -88,7 +92,8 @@ class HullGaps(SearchedGaps):
         distance, blocks = gaps[0]
         if listed.order is not None:
             distance, blocks = (np.concatenate(g)[listed.order] for g in zip(*gaps, strict=True))
-        return self.contacts(position, listed.first, listed.second, distance, blocks, keys)
+        shapes = listed.first, listed.second
+        return self.contacts(position, EvaluatedGaps(*shapes, distance, blocks, keys))
 
     def _listed(self, keys: np.ndarray) -> ListedFeatures:
         """Features of gaps with some keys; those of the last call if these are the same."""
@@ -160,15 +165,10 @@ class HullGaps(SearchedGaps):
         return places, directions
 
     # gaps of pairs -------------------------------------------------------------------------------
-    def _gaps(self, parts: list[Pairs], at: Positions) -> list[np.ndarray]:
-        """Shapes of pairs, their distances, the derivatives of their velocities, and keys."""
-        gaps = [
-            (pairs.first, pairs.second, *self._evaluate(pairs, at)[:2], self._keys(pairs))
-            for pairs in parts
-        ]
-        if len(gaps) == 1:
-            return list(gaps[0])
-        return [np.concatenate(column) for column in zip(*gaps, strict=True)]
+    def _gaps(self, pairs: Pairs, at: Positions) -> EvaluatedGaps:
+        """Gaps of pairs."""
+        evaluated = self._evaluate(pairs, at)[:2]
+        return EvaluatedGaps(pairs.first, pairs.second, *evaluated, self._keys(pairs))
 
     def _evaluate(self, pairs: Pairs, at: Positions) -> list[np.ndarray]:
         return self._evaluated(pairs.feature, self.geometry.columns(pairs), at)
