@@ -20,6 +20,7 @@ from dalembert.analysis.nonsmooth.gaps.hulls.hull_gaps import HullGaps
 from dalembert.analysis.nonsmooth.gaps.joined_gaps import JoinedGaps
 from dalembert.analysis.nonsmooth.gaps.near_pairs import NearPairs, ShapesAt
 from dalembert.analysis.nonsmooth.gaps.neighbours import Neighbours
+from dalembert.analysis.nonsmooth.gaps.recent_positions import RecentPositions
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST, ShapeVelocities
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact_point import contact_at_wall, contact_of_balls
@@ -32,6 +33,9 @@ from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.evaluation.mapped_kernel import MappedKernel
 from dalembert.symbolic.once import once
+
+AHEAD = 1.25
+"""Reach of a search beyond the largest request: it suffices for faster bodies in the next steps."""
 
 
 class CollisionGaps(GapSource):
@@ -87,13 +91,13 @@ class CollisionGaps(GapSource):
             feature: MappedKernel(gap_function(feature, self.dimension))
             for feature in (Feature.CORNERS, Feature.WALL)
         }
-        self._last: NearPairs | None = None
+        self._recent = RecentPositions[NearPairs]()
 
     def near(self, configuration: Configuration, travels: np.ndarray) -> Contacts:
         pairs = self._pairs(configuration)
         reach = 2 * self._velocities.fastest(pairs.shapes.velocities, travels)
         if reach > pairs.reach:
-            pairs = self._last = self._within(pairs.shapes, reach)
+            pairs = self._recent.use(self._within(pairs.shapes, AHEAD * reach))
         return self._contacts(pairs, np.flatnonzero(pairs.distance <= reach))
 
     def selected(self, configuration: Configuration, keys: np.ndarray) -> Contacts:
@@ -124,19 +128,18 @@ class CollisionGaps(GapSource):
         return float(self._pairs(configuration).distance.min(initial=0.0))
 
     def _pairs(self, configuration: Configuration) -> NearPairs:
-        """Pairs near each other at a position; those of the last call if it is the same."""
-        last = self._last
-        if last is not None and configuration.equals(last.shapes.configuration):
-            return last
-        shapes = self._shapes(configuration)
-        self._last = self._within(shapes, 0.0 if last is None else last.reach)
-        return self._last
+        """Pairs near each other at a position; stored ones if it is one of the last."""
+        pairs, last = self._recent.find(configuration), self._recent.last
+        if pairs is None:
+            reach = 0.0 if last is None else last.reach
+            pairs = self._within(self._shapes(configuration), reach)
+        return self._recent.use(pairs)
 
     def _shapes(self, configuration: Configuration) -> ShapesAt:
         """The shapes at a position."""
-        last = self._last
-        if last is not None and configuration.equals(last.shapes.configuration):
-            return last.shapes
+        recent = self._recent.find(configuration)
+        if recent is not None:
+            return recent.shapes
         positions, normals, radii, coefficients = self._geometry(*configuration)
         geometry = positions.T, normals.T, radii.ravel(), coefficients
         return ShapesAt(configuration.copy(), *geometry, self._velocities(*configuration))

@@ -15,6 +15,7 @@ from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature, gap_functio
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapKind, GapSource
 from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry
 from dalembert.analysis.nonsmooth.gaps.positions import Positions
+from dalembert.analysis.nonsmooth.gaps.recent_positions import RecentPositions
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
@@ -101,7 +102,7 @@ class SearchedGaps(GapSource):
         self.dimension: int = element.dimension
         self.geometry = HullGeometry(model, element)
         self.speeds = model.all_equations.speed_count
-        self._last: LastPosition | None = None
+        self._recent = RecentPositions[LastPosition]()
         self._kernels: dict[Feature, MappedKernel] = {}
 
     @abstractmethod
@@ -127,7 +128,7 @@ class SearchedGaps(GapSource):
         return self.geometry.arms(at)
 
     def near(self, configuration: Configuration, travels: np.ndarray) -> Contacts:
-        last = self._last = self.position(configuration)
+        last = self._recent.use(self.position(configuration))
         moved = self.geometry.velocities.displacements(last.velocities, travels)
         reach = self.geometry.reach(self.arms(last.at), moved)
         gaps = self._searched(last, reach)
@@ -135,7 +136,7 @@ class SearchedGaps(GapSource):
         return self.contacts(last, gaps.some(near)) if near.any() else self.none()
 
     def deepest(self, configuration: Configuration) -> float:
-        last = self._last = self.position(configuration)
+        last = self._recent.use(self.position(configuration))
         return float(self._searched(last, 0.0).distance.min(initial=0.0))
 
     def _searched(self, last: LastPosition, reach: float) -> EvaluatedGaps:
@@ -147,10 +148,10 @@ class SearchedGaps(GapSource):
         return last.gaps
 
     def position(self, configuration: Configuration) -> LastPosition:
-        """The last position if it is this one, else a new one."""
-        last = self._last
-        if last is not None and configuration.equals(last.configuration):
-            return last
+        """One of the last positions if it is this one, else a new one."""
+        if (recent := self._recent.find(configuration)) is not None:
+            return recent
+        last = self._recent.last
         at = self.geometry.positions(configuration)
         ahead = 0.0
         if last is not None:

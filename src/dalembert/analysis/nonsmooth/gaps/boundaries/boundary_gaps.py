@@ -88,8 +88,8 @@ class BoundaryGaps(SearchedGaps):
 
     def arms(self, at: Positions) -> np.ndarray:
         arms = super().arms(at)
-        if self._last is not None:
-            placed = self._at(at, self._last.configuration.p)
+        if self._recent.last is not None:
+            placed = self._at(at, self._recent.last.configuration.p)
             arms[placed.first_shape :] = placed.arms
         return arms
 
@@ -154,7 +154,7 @@ class BoundaryGaps(SearchedGaps):
         places, directions = super().points(configuration, keys)
         at = self.geometry.positions(configuration)
         placed = self._at(at, configuration.p)
-        reach = 0.0 if self._last is None else self._last.requested
+        reach = 0.0 if self._recent.last is None else self._recent.last.requested
         reach = max(reach, 0.1 * float(placed.balls[1].max(initial=0.0)))
         for feet in BoundarySearch(self.geometry, self._corners, placed, at, reach).feet():
             own = self._keys(feet)
