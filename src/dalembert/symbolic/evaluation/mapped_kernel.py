@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import casadi as ca
 import numpy as np
 
@@ -17,23 +19,28 @@ class MappedKernel:
     Parameters
     ----------
     function : of columns, dense in all inputs and outputs
+    common : numbers of the inputs whose columns are the same in all evaluations
     """
 
-    def __init__(self, function: ca.Function):
-        self.function = function
+    def __init__(self, function: ca.Function, common: Sequence[int] = ()):
+        self.function, self._common = function, list(common)
         self._shapes = [function.size_out(i) for i in range(function.n_out())]
         self._idle: dict[int, list[BoundArrays]] = {}  # that no call uses
 
     def __call__(self, *columns: np.ndarray) -> list[np.ndarray]:
-        """(n, r, c) results of each output (r, c), for n columns (m, n) of each input."""
+        """(n, r, c) results of each output (r, c), for n columns (m, n) of each input, the first one
+        included; common ones are (m,)."""
         count = columns[0].shape[1]
         size = SMALLEST
         while size < count:
             size *= 2
         idle = self._idle.setdefault(size, [])
-        bound = idle.pop() if idle else BoundArrays(self.function.map(size))
-        for own, argument in zip(bound.arguments, columns, strict=True):
-            own.reshape(size, -1)[:count] = argument.T  # the rest is of earlier calls
+        bound = idle.pop() if idle else BoundArrays(self._mapped(size))
+        for i, (own, argument) in enumerate(zip(bound.arguments, columns, strict=True)):
+            if i in self._common:
+                own[:] = argument
+            else:
+                own.reshape(size, -1)[:count] = argument.T  # the rest is of earlier calls
         bound.evaluate()
         results = [
             result.reshape(size, c, r)[:count].copy().swapaxes(1, 2)
@@ -41,3 +48,6 @@ class MappedKernel:
         ]
         idle.append(bound)
         return results
+
+    def _mapped(self, size: int) -> ca.Function:
+        return self.function.map(f"mapped{size}", "serial", size, self._common, [])

@@ -24,7 +24,7 @@ def near_balls(centers: np.ndarray, radii: np.ndarray, reach: float) -> np.ndarr
     radii : (m,)
     """
     if radii.size <= FEW:
-        return _within(np.stack(np.triu_indices(radii.size, 1)), centers, radii, reach)
+        return within_reach(np.stack(np.triu_indices(radii.size, 1)), centers, radii, reach)
     from scipy.spatial import cKDTree
 
     parts, sizes = [], [(own, cKDTree(centers[own])) for own in _similar(radii)]
@@ -37,11 +37,11 @@ def near_balls(centers: np.ndarray, radii: np.ndarray, reach: float) -> np.ndarr
             counts = [len(near) for near in lists]
             others = np.fromiter(chain.from_iterable(lists), int, sum(counts))
             parts.append(np.stack([np.repeat(own, counts), smaller[others]]))
-    pairs = _within(np.sort(np.hstack(parts), axis=0), centers, radii, reach)
+    pairs = within_reach(np.sort(np.hstack(parts), axis=0), centers, radii, reach)
     return pairs[:, np.lexsort(pairs[::-1])]
 
 
-def _within(pairs: np.ndarray, centers: np.ndarray, radii: np.ndarray, reach: float) -> np.ndarray:
+def within_reach(pairs: np.ndarray, centers: np.ndarray, radii: np.ndarray, reach: float) -> np.ndarray:
     """Those of the pairs (2, n) of balls whose distance is within reach."""
     first, second = pairs
     distance = np.linalg.norm(centers[first] - centers[second], axis=1)
