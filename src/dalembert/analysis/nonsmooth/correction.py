@@ -10,7 +10,7 @@ from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.model_gaps import CLOSED
 from dalembert.analysis.nonsmooth.mobility import Mobility, delassus
-from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
+from dalembert.integrators.contact.contacts import Contacts, FrictionProblem, among
 from dalembert.symbolic.equations import newton
 
 SETTINGS = newton.NewtonSettings(tolerance=CLOSED, max_iterations=20, halvings=0)
@@ -85,7 +85,7 @@ class PositionCorrection(newton.Equations[np.ndarray]):
             shift = joint_shift + opened
             near = self._near(at, shift[:, None])
             closes = near.distance + near.normals @ shift < -allowed
-            missing = closes & ~np.isin(near.key, gaps.key)
+            missing = closes & ~among(near.key, gaps.key)
             if not missing.any():
                 break
             gaps = Contacts.joined([gaps, near.some(missing)])

@@ -168,6 +168,8 @@ class Contacts:
         )
 
 
+FEW = 10_000
+"""Upper limit of pairs of keys of which comparing all costs less than sorting."""
 SHARED = "starts", "discs", "mobility", "weights"
 """Properties of a friction problem that do not depend on its velocity."""
 
@@ -274,6 +276,14 @@ class FrictionProblem:
         violation = np.abs(impulses - self.project(impulses, self.speeds(impulses)))
         worst = (violation * self.weights).max(initial=0.0)
         return float(worst) if np.isfinite(impulses).all() else np.inf
+
+
+def among(keys: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """(n,) mask of the keys (n,) that are among others (m,)."""
+    if keys.size * others.size > FEW:
+        return np.isin(keys, others)
+    mask: np.ndarray = (keys[:, None] == others).any(axis=1)
+    return mask
 
 
 def clip_lengths(vectors: np.ndarray, radii: np.ndarray) -> np.ndarray:

@@ -15,7 +15,7 @@ import numpy as np
 
 from dalembert.integrators.contact.contact_laws import ContactLaws
 from dalembert.integrators.contact.contact_solver import ContactSolver
-from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
+from dalembert.integrators.contact.contacts import Contacts, FrictionProblem, among
 from dalembert.integrators.contact.impulses import Impulses
 
 STILL = 10.0
@@ -38,7 +38,7 @@ def may_stick(
     if not higher.any():
         return higher
     slow = np.linalg.norm(before[:, 1 : contacts.linear], axis=1) <= rounding
-    static: np.ndarray = higher & (slow | np.isin(contacts.key, stuck))
+    static: np.ndarray = higher & (slow | among(contacts.key, stuck))
     return static
 
 

@@ -27,10 +27,14 @@ class MappedKernel:
         self._shapes = [function.size_out(i) for i in range(function.n_out())]
         self._idle: dict[int, list[BoundArrays]] = {}  # that no call uses
 
-    def __call__(self, *columns: np.ndarray) -> list[np.ndarray]:
-        """(n, r, c) results of each output (r, c), for n columns (m, n) of each input, the first one
-        included; common ones are (m,)."""
-        count = columns[0].shape[1]
+    def __call__(self, *columns: np.ndarray | list[np.ndarray]) -> list[np.ndarray]:
+        """(n, r, c) results of each output (r, c), for n columns (m, n) of each input.
+
+        Columns may be lists of blocks (m, n) of their rows. The first input is none of the common
+        ones, which are (m,).
+        """
+        first = columns[0]
+        count = (first[0] if isinstance(first, list) else first).shape[1]
         size = SMALLEST
         while size < count:
             size *= 2
@@ -39,8 +43,12 @@ class MappedKernel:
         for i, (own, argument) in enumerate(zip(bound.arguments, columns, strict=True)):
             if i in self._common:
                 own[:] = argument
-            else:
-                own.reshape(size, -1)[:count] = argument.T  # the rest is of earlier calls
+                continue
+            used = own.reshape(size, -1)[:count]  # the rest is of earlier calls
+            begin = 0
+            for block in argument if isinstance(argument, list) else [argument]:
+                used[:, begin : begin + block.shape[0]] = block.T
+                begin += block.shape[0]
         bound.evaluate()
         results = [
             result.reshape(size, c, r)[:count].copy().swapaxes(1, 2)

@@ -18,7 +18,7 @@ from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.mobility import delassus
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.integrators.contact.approach import SLOW
-from dalembert.integrators.contact.contacts import Contacts
+from dalembert.integrators.contact.contacts import Contacts, among
 from dalembert.results.nonsmooth_motion import ContactRecord
 
 SHARE, ROUGH = 0.01, 0.03
@@ -110,7 +110,7 @@ def _rebounds(step: ContactStep, record: ContactRecord, k: int) -> Rebounds | No
     start = step.begin(t, h, y, v, k == 0)
     contacts = step.rigid(step.starting(start, np.sort(own)))
     strikes = start.approach(contacts, step.rounding).impacting
-    contacts = contacts.some(strikes | ~np.isin(contacts.key, before))
+    contacts = contacts.some(strikes | ~among(contacts.key, before))
     if not contacts.count:
         return None
     closing = -contacts.at_start(v)[:, 0]

@@ -41,7 +41,9 @@ def near_balls(centers: np.ndarray, radii: np.ndarray, reach: float) -> np.ndarr
     return pairs[:, np.lexsort(pairs[::-1])]
 
 
-def within_reach(pairs: np.ndarray, centers: np.ndarray, radii: np.ndarray, reach: float) -> np.ndarray:
+def within_reach(
+    pairs: np.ndarray, centers: np.ndarray, radii: np.ndarray, reach: float
+) -> np.ndarray:
     """Those of the pairs (2, n) of balls whose distance is within reach."""
     first, second = pairs
     distance = np.linalg.norm(centers[first] - centers[second], axis=1)

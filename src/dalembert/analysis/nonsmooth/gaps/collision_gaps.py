@@ -201,8 +201,8 @@ class CollisionGaps(GapSource):
             own = [self._own(shapes, here, feature is Feature.WALL)]
             if feature is Feature.WALL:
                 own.append(np.zeros((1, here.size)))  # its radius
-            columns = [position, *own, position], [other, shapes.radii[None, there], other]
-            results = self._points[feature](*map(np.vstack, columns))
+            radii = shapes.radii[None, there]
+            results = self._points[feature]([position, *own, position], [other, radii, other])
             places[rows], directions[rows] = results[2][..., 0], results[3]
         return places, directions
 
@@ -221,8 +221,7 @@ class CollisionGaps(GapSource):
         first, second = chosen
         own = self._own(shapes, first, wall)
         here, there = positions[first].T, positions[second].T
-        columns = np.vstack([here, own]), np.vstack([there, radii[None, second]])
-        distance, blocks = self._gaps[wall](*columns)
+        distance, blocks = self._gaps[wall]([here, own], [there, radii[None, second]])
         return distance.ravel(), blocks
 
     @staticmethod

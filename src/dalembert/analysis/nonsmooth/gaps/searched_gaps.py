@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -158,7 +159,9 @@ class SearchedGaps(GapSource):
             ahead = AHEAD * last.requested or last.reach
         return LastPosition(self.geometry, configuration.copy(), at, ahead)
 
-    def evaluate(self, feature: Feature, columns: list[np.ndarray]) -> list[np.ndarray]:
+    def evaluate(
+        self, feature: Feature, columns: Sequence[np.ndarray | list[np.ndarray]]
+    ) -> list[np.ndarray]:
         """(n,) distances, (n, k, 12) derivatives of gap velocities by twists, (n, 3) places and
         (n, 3, k) directions of n pairs of features."""
         if feature not in self._kernels:

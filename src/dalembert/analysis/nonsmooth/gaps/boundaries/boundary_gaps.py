@@ -173,14 +173,14 @@ class BoundaryGaps(SearchedGaps):
             self._placed = at, PlacedBoundaries(self._boundaries, self.geometry, at, p)
         return self._placed[1]
 
-    def _columns(self, feet: Feet, at: Positions) -> list[np.ndarray]:
+    def _columns(self, feet: Feet, at: Positions) -> list[list[np.ndarray]]:
         """Arguments of the gap function of a wall and a ball."""
         count = feet.first.size
         rest = np.zeros((1, count))
         radii = at.radii[feet.second] if feet.kind in (Touch.CORNER, Touch.SIDE) else rest[0]
         surface = [feet.surface.T, rest, feet.normal.T, rest, rest, at.origins[feet.first].T]
         ball = [feet.place.T, rest, radii[None], at.origins[feet.second].T]
-        return [np.vstack(surface), np.vstack(ball)]
+        return [surface, ball]
 
     def _keys(self, feet: Feet) -> np.ndarray:
         features, shapes = self._radix
