@@ -26,6 +26,6 @@ class Rows(NamedTuple):
     def of(cls, matrix: np.ndarray) -> Rows:
         """The entries of an array that are not zero."""
         row, column = np.nonzero(matrix)
-        starts = np.searchsorted(row, np.arange(matrix.shape[0] + 1))
-        indices, starts = (part.astype(np.int32) for part in (column, starts))
-        return cls(matrix[row, column], indices, starts, matrix.shape)  # type: ignore[arg-type]
+        starts = np.searchsorted(row, np.arange(matrix.shape[0] + 1)).astype(np.int32)
+        shape = matrix.shape[0], matrix.shape[1]
+        return cls(matrix[row, column], column.astype(np.int32), starts, shape)

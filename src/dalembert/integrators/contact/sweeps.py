@@ -113,7 +113,7 @@ class DenseSweeps:
         self._responses[:], self._velocity[:] = operator.product.T, problem.velocity
         self._friction[:], self._minimum[:] = problem.friction, problem.minimum
         self._mobility[:], self._weights[:] = problem.mobility, problem.weights
-        self._shift.flat = operator.shift
+        self._shift[:] = operator.shift.reshape(problem.shape)
         self._settings[:] = tolerance, GROWTH, REGULARIZATION
         self._impulses[:], self._speeds[:] = impulses, operator.product @ impulses.ravel()
         self._loop.counts[LIMIT] = limit

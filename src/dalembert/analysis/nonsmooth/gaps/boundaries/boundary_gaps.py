@@ -106,8 +106,8 @@ class BoundaryGaps(SearchedGaps):
             if kind.function not in self._mapped:
                 self._mapped[kind.function] = MappedKernel(kind.function)
             columns = (values[entries].T for entries in kind.arguments)
-            gaps, derivatives, *_ = self._mapped[kind.function](*columns)
-            distance[kind.row], blocks[kind.row] = gaps.ravel(), derivatives
+            distances, derivatives, *_ = self._mapped[kind.function](*columns)
+            distance[kind.row], blocks[kind.row] = distances.ravel(), derivatives
         gaps = EvaluatedGaps(*shapes, distance, blocks, keys)
         return self.contacts(self.position(configuration), gaps)
 

@@ -167,8 +167,8 @@ class HullGaps(SearchedGaps):
     # gaps of pairs -------------------------------------------------------------------------------
     def _gaps(self, pairs: Pairs, at: Positions) -> EvaluatedGaps:
         """Gaps of pairs."""
-        evaluated = self._evaluate(pairs, at)[:2]
-        return EvaluatedGaps(pairs.first, pairs.second, *evaluated, self._keys(pairs))
+        distance, blocks, *_ = self._evaluate(pairs, at)
+        return EvaluatedGaps(pairs.first, pairs.second, distance, blocks, self._keys(pairs))
 
     def _evaluate(self, pairs: Pairs, at: Positions) -> list[np.ndarray]:
         return self._evaluated(pairs.feature, self.geometry.columns(pairs), at)
