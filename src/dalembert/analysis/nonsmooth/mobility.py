@@ -22,6 +22,8 @@ WIDEST = 6
 """Largest number of coupled speeds without joints whose matrix is inverted as a block."""
 PATTERNS = 3
 """Upper limit of the stored patterns of matrices: those of steps, and of mass alone."""
+WHOLE = 40
+"""Upper limit of speeds and joints that are factorised together, as this costs less than blocks."""
 SINGULAR = "inertia and joints of a step have no solution; look for a singular position"
 COLUMNS = 256
 """Right-hand sides solved at once with the factors of coupled bodies."""
@@ -72,10 +74,19 @@ class Coupling:
         return pattern.filled(matrix, joints)
 
     @classmethod
-    def of(cls, pattern: ca.Sparsity, joints: ca.Sparsity, bodies: Sequence[int] = ()) -> Coupling:
+    def of(
+        cls,
+        pattern: ca.Sparsity,
+        joints: ca.Sparsity,
+        bodies: Sequence[int] = (),
+        whole: int = 0,
+    ) -> Coupling:
         """Groups of speeds connected by a matrix (n, n) or by joints (m, n).
 
-        ``bodies`` are the numbers of consecutive speeds of bodies, if there are such.
+        Parameters
+        ----------
+        bodies : numbers of consecutive speeds of bodies, if there are such
+        whole : upper limit of ``n + m`` up to which all speeds count as coupled, if there are joints
         """
         rows, columns = np.array(joints.row(), dtype=int), _columns(joints)
         n = pattern.size2()
@@ -88,6 +99,8 @@ class Coupling:
         joined = np.zeros(sizes.size, dtype=bool)
         joined[labels[columns]] = True
         blocked = (sizes <= WIDEST) & ~joined
+        if joints.size1() and size <= whole:
+            blocked[:] = False
         order = np.argsort(labels, kind="stable")
         order = order[blocked[labels[order]]]
         numbers = np.cumsum(blocked) - 1
@@ -185,12 +198,16 @@ class Mobility:
         m, shape = self.joints.shape[0], right.shape[1:]
         if self.plain:
             return (right.T / self._diagonal).T, np.zeros((m, *shape))
-        speeds, coupled = np.zeros(right.shape), self.coupling.coupled
+        below = np.zeros((m, *shape)) if below is None else below
+        n, coupled = right.shape[0], self.coupling.coupled
+        if coupled.size == n:
+            solution = self._factors.solve(np.concatenate([right, below]))
+            return solution[:n], solution[n:]
+        speeds = np.zeros(right.shape)
         if self._inverses.size:
             members, free = self.coupling.members, self.coupling.free
             own = self._inverses @ right[members].reshape(*members.shape, -1)
             speeds[free] = own[self.coupling.places].reshape(-1, *shape)
-        below = np.zeros((m, *shape)) if below is None else below
         solution = self._factors.solve(np.concatenate([right[coupled], below]))
         speeds[coupled] = solution[: coupled.size]
         return speeds, solution[coupled.size :]

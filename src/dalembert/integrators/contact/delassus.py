@@ -23,6 +23,9 @@ DENSE = 100
 SMALL = 20_000
 """Upper limit of entries below which products of dense matrices are cheaper than sparse ones."""
 
+MULTIPLICATIONS = 200_000
+"""Upper limit of multiplications in one product. BLAS computes larger ones in threads, whose start
+takes milliseconds where other programs use the processor."""
 SHARED = "_own", "product", "compressed"
 """Properties of an operator that do not depend on its shift; the last ones of arrays."""
 
@@ -67,7 +70,12 @@ class Delassus:
     @cached_property
     def product(self) -> np.ndarray:
         """(r, r) ``H``, without the shift."""
-        return dense_array(self.directions @ self.responses.T)
+        if not self.is_dense:
+            return dense_array(self.directions @ self.responses.T)
+        rows = max(MULTIPLICATIONS // max(self.responses.size, 1), 1)
+        starts = range(0, max(self.directions.shape[0], 1), rows)
+        parts = [self.directions[k : k + rows] @ self.responses.T for k in starts]
+        return np.concatenate(parts) if len(parts) > 1 else parts[0]
 
     @cached_property
     def compressed(self) -> tuple[Rows, Rows]:
