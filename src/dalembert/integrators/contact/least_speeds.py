@@ -48,8 +48,10 @@ class LeastSpeeds:
         rebounds = laws.follows(ImpactLaw.NEWTON) & self._of.fast
         restitution = np.where(rebounds, laws.restitution, 0.0)
         margin = self._margin(restitution)
-        passes = (self._of.free[:, 0] < margin) & self._passes(restitution)
-        return np.where(passes, self.open, margin)
+        closes = self._of.free[:, 0] < margin
+        if not closes.any():
+            return margin
+        return np.where(closes & self._passes(restitution), self.open, margin)
 
     def _passes(self, restitution: np.ndarray) -> np.ndarray:
         """(n,) mask of the gaps that need no room for an impact: as their directions turn, they

@@ -195,13 +195,13 @@ class AnticipatedImpacts(ContactScheme):
         pressed = (impulses[:, 0] > 0) & (-offsets[:, 0] < bounce)
         parting = approach.before[:, 0]
         pressed &= (parting <= 0) | (offsets[:, 0] != parting)  # excludes idle contacts
+        work = (impulses * (after + approach.before)).sum(axis=1)
+        supplied = float(work.sum())
+        if not pressed.any() and supplied <= 0:
+            return None
         changed = offsets.copy()
         changed[pressed, 0] = -bounce[pressed]
-        magnitude = np.abs(impulses) * (np.abs(after) + np.abs(approach.before))
-        work = (impulses * (after + approach.before)).sum(axis=1)
-        overlap = np.maximum(-approach.contacts.distance, 0.0)  # of rounding, which is opened
-        opening = (2 * impulses[:, 0] * overlap / approach.h).sum()
-        if work.sum() > ROUNDING * magnitude.sum() + opening:
+        if supplied > 0 and supplied > _inexact_work(approach, impulses, after):
             idle = changed.copy()
             idle[:, 0] = np.maximum(changed[:, 0], approach.before[:, 0])
             slips = ~approach.contacts.laws.higher_at_rest  # the others stop
@@ -215,6 +215,14 @@ class AnticipatedImpacts(ContactScheme):
         from dalembert.integrators.contact.offset_slopes import anticipated_slopes
 
         return anticipated_slopes(approach, offsets, CLOSING, rounding)
+
+
+def _inexact_work(approach: Approach, impulses: np.ndarray, after: np.ndarray) -> float:
+    """Total work of contacts that results from rounding and opens overlaps of rounding."""
+    magnitude = np.abs(impulses) * (np.abs(after) + np.abs(approach.before))
+    overlap = np.maximum(-approach.contacts.distance, 0.0)
+    opening = (2 * impulses[:, 0] * overlap / approach.h).sum()
+    return float(ROUNDING * magnitude.sum() + opening)
 
 
 def check_share(owner: str, name: str, value: float) -> None:
