@@ -86,7 +86,7 @@ class Coupling:
         Parameters
         ----------
         bodies : numbers of consecutive speeds of bodies, if there are such
-        whole : upper limit of ``n + m`` up to which all speeds count as coupled, if there are joints
+        whole : limit of ``n + m`` up to which all speeds count as coupled, if there are joints
         """
         rows, columns = np.array(joints.row(), dtype=int), _columns(joints)
         n = pattern.size2()
@@ -177,6 +177,8 @@ class Mobility:
 
     def with_joints(self, joints: Matrix) -> Mobility:
         """The solution with other constraints of the same speeds."""
+        if not (joints.shape[0] or self.joints.shape[0]):
+            return self
         mobility = copy(self)
         mobility._constrain(joints)
         return mobility

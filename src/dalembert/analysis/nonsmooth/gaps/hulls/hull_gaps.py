@@ -135,7 +135,7 @@ class HullGaps(SearchedGaps):
         pairs = self._pairs_of(keys[rows]) if rows.size else None
         if pairs is None:
             return mask
-        places = [self.geometry.positions(configuration) for configuration in (start, end)]
+        places = [self.position(configuration).at for configuration in (start, end)]
         sharp = are_sharp(self.geometry, pairs, places[0])
         pairs, rows = some_pairs(pairs, sharp), rows[sharp]
         if rows.size:
