@@ -127,9 +127,10 @@ def _rebounds(step: ContactStep, record: ContactRecord, k: int) -> Rebounds | No
         rebounds |= ~newton & (speed > SLOW * float(np.abs(h * acceleration).max()))
     masses = effective_masses(contacts, start.motion.mobility)
     missing = np.where(rebounds, 0.0, masses * rebound**2 / 2)
-    end = step.selected(step.at(t + h, record.ends.y[:, k + 1]), contacts.key)
-    height = np.maximum(acceleration, 0.0) * np.maximum(end.distance, 0.0)
-    height[contacts.laws.restitution == 0] = 0.0  # dissipated by later impacts
+    height, elastic = np.zeros(contacts.count), contacts.laws.restitution != 0
+    if elastic.any():  # the height of others is dissipated by later impacts
+        end = step.selected(step.at(t + h, record.ends.y[:, k + 1]), contacts.key[elastic])
+        height[elastic] = np.maximum(acceleration[elastic], 0.0) * np.maximum(end.distance, 0.0)
     share = np.divide(after, closing, out=np.zeros_like(after), where=closing > 0)
     newton = contacts.laws.follows(ImpactLaw.NEWTON)
     exact = np.where(newton, rebound, share * speed)

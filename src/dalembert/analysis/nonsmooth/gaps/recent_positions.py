@@ -21,26 +21,28 @@ P = TypeVar("P", bound=Position)
 
 
 class RecentPositions(Generic[P]):
-    """Gaps at the last few positions."""
+    """Gaps at the last few positions.
+
+    Attributes
+    ----------
+    last : those that were used last; None without any
+    """
 
     def __init__(self) -> None:
-        self._positions: list[P] = []
-
-    @property
-    def last(self) -> P | None:
-        """The gaps that were used last; None without any."""
-        return self._positions[0] if self._positions else None
+        self._positions: dict[tuple, P] = {}
+        self.last: P | None = None
 
     def find(self, configuration: Configuration) -> P | None:
         """The gaps at a configuration; None if they are not stored."""
-        for position in self._positions:
-            if configuration.equals(position.configuration):
-                return position
-        return None
+        return self._positions.get(configuration.key)
 
     def use(self, position: P) -> P:
         """The same gaps, which become the last ones; they replace others at their position."""
-        place, others = position.configuration, self._positions
-        others = [p for p in others if p is not position and p.configuration is not place]
-        self._positions = [position, *others][:COUNT]
+        if position is self.last:
+            return position
+        key = position.configuration.key
+        self._positions.pop(key, None)
+        if len(self._positions) == COUNT:
+            self._positions.pop(next(iter(self._positions)))
+        self._positions[key] = self.last = position
         return position

@@ -77,7 +77,7 @@ class ShapeVelocities:
 
     def fastest(self, derivatives: np.ndarray, travels: np.ndarray) -> float:
         """The largest displacement of a shape by displacements (n_v, m) of the bodies."""
-        moved = self.displacements(derivatives, travels)[:, :3]
+        moved = self.displacements(derivatives[:, :3], travels)
         return float(np.sqrt(np.einsum("scm,scm->sm", moved, moved).max(initial=0.0)))
 
     def displacements(self, derivatives: np.ndarray, travels: np.ndarray) -> np.ndarray:
