@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.integrators.contact.approach import Approach, Offsets
-from dalembert.integrators.contact.least_speeds import CLOSING
+from dalembert.integrators.contact.approach import CLOSING, Approach, Offsets
 from dalembert.options import options
 
 if TYPE_CHECKING:
