@@ -22,7 +22,6 @@ DENSE = 100
 """Upper limit of rows below which the matrix itself is cheaper than its factors."""
 SMALL = 20_000
 """Upper limit of entries below which products of dense matrices are cheaper than sparse ones."""
-
 MULTIPLICATIONS = 200_000
 """Upper limit of multiplications in one product. BLAS computes larger ones in threads, whose start
 takes milliseconds where other programs use the processor."""

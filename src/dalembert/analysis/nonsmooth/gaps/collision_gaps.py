@@ -35,7 +35,8 @@ from dalembert.symbolic.evaluation.mapped_kernel import MappedKernel
 from dalembert.symbolic.once import once
 
 AHEAD = 1.25
-"""Reach of a search beyond the largest request: it suffices for faster bodies in the next steps."""
+"""Reach of a search relative to the request, so that it suffices for faster bodies in the next steps
+[-]."""
 
 
 class CollisionGaps(GapSource):
