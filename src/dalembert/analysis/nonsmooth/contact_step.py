@@ -126,6 +126,8 @@ class ContactStep(ModelGaps):
             same_side = is_same_side(contacts, middle, self.model.scales.displacements)
             kept &= ~((middle.distance >= 0) & (ends >= 0) & same_side)
         moved = in_middle(contacts, middle, kept, v)
+        if not self.scheme.anticipates:
+            return moved
         rigid = ~self.force_laws.compliant(contacts)
         distance = self.cleared(moved.distance, rigid[:, None] * moved.turning, start.h)
         return replace(moved, distance=distance)

@@ -214,7 +214,8 @@ class FrictionProblem:
 
     def with_velocity(self, velocity: np.ndarray) -> FrictionProblem:
         """The problem with another ``b``, and what follows from the rest."""
-        problem = replace(self, velocity=velocity)
+        rest = self.friction, self.groups, self.scale, self.minimum, self.compliance
+        problem = FrictionProblem(self.matrix, velocity, *rest)
         problem.__dict__.update((name, getattr(self, name)) for name in SHARED)
         return problem
 

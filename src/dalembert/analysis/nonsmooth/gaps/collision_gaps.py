@@ -35,8 +35,7 @@ from dalembert.symbolic.evaluation.mapped_kernel import MappedKernel
 from dalembert.symbolic.once import once
 
 AHEAD = 1.25
-"""Reach of a search relative to the request, so that it suffices for faster bodies in the next steps
-[-]."""
+"""Reach of a search relative to the request; it then suffices for faster bodies in later steps."""
 
 
 class CollisionGaps(GapSource):
@@ -105,23 +104,25 @@ class CollisionGaps(GapSource):
         shapes = self._shapes(configuration)
         chosen = np.stack(np.divmod(keys, shapes.positions.shape[0]))
         walls = chosen[0] >= shapes.radii.size
-        order = np.argsort(walls, kind="stable")  # pairs of balls before those with walls
         parts = chosen[:, ~walls], chosen[:, walls]
         pairs = self._evaluated(parts, shapes, np.inf)
+        if (walls[:-1] <= walls[1:]).all():  # pairs of balls before those with walls
+            return self._contacts(pairs, slice(None))
+        order = np.argsort(walls, kind="stable")
         return self._contacts(pairs, np.argsort(order))
 
-    def _contacts(self, pairs: NearPairs, rows: np.ndarray) -> Contacts:
+    def _contacts(self, pairs: NearPairs, rows: np.ndarray | slice) -> Contacts:
         """Gaps of some rows of the pairs."""
         first, second = pairs.first[rows], pairs.second[rows]
         number = self.law(first, second)
         return Contacts(
             pairs.distance[rows],
             pairs.derivatives.rows(rows),
-            np.zeros((rows.size, 1 + sum(self.groups))),
+            np.zeros((number.size, 1 + sum(self.groups))),
             ContactLaws.of(pairs.shapes.coefficients[:, number], self.groups, number),
             self.groups,
             first * pairs.shapes.positions.shape[0] + second,
-            np.zeros(rows.size, dtype=int),
+            np.zeros(number.size, dtype=int),
             moved=pairs.derivatives.moved(rows),
         )
 
