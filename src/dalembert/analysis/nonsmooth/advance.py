@@ -12,7 +12,7 @@ from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.paths import bent_gaps, path_means
 from dalembert.analysis.nonsmooth.step_state import LastImpulses, StepResult, StepStart
-from dalembert.integrators.contact.contacts import Contacts
+from dalembert.integrators.contact.contacts import Contacts, among
 from dalembert.integrators.contact.schemes import ROUNDING
 
 AHEAD = 2.0
@@ -52,7 +52,7 @@ def advance(
         if not bent.size:
             break
         bent = np.union1d(bent, result.curved)  # all with means over the path of one solution
-        curved = np.isin(contacts.key, bent)
+        curved = among(contacts.key, bent)
         means = path_means(step, start, contacts.some(curved), result)
         contacts = Contacts.joined([contacts.some(~curved), means])
         last, result = result, _advanced(step, start, contacts, result.last)
@@ -80,7 +80,7 @@ def _facing(
     end = step.model.equations.manifold.go(start.y, start.h * start.v)
     leaving = step.leaving(step.at(start.t, start.y), step.at(start.t + start.h, end), near.key)
     if before is not None:
-        leaving &= ~np.isin(near.key, before.pressing[0])
+        leaving &= ~among(near.key, before.pressing[0])
     return near.some(~leaving) if leaving.any() else near
 
 
@@ -123,8 +123,10 @@ def _closed(
         opens = start.h * (near.at_start(start.v) + near.at_end(result.v))[:, 0] / 2
         held = resting & (opens <= step.rounding)
         keys = np.union1d(step.closed(at_end).key, near.key[held])
-        keys = keys[~np.isin(keys, contacts.key)]
-        added = near.some(np.isin(near.key, keys))
+        keys = keys[~among(keys, contacts.key)]
+        if not keys.size:
+            break
+        added = near.some(among(near.key, keys))
         if not added.count:
             added = step.starting(start, keys)
         joined = start.approach(Contacts.joined([contacts, added]), step.rounding)
@@ -158,7 +160,7 @@ def _opened(
     distance = np.where(compliant, contacts.distance, np.maximum(contacts.distance, 0.0))
     contacts = replace(contacts, distance=distance)
     strikes = contacts.key[step.scheme.striking(start.approach(contacts, step.rounding))]
-    whole, start = start, step.struck(start, contacts.some(np.isin(contacts.key, strikes)))
+    whole, start = start, step.struck(start, contacts.some(among(contacts.key, strikes)))
     result, curved = step.solved(start, contacts, before), np.zeros_like(overlaps)
     for _ in range(REPETITIONS):
         if not np.isfinite(result.y).all():
@@ -166,7 +168,7 @@ def _opened(
         late = start.late(result, step.rounding)
         if late.size:
             strikes = np.append(strikes, late)
-            start = step.struck(whole, contacts.some(np.isin(contacts.key, strikes)))
+            start = step.struck(whole, contacts.some(among(contacts.key, strikes)))
             result = _solved_on_path(step, start, contacts, curved, result)
             continue
         at_end = step.at(end, result.y)
@@ -222,14 +224,17 @@ def _added(step: ContactStep, start: StepStart, end: Configuration, contacts: Co
     those that separate the shapes there, or, without any, count if forces can open them.
     """
     keys = step.closed(end).key
-    gaps = step.starting(start, keys[~np.isin(keys, contacts.key)])
+    keys = keys[~among(keys, contacts.key)]
+    if not keys.size:
+        return contacts.some(np.zeros(contacts.count, dtype=bool))
+    gaps = step.starting(start, keys)
     closed = gaps.distance < -step.rounding
     separating = step.separating(step.at(start.t, start.y), end, gaps.key[closed])
     if not separating.size:
         approach = start.approach(Contacts.joined([contacts, gaps]), step.rounding)
         closed &= gaps.distance < -start.h * approach.forced / 2
     joined = Contacts.joined([gaps.some(~closed), step.starting(start, separating)])
-    return joined.some(~np.isin(joined.key, contacts.key))
+    return joined.some(~among(joined.key, contacts.key))
 
 
 def _solved_on_path(

@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import scipy
 
 from dalembert.analysis.nonsmooth.mobility import Mobility
 from dalembert.integrators.contact.contacts import Contacts
@@ -48,8 +47,7 @@ def _free_speeds(impulses: np.ndarray, contacts: Contacts, mobility: Mobility) -
     """Bound on the normal speeds of a contact by the normal impulses, without joints [m/s]."""
     inertia = np.abs(mobility.matrix.diagonal())
     inverse = np.divide(1.0, inertia, out=np.zeros(inertia.size), where=inertia > 0)
-    rows = scipy.sparse.csr_array(contacts.directions)
-    row = np.repeat(np.arange(rows.shape[0]), np.diff(rows.indptr))
-    squares = np.bincount(row, rows.data**2 * inverse[rows.indices], rows.shape[0])
-    roots = np.sqrt(squares[:: contacts.drift.shape[1]])
+    normals = contacts.normals
+    squares = (normals**2 if isinstance(normals, np.ndarray) else normals.power(2)) @ inverse
+    roots = np.sqrt(squares)
     return float(roots.max() * (roots @ np.abs(impulses[:, 0])))

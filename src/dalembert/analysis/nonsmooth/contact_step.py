@@ -126,6 +126,8 @@ class ContactStep(ModelGaps):
             same_side = is_same_side(contacts, middle, self.model.scales.displacements)
             kept &= ~((middle.distance >= 0) & (ends >= 0) & same_side)
         moved = in_middle(contacts, middle, kept, v)
+        if not self.scheme.anticipates:
+            return moved
         rigid = ~self.force_laws.compliant(contacts)
         distance = self.cleared(moved.distance, rigid[:, None] * moved.turning, start.h)
         return replace(moved, distance=distance)
@@ -194,8 +196,9 @@ class ContactStep(ModelGaps):
         divides such steps.
         """
         smooth, theta = self.smooth, self.scheme.theta
+        approach = start.approach(contacts, self.rounding)
         if not (smooth.takes_means(theta) or smooth.turning.size):
-            return self._solved(start, start.motion, contacts, before)
+            return self._solved(start, start.motion, approach, before)
         if after is None or not smooth.takes_means(theta):
             pressed = before is not None and before.pressing[0].size > 0
             guess = start.v if pressed else start.free
@@ -204,7 +207,7 @@ class ContactStep(ModelGaps):
         stuck = contacts.key[:0] if before is None else before.stuck
         for _ in range(PATHS):
             motion = start.with_impact(smooth.repeated(start.smooth, theta, after))
-            result = self._solved(start, motion, contacts, warm)
+            result = self._solved(start, motion, approach, warm)
             if not result.impulses.accepted:
                 break
             error = self._error_of_means(start, result.v, after)
@@ -217,7 +220,7 @@ class ContactStep(ModelGaps):
                 least, best = error, result
             after, last = result.v, error
             warm = replace(result.last, stuck=stuck)
-        best = best or self._solved(start, start.motion, contacts, before)
+        best = best or self._solved(start, start.motion, approach, before)
         return replace(best, path_change=least)
 
     def _error_of_means(self, start: StepStart, speeds: np.ndarray, assumed: np.ndarray) -> float:
@@ -233,12 +236,11 @@ class ContactStep(ModelGaps):
         self,
         start: StepStart,
         motion: FreeMotion,
-        contacts: Contacts,
+        approach: Approach,
         before: LastImpulses | None,
     ) -> StepResult:
         """A step with some contacts and the motion that it has without their impulses."""
-        v, theta = start.v, self.scheme.theta
-        approach = start.approach(contacts, self.rounding)
+        v, theta, contacts = start.v, self.scheme.theta, approach.contacts
         impulses, offsets, stuck, compliant = self._impulses(approach, motion, before)
         impulses = without_unresolved(impulses, contacts, motion.mobility, approach.fastest)
         momentum = contacts.directions.T @ impulses.impulses.ravel()
@@ -282,10 +284,10 @@ class ContactStep(ModelGaps):
         rounding = STILL * self.solver.newton_tolerance * scale
         static = may_stick(contacts, approach.before, before.stuck if before else none, rounding)
         start, rounds = warm_start(contacts, before, shape), 0
+        rigid = FrictionProblem(matrix, free, laws.friction, contacts.groups, scale)
         for _ in range(ROUNDS):
             offsets[compliant.rows, 0] = compliant.offsets
-            velocity = free + offsets
-            problem = FrictionProblem(matrix, velocity, laws.friction, contacts.groups, scale)
+            problem = rigid.with_velocity(free + offsets)
             if compliant.rows.size:
                 problem = compliant_problem(problem, compliant.compliance)
             state = laws, static, approach.before

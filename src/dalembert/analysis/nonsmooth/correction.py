@@ -10,9 +10,8 @@ from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.model_gaps import CLOSED
 from dalembert.analysis.nonsmooth.mobility import Mobility, delassus
-from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
+from dalembert.integrators.contact.contacts import Contacts, FrictionProblem, among
 from dalembert.symbolic.equations import newton
-from dalembert.symbolic.evaluation.kernel import Matrix
 
 SETTINGS = newton.NewtonSettings(tolerance=CLOSED, max_iterations=20, halvings=0)
 """Newton's method converges quadratically."""
@@ -85,8 +84,8 @@ class PositionCorrection(newton.Equations[np.ndarray]):
             push, opened = self._push(gaps, joint_shift, mobility)
             shift = joint_shift + opened
             near = self._near(at, shift[:, None])
-            closes = near.distance + normals_of(near) @ shift < -allowed
-            missing = closes & ~np.isin(near.key, gaps.key)
+            closes = near.distance + near.normals @ shift < -allowed
+            missing = closes & ~among(near.key, gaps.key)
             if not missing.any():
                 break
             gaps = Contacts.joined([gaps, near.some(missing)])
@@ -101,7 +100,7 @@ class PositionCorrection(newton.Equations[np.ndarray]):
     ) -> tuple[np.ndarray, np.ndarray]:
         """Multipliers of gaps, and the displacement that opens them in addition to
         ``joint_shift``, which closes joints."""
-        normals, solver = normals_of(gaps), self.step_of.solver
+        normals, solver = gaps.normals, self.step_of.solver
         open_by = (gaps.distance + normals @ joint_shift)[:, None]
         fine = SHARE * self.step_of.rounding / solver.tolerance
         scale = max(float(-open_by.min(initial=0.0)), fine)
@@ -112,11 +111,6 @@ class PositionCorrection(newton.Equations[np.ndarray]):
 
     def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
         return self.step_of.model.equations.manifold.go(x, step)
-
-
-def normals_of(gaps: Contacts) -> Matrix:
-    """Rows of ``W`` along the normals."""
-    return gaps.directions[np.arange(gaps.count) * gaps.drift.shape[1]]
 
 
 def correct_position(

@@ -10,12 +10,10 @@ from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.laws import NormalLaw
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
-from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.evaluation.mapped_kernel import MappedKernel
 
 RIGID = -1
 """Number of the law of rigid contacts."""
-SMALLEST = 16
-"""Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
 
 
 class ForceLaws:
@@ -37,7 +35,7 @@ class ForceLaws:
     def __init__(self, model: Model, sources: list[GapSource], p: np.ndarray):
         elements = [element for source in sources for element in source.elements]
         by_owner = [e.force_laws if isinstance(e, Collisions) else (None,) for e in elements]
-        self.p, self._functions, self._kernels = p, [], {}  # type: ignore[var-annotated]
+        self.p, self._functions = p, list[MappedKernel]()
         self.laws: list[NormalLaw] = []
         self.elements = [e for e, laws in zip(elements, by_owner, strict=True) if any(laws)]
         self.are_all = all(law is not None for laws in by_owner for law in laws)
@@ -46,7 +44,7 @@ class ForceLaws:
             for number, law in enumerate(laws):
                 if law is not None:
                     self._table[owner, number] = len(self._functions)
-                    self._functions.append(_function(model, law))
+                    self._functions.append(MappedKernel(_function(model, law), common=[1]))
                     self.laws.append(law)
 
     def of(self, contacts: Contacts) -> np.ndarray:
@@ -82,15 +80,9 @@ class ForceLaws:
 
     def _evaluated(self, number: int, depth: np.ndarray, rate: np.ndarray) -> np.ndarray:
         """Values of one law."""
-        count = depth.size
-        size = SMALLEST << max(0, int(np.ceil(np.log2(count / SMALLEST))))
-        if (number, size) not in self._kernels:
-            mapped = self._functions[number].map(f"force{size}", "serial", size, [1], [])
-            self._kernels[number, size] = Kernel(mapped)
-        padded = np.arange(size) % count
-        state = np.stack([depth.ravel()[padded], rate.ravel()[padded]])
-        values = self._kernels[number, size](state, self.p)[0]
-        return np.asarray(values[:, :count].reshape(4, *depth.shape))
+        state = np.stack([depth.ravel(), rate.ravel()])
+        values = self._functions[number](state, self.p)[0]
+        return values[..., 0].T.reshape(4, *depth.shape)
 
 
 def _function(model: Model, law: NormalLaw) -> ca.Function:

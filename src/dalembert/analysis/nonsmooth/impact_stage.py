@@ -12,7 +12,7 @@ from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contact_solver import ContactSolver
-from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
+from dalembert.integrators.contact.contacts import Contacts, FrictionProblem, among
 from dalembert.integrators.contact.impact_path import Increment, impact_impulses
 from dalembert.integrators.contact.impulses import Impulses
 
@@ -45,7 +45,7 @@ class ImpactStage:
 
     def rows(self, contacts: Contacts) -> np.ndarray:
         """(n,) mask of the contacts that take part."""
-        return np.isin(contacts.key, self.contacts.key)
+        return among(contacts.key, self.contacts.key)
 
     def added(self, contacts: Contacts, solution: Impulses) -> Impulses:
         """Sums of the impulses of the stage and of the rest of the step."""

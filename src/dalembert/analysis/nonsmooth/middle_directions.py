@@ -51,8 +51,9 @@ def in_middle(start: Contacts, middle: Contacts, kept: np.ndarray, v: np.ndarray
         rows = np.repeat(kept, start.drift.shape[1])
         directions = _chosen(rows, start.directions, directions)
         drift = np.where(kept[:, None], start.drift, drift)
-    moved = replace(start, directions=directions, drift=drift, kept=kept)
-    return replace(moved, turning=moved.speeds(v) - start.speeds(v))
+    speeds = (directions @ v).reshape(drift.shape) + drift
+    turning = speeds - start.speeds(v)
+    return replace(start, directions=directions, drift=drift, kept=kept, turning=turning)
 
 
 def is_same_side(start: Contacts, middle: Contacts, sizes: np.ndarray) -> np.ndarray:
@@ -63,8 +64,7 @@ def is_same_side(start: Contacts, middle: Contacts, sizes: np.ndarray) -> np.nda
     start, middle : the same gaps at both positions
     sizes : (n_v,) natural displacements
     """
-    normals = np.arange(start.count) * start.drift.shape[1]
-    one, other = (gaps.directions[normals] for gaps in (start, middle))
+    one, other = start.normals, middle.normals
     if isinstance(one, np.ndarray):
         return np.asarray((one * other) @ sizes**2 > 0)
     return np.asarray(scipy.sparse.csr_array(one).multiply(other) @ sizes**2 > 0)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
@@ -12,7 +14,7 @@ import scipy
 from dalembert.analysis.nonsmooth.saddle import Entries, SaddlePattern, saddle, stored_entries
 from dalembert.errors import SingularityError
 from dalembert.integrators.contact.block_ordering import BlockOrderings
-from dalembert.integrators.contact.delassus import Delassus
+from dalembert.integrators.contact.delassus import DENSE, Delassus
 from dalembert.sparse.factorise import general_factors
 from dalembert.symbolic.evaluation.kernel import Matrix
 
@@ -20,6 +22,9 @@ WIDEST = 6
 """Largest number of coupled speeds without joints whose matrix is inverted as a block."""
 PATTERNS = 3
 """Upper limit of the stored patterns of matrices: those of steps, and of mass alone."""
+WHOLE = 40
+"""Upper limit of speeds and joints that are factorised together, as this costs less than blocks."""
+SINGULAR = "inertia and joints of a step have no solution; look for a singular position"
 COLUMNS = 256
 """Right-hand sides solved at once with the factors of coupled bodies."""
 
@@ -69,10 +74,19 @@ class Coupling:
         return pattern.filled(matrix, joints)
 
     @classmethod
-    def of(cls, pattern: ca.Sparsity, joints: ca.Sparsity, bodies: Sequence[int] = ()) -> Coupling:
+    def of(
+        cls,
+        pattern: ca.Sparsity,
+        joints: ca.Sparsity,
+        bodies: Sequence[int] = (),
+        whole: int = 0,
+    ) -> Coupling:
         """Groups of speeds connected by a matrix (n, n) or by joints (m, n).
 
-        ``bodies`` are the numbers of consecutive speeds of bodies, if there are such.
+        Parameters
+        ----------
+        bodies : numbers of consecutive speeds of bodies, if there are such
+        whole : limit of ``n + m`` up to which all speeds count as coupled, if there are joints
         """
         rows, columns = np.array(joints.row(), dtype=int), _columns(joints)
         n = pattern.size2()
@@ -85,6 +99,8 @@ class Coupling:
         joined = np.zeros(sizes.size, dtype=bool)
         joined[labels[columns]] = True
         blocked = (sizes <= WIDEST) & ~joined
+        if joints.size1() and size <= whole:
+            blocked[:] = False
         order = np.argsort(labels, kind="stable")
         order = order[blocked[labels[order]]]
         numbers = np.cumsum(blocked) - 1
@@ -101,6 +117,22 @@ class Coupling:
         coupled = np.flatnonzero(group < 0)
         entries = own, (rows, columns)
         return cls(group, position, order[place], sizes[blocked], coupled, orderings, entries)
+
+    @cached_property
+    def free(self) -> np.ndarray:
+        """(n,) mask of the speeds in blocks."""
+        return self.group >= 0
+
+    @cached_property
+    def inside(self) -> np.ndarray:
+        """(groups, w, w) mask of the entries of blocks that are no padding."""
+        inside = np.arange(self.members.shape[1]) < self.sizes[:, None]
+        return np.asarray(inside[:, :, None] & inside[:, None])
+
+    @cached_property
+    def places(self) -> tuple[np.ndarray, np.ndarray]:
+        """Blocks of the speeds in blocks, and their positions in these."""
+        return self.group[self.free], self.position[self.free]
 
     def repeated(self, count: int) -> Coupling:
         """Groups of the speeds of several steps that follow one another, all in blocks."""
@@ -130,7 +162,7 @@ class Mobility:
     """
 
     def __init__(self, matrix: Matrix, joints: Matrix, coupling: Coupling):
-        self.matrix, self.joints, self.coupling = matrix, joints, coupling
+        self.matrix, self.coupling = matrix, coupling
         self.plain = not coupling.coupled.size and coupling.members.shape[1] == 1
         try:
             if self.plain:
@@ -139,10 +171,26 @@ class Mobility:
                     raise np.linalg.LinAlgError("singular")
             else:
                 self._inverses = self._inverted()
-                self._factors = general_factors(coupling.saddle(matrix, joints))
         except np.linalg.LinAlgError:
-            text = "inertia and joints of a step have no solution; look for a singular position"
-            raise SingularityError(text) from None
+            raise SingularityError(SINGULAR) from None
+        self._constrain(joints)
+
+    def with_joints(self, joints: Matrix) -> Mobility:
+        """The solution with other constraints of the same speeds."""
+        if not (joints.shape[0] or self.joints.shape[0]):
+            return self
+        mobility = copy(self)
+        mobility._constrain(joints)
+        return mobility
+
+    def _constrain(self, joints: Matrix) -> None:
+        self.joints = joints
+        if self.plain:
+            return
+        try:
+            self._factors = general_factors(self.coupling.saddle(self.matrix, joints))
+        except np.linalg.LinAlgError:
+            raise SingularityError(SINGULAR) from None
 
     def __call__(
         self, right: np.ndarray, below: np.ndarray | None = None
@@ -152,13 +200,16 @@ class Mobility:
         m, shape = self.joints.shape[0], right.shape[1:]
         if self.plain:
             return (right.T / self._diagonal).T, np.zeros((m, *shape))
-        speeds, coupled = np.zeros(right.shape), self.coupling.coupled
-        if self._inverses.size:
-            members, free = self.coupling.members, self.coupling.group >= 0
-            own = self._inverses @ right[members].reshape(*members.shape, -1)
-            own = own[self.coupling.group[free], self.coupling.position[free]]
-            speeds[free] = own.reshape(speeds[free].shape)
         below = np.zeros((m, *shape)) if below is None else below
+        n, coupled = right.shape[0], self.coupling.coupled
+        if coupled.size == n:
+            solution = self._factors.solve(np.concatenate([right, below]))
+            return solution[:n], solution[n:]
+        speeds = np.zeros(right.shape)
+        if self._inverses.size:
+            members, free = self.coupling.members, self.coupling.free
+            own = self._inverses @ right[members].reshape(*members.shape, -1)
+            speeds[free] = own[self.coupling.places].reshape(-1, *shape)
         solution = self._factors.solve(np.concatenate([right[coupled], below]))
         speeds[coupled] = solution[: coupled.size]
         return speeds, solution[coupled.size :]
@@ -208,6 +259,11 @@ class Mobility:
         if not count:
             return blocks
         blocks[:] = np.eye(width)
+        if isinstance(self.matrix, np.ndarray):
+            own = self.matrix[members[:, :, None], members[:, None]]
+            if width == 1 and own.all():
+                return 1.0 / own
+            return np.linalg.inv(np.where(self.coupling.inside, own, blocks))
         row, column, value = _entries(self.matrix)
         free = self.coupling.group[row] >= 0
         row, column = row[free], column[free]
@@ -216,11 +272,11 @@ class Mobility:
         return np.linalg.inv(blocks)
 
 
-def delassus(directions: Matrix, mobility: Mobility) -> np.ndarray | Delassus:
-    """``W A⁻¹ Wᵀ``, as an operator if the directions are sparse."""
+def delassus(directions: Matrix, mobility: Mobility) -> Delassus:
+    """``W A⁻¹ Wᵀ``; directions that are arrays are compressed by rows for many contacts."""
+    if isinstance(directions, np.ndarray) and directions.shape[0] > DENSE:
+        directions = scipy.sparse.csr_array(directions)
     responses = mobility.responses(directions)
-    if not scipy.sparse.issparse(directions):
-        return np.asarray(directions @ responses.T)
     none = np.zeros(directions.shape[0])
     matrices = mobility.matrix, mobility.joints
     orderings = mobility.coupling.orderings
@@ -232,9 +288,6 @@ def _columns(pattern: ca.Sparsity) -> np.ndarray:
 
 
 def _entries(matrix: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows, columns and values of the entries that are not zero."""
-    if scipy.sparse.issparse(matrix):
-        entries = matrix.tocoo()
-        return entries.row, entries.col, entries.data
-    row, column = np.nonzero(matrix)
-    return row, column, matrix[row, column]
+    """Rows, columns and values of the entries of a sparse matrix."""
+    entries = matrix.tocoo()
+    return entries.row, entries.col, entries.data

@@ -9,7 +9,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.nonsmooth.mobility import Coupling, Mobility
+from dalembert.analysis.nonsmooth.mobility import WHOLE, Coupling, Mobility
 from dalembert.analysis.nonsmooth.path_forces import path_forces
 from dalembert.analysis.nonsmooth.step_forces import position_lift, step_forces
 from dalembert.elements.blocks.sampled import Sampled
@@ -153,7 +153,7 @@ class SmoothMotion:
         for slope in (forces.damping, forces.stiffness):
             pattern = pattern + ca.sparsify(slope).sparsity()
         bodies = [group.twist.numel() for group in model.coordinates]
-        self.coupling = Coupling.of(pattern, e.jacobian.sparsity(), bodies)
+        self.coupling = Coupling.of(pattern, e.jacobian.sparsity(), bodies, WHOLE)
         self._states = list(e.states)
         self._couples = not e.states and couples_bodies(pattern, bodies)
         self.has_joints, self._go = e.constraint_count > 0, e.manifold.go
@@ -234,7 +234,7 @@ class SmoothMotion:
             momentum = start.h * force
             if self._reacts:
                 momentum = momentum + (matrix - start.mass) @ (after - start.v)
-        mobility = Mobility(matrix, joints, self.coupling)
+        mobility = start.free.mobility.with_joints(joints)
         rates = -2 * (still + open_by / start.h + joints @ start.v)
         change, multiplier = mobility(momentum, rates)
         return FreeMotion(start.v + change, multiplier, mobility)

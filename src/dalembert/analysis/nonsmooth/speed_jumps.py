@@ -20,7 +20,7 @@ from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import ConsistentSpeeds, consistent_speeds
 from dalembert.analysis.nonsmooth.mobility import Mobility, delassus
 from dalembert.analysis.nonsmooth.step_state import StepResult
-from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
+from dalembert.integrators.contact.contacts import Contacts, FrictionProblem, among
 
 JUMP = 0.75
 """Difference of a prescribed speed in the middle of a step from the mean of those at its ends,
@@ -39,7 +39,7 @@ def speeds_after(
     result with the impulses of this projection."""
     plain = consistent_speeds(step, t + h, y, result.v)
     contacts = step.rigid(result.contacts)
-    pressing = np.isin(contacts.key, result.pressing[0])
+    pressing = among(contacts.key, result.pressing[0])
     if not (pressing.any() and step.smooth.prescribes):
         return plain, result
     contacts, change = contacts.some(pressing), plain.v - result.v
@@ -66,7 +66,7 @@ def _projected(
     shift: np.ndarray,
 ) -> tuple[ConsistentSpeeds, StepResult]:
     """The projection with some contacts; the ``plain`` one if it hardly changes their speeds."""
-    rows = np.flatnonzero(np.isin(result.contacts.key, contacts.key))
+    rows = np.flatnonzero(among(result.contacts.key, contacts.key))
     impulses = result.impulses.impulses[rows]
     matrix = delassus(contacts.directions, mobility)
     passed = (matrix @ impulses.ravel()).reshape(impulses.shape)

@@ -20,6 +20,7 @@ from dalembert.analysis.nonsmooth.checks.passages import MOST, Passage, find_pas
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import ConsistentSpeeds
 from dalembert.analysis.nonsmooth.step_state import StepResult
+from dalembert.integrators.contact.contacts import among
 from dalembert.model.graph.model import Model
 from dalembert.results.nonsmooth_motion import ContactRecord
 from dalembert.results.recording import Trajectory
@@ -75,7 +76,7 @@ class StepEntries:
             contacts.key[pressing],
             impulses.impulses[pressing],
             result.offsets[pressing],
-            np.isin(contacts.key[pressing], result.curved),
+            among(contacts.key[pressing], result.curved),
             contacts.kept_mask[pressing],
             np.array([result.longest]),
             np.array([result.loss]),

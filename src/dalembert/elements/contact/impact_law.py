@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import Enum
+from functools import cached_property
 
 
 class ImpactLaw(Enum):
@@ -16,7 +17,7 @@ class ImpactLaw(Enum):
     POISSON = "poisson"
     ENERGETIC = "energetic"
 
-    @property
+    @cached_property
     def number(self) -> int:
         """Its number among the coefficients of a contact."""
         return list(ImpactLaw).index(self)

@@ -9,11 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
+from dalembert.elements.contact.impact_law import ImpactLaw
+
 if TYPE_CHECKING:
     from dalembert.integrators.contact.contacts import Contacts
 
 Offsets = np.ndarray
 """(n, k) offsets of the velocities after a step: ``u⁺ + offset`` satisfies the conditions."""
+CLOSING = 0.5
+"""Fraction of a gap that a resting contact closes per step [-]."""
 SLOW = 1.9
 """Threshold of the speed of an impact, relative to the change of speed by forces in a step [-]. No
 fall of round length has it: from rest over ``k a h²`` it is ``√(2 k)``, after ``n`` steps ``n``."""
@@ -50,7 +54,7 @@ class Approach:
     hit: np.ndarray | bool = False
     rest: float = 0.0
 
-    @property
+    @cached_property
     def fastest(self) -> float:
         """The largest component of a velocity [m/s]."""
         linear = self.contacts.linear
@@ -64,12 +68,12 @@ class Approach:
         offsets[:, 1:linear] = laws.tangential[:, None] * self.before[:, 1:linear]
         return offsets
 
-    @property
+    @cached_property
     def forced(self) -> float:
         """The largest change of a normal velocity by forces in the step [m/s]."""
         return float(np.abs(self._change).max(initial=0.0))
 
-    @property
+    @cached_property
     def _change(self) -> np.ndarray:
         """(n,) change of the normal speeds by forces in the step [m/s]."""
         start = self.before if self.struck is None else self.struck
@@ -78,7 +82,10 @@ class Approach:
     @cached_property
     def nearby(self) -> np.ndarray:
         """(n,) largest change of a normal speed by forces in the step at the same bodies [m/s]."""
-        return largest_nearby(self.contacts.directions, np.abs(self._change))
+        change, contacts = np.abs(self._change), self.contacts
+        if isinstance(contacts.directions, np.ndarray):
+            return largest_moving(contacts.moved_speeds, change)
+        return largest_nearby(contacts.directions, change)
 
     @cached_property
     def fast(self) -> np.ndarray:
@@ -93,7 +100,12 @@ class Approach:
         least = np.maximum(slow * self.nearby, SLOWEST * gap / self.h)
         return np.asarray(squared > least**2)
 
-    @property
+    @cached_property
+    def least(self) -> LeastSpeeds:
+        """Minimum normal speeds at the end of the step."""
+        return LeastSpeeds(self)
+
+    @cached_property
     def impacting(self) -> np.ndarray:
         """(n,) mask of the gaps that close faster than forces on their bodies change speeds."""
         return np.asarray((self.before[:, 0] < 0) & self.fast)
@@ -126,6 +138,74 @@ class Approach:
             return newton
         limited = np.clip(self.struck[:, 0], 0.0, np.maximum(-before, 0.0))
         return np.where(self.hit, limited, newton)
+
+
+class LeastSpeeds:
+    """Minimum normal speeds of contacts at the end of a step, each computed once.
+
+    Parameters
+    ----------
+    approach : contacts and their velocities before the step
+    """
+
+    def __init__(self, approach: Approach):
+        self._of = approach
+        self._gap = np.maximum(approach.contacts.distance, 0.0)
+        self._after_half = self._gap + approach.h * approach.before[:, 0] / 2
+
+    @cached_property
+    def open(self) -> np.ndarray:
+        """(n,) ``s``, the minimum speed that leaves the gap open."""
+        return -2 * self._of.contacts.distance / self._of.h - self._of.before[:, 0]
+
+    def _margin(self, restitution: np.ndarray | float) -> np.ndarray:
+        """Minimum speed that permits an impact in the next step, ``g⁺ ≥ −(1−e) H u_N⁺/2``, where
+        ``H`` is the longest step."""
+        room = (self._of.h + (1 - restitution) * self._of.longest) / 2
+        return np.maximum(-self._after_half / room, self.open)
+
+    @cached_property
+    def room(self) -> np.ndarray:
+        """(n,) minimum speed that permits an impact in the next step, or a stop: without
+        restitution if the contact is slow, and by other laws than Newton's."""
+        laws = self._of.contacts.laws
+        rebounds = laws.follows(ImpactLaw.NEWTON) & self._of.fast
+        restitution = np.where(rebounds, laws.restitution, 0.0)
+        margin = self._margin(restitution)
+        closes = self._of.free[:, 0] < margin
+        if not closes.any():
+            return margin
+        return np.where(closes & self._passes(restitution), self.open, margin)
+
+    def _passes(self, restitution: np.ndarray) -> np.ndarray:
+        """(n,) mask of the gaps that need no room for an impact: as their directions turn, they
+        remain open without impulses for the time that it would take, though their linear parts
+        close."""
+        approach, free = self._of, self._of.free[:, 0]
+        turning = np.broadcast_to(approach.contacts.turning, approach.before.shape)[:, 0]
+        ahead = (1 - restitution) * approach.longest / 2
+        gap = self._gap + approach.h * (approach.before[:, 0] + free) / 2
+        gap = gap + ahead * (free + ahead * turning / approach.h)
+        return np.asarray((turning > 0) & (gap >= 0))
+
+    @cached_property
+    def bounce(self) -> np.ndarray:
+        """(n,) minimum speed of contacts under pressure: impacting, resting or separating."""
+        approach, before = self._of, self._of.before[:, 0]
+        closing = CLOSING * self._gap / approach.h
+        stopping, gradual = self._margin(0.0), -np.minimum(closing, approach.forced)
+        e = approach.contacts.laws.restitution
+        parting = (1 - e) * stopping + e * np.maximum(stopping, -before)  # reversals do no work
+        resting = np.where(before > 0, parting, np.maximum(stopping, gradual))
+        impact = approach.impacting
+        lower = np.where(impact & approach.begins, -np.inf, self.open)  # opened after the step
+        return np.maximum(np.where(impact, approach.rebound, resting), lower)
+
+
+def largest_moving(moved: np.ndarray, change: np.ndarray) -> np.ndarray:
+    """``largest_nearby`` of contacts whose bodies have the speeds ``moved`` (n, n_v), a mask."""
+    of_speeds = np.where(moved, change[:, None], 0.0).max(axis=0, initial=0.0)
+    return np.maximum(change, np.where(moved, of_speeds, 0.0).max(axis=1, initial=0.0))
 
 
 def largest_nearby(directions: scipy.sparse.csr_array, change: np.ndarray) -> np.ndarray:

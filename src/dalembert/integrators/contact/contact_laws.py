@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from itertools import zip_longest
 
 import numpy as np
@@ -53,7 +54,7 @@ class ContactLaws:
         mask: np.ndarray = self.impact == law.number
         return mask
 
-    @property
+    @cached_property
     def higher_at_rest(self) -> np.ndarray:
         """(n,) mask of contacts with more friction while they do not slip."""
         higher = np.zeros(self.restitution.size, dtype=bool)
@@ -63,7 +64,14 @@ class ContactLaws:
 
     def some(self, selected: np.ndarray) -> ContactLaws:
         """Laws of the selected contacts."""
-        return ContactLaws(*(getattr(self, field.name)[selected] for field in fields(self)))
+        return ContactLaws(
+            self.restitution[selected],
+            self.tangential[selected],
+            self.impact[selected],
+            self.static_friction[selected],
+            self.friction[selected],
+            self.number[selected],
+        )
 
     def padded(self, groups: int) -> ContactLaws:
         """Laws with a number of groups, the further ones frictionless."""

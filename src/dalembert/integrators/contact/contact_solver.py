@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -80,7 +79,7 @@ class ContactSolver:
 
         They are in their cones: those beyond by less than the tolerance are shortened.
         """
-        from dalembert.integrators.contact.impulses import solved_impulses
+        from dalembert.integrators.contact.impulses import Impulses, solved_impulses
 
         guess = np.zeros(problem.shape) if start is None else start
         limits = self.tolerance, max(self.tolerance, self.acceptable), self.max_iterations
@@ -88,4 +87,4 @@ class ContactSolver:
         if not solution.accepted:
             return solution
         inside = problem.project(solution.impulses, np.zeros(problem.shape))
-        return replace(solution, impulses=inside)
+        return Impulses(inside, solution.residual, solution.converged, solution.rounds)

@@ -16,7 +16,7 @@ import numpy as np
 import scipy
 
 from dalembert.integrators.contact.contact_laws import ContactLaws, widest_groups
-from dalembert.symbolic.evaluation.kernel import Matrix
+from dalembert.symbolic.evaluation.kernel import Matrix, dense_array
 
 if TYPE_CHECKING:
     from dalembert.integrators.contact.delassus import Delassus
@@ -29,7 +29,8 @@ class Contacts:
     Attributes
     ----------
     distance : (n,) ``g``
-    directions : (n k, n_v) ``W``, so that the relative velocity is ``u = W v + w``
+    directions : (n k, n_v) ``W``, so that the relative velocity is ``u = W v + w``; an array for
+        few speeds, compressed by rows for many
     drift : (n, k) ``w``, from motions prescribed in time [m/s]
     laws : restitution and friction
     groups : widths of the groups of tangential components, as in ``FrictionProblem``
@@ -37,6 +38,8 @@ class Contacts:
     owner : (n,) number of the element of the gap
     turning : (n, k) ``b``, half of the change of ``u`` by that of ``W``, ``w`` in the step [m/s]
     kept : (n,) mask of the gaps that keep their directions at the start of the step
+    moved : (n, n_v) mask of the speeds of the bodies of each gap; None if they are those with
+        stored directions
     """
 
     distance: np.ndarray
@@ -48,6 +51,7 @@ class Contacts:
     owner: np.ndarray
     turning: np.ndarray | float = 0.0
     kept: np.ndarray | bool = False
+    moved: np.ndarray | None = None
 
     @property
     def count(self) -> int:
@@ -71,6 +75,14 @@ class Contacts:
         """Number of components of the velocities that are not rotations."""
         return 1 + sum(self.groups[:1])
 
+    @property
+    def normals(self) -> Matrix:
+        """(n, n_v) rows of ``W`` along the normals."""
+        width = self.drift.shape[1]
+        if isinstance(self.directions, np.ndarray):
+            return self.directions[::width]
+        return self.directions[np.arange(self.count) * width]
+
     def some(self, selected: np.ndarray) -> Contacts:
         """The selected gaps."""
         if selected.dtype == bool and selected.all():
@@ -87,6 +99,7 @@ class Contacts:
             self.owner[selected],
             self._turnings[selected],
             self.kept_mask[selected],
+            None if self.moved is None else self.moved[selected],
         )
 
     @classmethod
@@ -98,6 +111,9 @@ class Contacts:
         if any(part.groups != groups for part in parts):
             groups = widest_groups([part.groups for part in parts])
             parts = [part.padded(groups) for part in parts]
+        parts = [part for part in parts if part.count] or parts[:1]
+        if len(parts) == 1:
+            return parts[0]
         rows = [(p.distance, p.drift, p.key, p.owner, p._turnings, p.kept_mask) for p in parts]
         columns = (np.concatenate(column) for column in zip(*rows, strict=True))
         distance, drift, key, owner, turning, kept = columns
@@ -105,18 +121,31 @@ class Contacts:
         across = [p.directions for p in parts]
         if any(scipy.sparse.issparse(part) for part in across):
             stacked: Matrix = scipy.sparse.csr_array(scipy.sparse.vstack(across))
-        else:
-            stacked = np.vstack(across)
-        return cls(distance, stacked, drift, laws, groups, key, owner, turning, kept)
+            return cls(distance, stacked, drift, laws, groups, key, owner, turning, kept)
+        directions, moved = np.concatenate(across), np.concatenate([p.moved_speeds for p in parts])
+        return cls(distance, directions, drift, laws, groups, key, owner, turning, kept, moved)
+
+    @property
+    def moved_speeds(self) -> np.ndarray:
+        """(n, n_v) ``moved``, or the mask of the speeds with directions that are not zero."""
+        if self.moved is not None:
+            return self.moved
+        acting = dense_array(self.directions) != 0
+        moved: np.ndarray = acting.reshape(*self.drift.shape, acting.shape[1]).any(axis=1)
+        return moved
 
     @property
     def kept_mask(self) -> np.ndarray:
         """(n,) ``kept``."""
-        return np.broadcast_to(self.kept, self.key.shape)
+        if isinstance(self.kept, np.ndarray):
+            return self.kept
+        return np.full(self.key.shape, self.kept)
 
     @property
     def _turnings(self) -> np.ndarray:
-        return np.broadcast_to(self.turning, self.drift.shape)
+        if isinstance(self.turning, np.ndarray):
+            return self.turning
+        return np.full(self.drift.shape, self.turning)
 
     def padded(self, groups: tuple[int, ...]) -> Contacts:
         """The gaps with zeros for the components of wider groups that they lack."""
@@ -137,6 +166,12 @@ class Contacts:
             laws=self.laws.padded(len(groups)),
             groups=groups,
         )
+
+
+FEW = 10_000
+"""Upper limit of pairs of keys of which comparing all costs less than sorting."""
+SHARED = "starts", "discs", "mobility", "weights"
+"""Properties of a friction problem that do not depend on its velocity."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,6 +212,13 @@ class FrictionProblem:
         """Number of components that are not rotations."""
         return 1 + sum(self.groups[:1])
 
+    def with_velocity(self, velocity: np.ndarray) -> FrictionProblem:
+        """The problem with another ``b``, and what follows from the rest."""
+        rest = self.friction, self.groups, self.scale, self.minimum, self.compliance
+        problem = FrictionProblem(self.matrix, velocity, *rest)
+        problem.__dict__.update((name, getattr(self, name)) for name in SHARED)
+        return problem
+
     @cached_property
     def starts(self) -> np.ndarray:
         """(groups + 1,) first component of each group, and the number of components."""
@@ -206,15 +248,21 @@ class FrictionProblem:
     @cached_property
     def weights(self) -> np.ndarray:
         """(n, k) residual per violation of an impulse; rotations count by their energy [m/s]."""
-        sliding, turning = np.split(self.mobility.copy(), [self.linear], axis=1)
-        sliding[:, 0] -= self.compliance
-        return np.hstack([sliding, np.sqrt(turning * sliding[:, :1])])
+        weights = self.mobility.copy()
+        weights[:, 0] -= self.compliance
+        turning = weights[:, self.linear :]
+        if turning.size:
+            weights[:, self.linear :] = np.sqrt(turning * weights[:, :1])
+        return weights
 
     def size(self, impulses: np.ndarray) -> float:
         """Reference speed: the scale or the largest change of speed of a contact by its impulse."""
         sliding = impulses[:, : self.linear]
-        changes = np.linalg.norm(sliding, axis=1) * (self.mobility[:, 0] - self.compliance)
-        return max(self.scale, float(np.nan_to_num(changes).max(initial=0.0)))
+        changes = lengths_of(sliding) * (self.mobility[:, 0] - self.compliance)
+        largest = float(changes.max(initial=0.0))
+        if not np.isfinite(largest):
+            largest = float(np.nan_to_num(changes).max())
+        return max(self.scale, largest)
 
     def project(self, impulses: np.ndarray, speeds: np.ndarray) -> np.ndarray:
         """``proj(P − ρ u)``: normal part onto ``≥ minimum``, each group onto its disc ``μ P_N``."""
@@ -231,9 +279,26 @@ class FrictionProblem:
         return float(worst) if np.isfinite(impulses).all() else np.inf
 
 
+def among(keys: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """(n,) mask of the keys (n,) that are among others (m,)."""
+    if keys.size * others.size > FEW:
+        return np.isin(keys, others)
+    mask: np.ndarray = (keys[:, None] == others).any(axis=1)
+    return mask
+
+
 def clip_lengths(vectors: np.ndarray, radii: np.ndarray) -> np.ndarray:
     """Vectors shortened to their radii."""
-    lengths = np.linalg.norm(vectors, axis=1)
+    lengths = lengths_of(vectors)
     outside = lengths > radii
+    if not outside.any():
+        return vectors
     factors = np.where(outside, radii / np.where(outside, lengths, 1.0), 1.0)
     return vectors * factors[:, None]
+
+
+def lengths_of(vectors: np.ndarray) -> np.ndarray:
+    """(n,) lengths of vectors (n, k)."""
+    if vectors.shape[1] == 1:
+        return np.abs(vectors[:, 0])
+    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))

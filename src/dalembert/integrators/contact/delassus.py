@@ -1,4 +1,4 @@
-"""Delassus operator of many contacts in sparse factors, ``H = W A⁻¹ Wᵀ``."""
+"""Delassus operator of contacts in factors, ``H = W A⁻¹ Wᵀ``."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from dalembert.integrators.contact.block_ordering import (
     BlockOrdering,
     BlockOrderings,
 )
+from dalembert.integrators.contact.compressed_rows import Rows
 from dalembert.integrators.contact.system_pattern import SystemPattern
 from dalembert.sparse.factorise import SuperLUFactors
 from dalembert.symbolic.evaluation.kernel import Matrix, dense_array
@@ -21,6 +22,11 @@ DENSE = 100
 """Upper limit of rows below which the matrix itself is cheaper than its factors."""
 SMALL = 20_000
 """Upper limit of entries below which products of dense matrices are cheaper than sparse ones."""
+MULTIPLICATIONS = 200_000
+"""Upper limit of multiplications in one product. BLAS computes larger ones in threads, whose start
+takes milliseconds where other programs use the processor."""
+SHARED = "_own", "product", "compressed"
+"""Properties of an operator that do not depend on its shift; the last ones of arrays."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,8 +35,8 @@ class Delassus:
 
     Attributes
     ----------
-    directions : (r, n) ``W``, compressed by rows
-    responses : (r, n) speeds by unit impulses, ``W A⁻ᵀ``, compressed by rows
+    directions : (r, n) ``W``, compressed by rows; an array for up to ``DENSE`` rows and few speeds
+    responses : (r, n) speeds by unit impulses, ``W A⁻ᵀ``, in the same form
     inertia : (n, n) ``A``
     joints : (m, n) constraints on the speeds
     shift : (r,) addition to the diagonal
@@ -38,8 +44,8 @@ class Delassus:
     orderings : orders of elimination of free bodies; None for bodies with joints
     """
 
-    directions: scipy.sparse.csr_array
-    responses: scipy.sparse.csr_array
+    directions: Matrix
+    responses: Matrix
     inertia: Matrix
     joints: Matrix
     shift: np.ndarray
@@ -56,16 +62,42 @@ class Delassus:
         """The matrix of few contacts; None for more."""
         if self.shift.size > DENSE:
             return None
-        matrix = dense_array(self.directions @ self.responses.T)
+        matrix = self.product.copy()
         matrix[np.diag_indices_from(matrix)] += self.shift
         return matrix
 
+    @cached_property
+    def product(self) -> np.ndarray:
+        """(r, r) ``H``, without the shift."""
+        if not self.is_dense:
+            return dense_array(self.directions @ self.responses.T)
+        rows = max(MULTIPLICATIONS // max(self.responses.size, 1), 1)
+        starts = range(0, max(self.directions.shape[0], 1), rows)
+        parts = [self.directions[k : k + rows] @ self.responses.T for k in starts]
+        return np.concatenate(parts) if len(parts) > 1 else parts[0]
+
+    @cached_property
+    def compressed(self) -> tuple[Rows, Rows]:
+        """Directions and responses compressed by rows."""
+        if not self.is_dense:
+            return self.directions, self.responses
+        return Rows.of(self.directions), Rows.of(self.responses)
+
+    @property
+    def is_dense(self) -> bool:
+        """Whether directions and responses are arrays."""
+        return isinstance(self.directions, np.ndarray)
+
     def __matmul__(self, impulses: np.ndarray) -> np.ndarray:
+        if self.is_dense:
+            return np.asarray(self.product @ impulses + self.shift * impulses)
         return np.asarray(self.directions @ self.response(impulses) + self.shift * impulses)
 
     def response(self, impulses: np.ndarray) -> np.ndarray:
         """(n,) speeds of the bodies by impulses (r,)."""
         x = self.responses
+        if self.is_dense:
+            return np.asarray(impulses @ x)
         values = x.data * np.repeat(impulses, np.diff(x.indptr))
         return np.bincount(x.indices, values, x.shape[1])
 
@@ -77,6 +109,8 @@ class Delassus:
     def _own(self) -> np.ndarray:
         """(r,) diagonal of ``H``."""
         w, x = self.directions, self.responses
+        if self.is_dense:
+            return self.product.diagonal()
         if np.array_equal(w.indices, x.indices):
             row = np.repeat(np.arange(self.shift.size), np.diff(w.indptr))
             return np.bincount(row, w.data * x.data, self.shift.size)
@@ -87,14 +121,15 @@ class Delassus:
     def shifted(self, diagonal: np.ndarray) -> Delassus:
         """The operator with an addition to its diagonal."""
         changed = replace(self, shift=self.shift + diagonal)
-        changed.__dict__["_own"] = self._own
+        for name in SHARED if self.is_dense else SHARED[:1]:
+            changed.__dict__[name] = getattr(self, name)
         return changed
 
     def pattern(self, width: int) -> SystemPattern:
         """Pattern of the equations of Newton's method for contacts of ``width`` rows."""
         if width not in self.patterns:
-            joints = self.joints
-            self.patterns[width] = SystemPattern.of(self.directions, self.inertia, joints, width)
+            own = self.compressed[0], self.inertia, self.joints
+            self.patterns[width] = SystemPattern.of(*own, width)
         return self.patterns[width]
 
     @property

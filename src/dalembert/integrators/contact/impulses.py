@@ -134,13 +134,15 @@ def _alternating(
     if problem.matrix.by_blocks:
         alternations, few, sweeps = BLOCK_ALTERNATIONS, BLOCK_ITERATIONS, BLOCK_SWEEPS
     few = few if problem.friction.any() else MAX_ITERATIONS
-    residual = problem.residual(impulses)
+    residual = np.inf
     for number in range(2 * alternations):
         if number % 2:
             trial = semismooth_newton(problem, impulses, NEWTON_SHARE * allowed, few)
         else:
             trial = swept(problem, impulses, SWEEP_SHARE * allowed, sweeps)
         trial_residual = problem.residual(trial)
+        if not trial_residual <= problem.scale and residual == np.inf:
+            residual = problem.residual(impulses)
         if trial_residual <= max(residual, problem.scale):  # others have diverged
             impulses, residual = trial, trial_residual
         if residual <= allowed:

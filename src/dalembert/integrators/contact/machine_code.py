@@ -135,14 +135,16 @@ def _calls_of_all(text: str) -> str:
 
 def problem_arrays(problem: FrictionProblem, operator: Delassus) -> list[np.ndarray]:
     """Contiguous arrays of numbers of a friction problem and its operator."""
-    minimum = np.broadcast_to(problem.minimum, problem.shape[:1])
-    arrays = [operator.directions.data, operator.responses.data, problem.velocity]
+    minimum = problem.minimum
+    if not isinstance(minimum, np.ndarray):
+        minimum = np.full(problem.shape[0], minimum)
+    arrays = [*(part.data for part in operator.compressed), problem.velocity]
     arrays += [problem.friction, minimum, problem.mobility, problem.weights, operator.shift]
     return [np.ascontiguousarray(array, dtype=float) for array in arrays]
 
 
 def index_arrays(problem: FrictionProblem, operator: Delassus) -> list[np.ndarray]:
     """Contiguous arrays of rows, columns and groups of a friction problem and its operator."""
-    w, x = operator.directions, operator.responses
+    w, x = operator.compressed
     arrays = [w.indptr, w.indices, x.indptr, x.indices, problem.starts]
     return [array.astype(np.int32, copy=False) for array in arrays]

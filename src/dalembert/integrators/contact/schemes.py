@@ -7,16 +7,12 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import UnsupportedError
-from dalembert.integrators.contact.approach import Approach, Offsets
+from dalembert.integrators.contact.approach import CLOSING, Approach, Offsets
 from dalembert.options import options
 
 if TYPE_CHECKING:
     from dalembert.integrators.contact.offset_slopes import OffsetSlopes
-
-CLOSING = 0.5
-"""Fraction of a gap that a resting contact closes per step [-]."""
 
 
 class ContactScheme(ABC):
@@ -182,29 +178,29 @@ class AnticipatedImpacts(ContactScheme):
 
     def striking(self, approach: Approach) -> np.ndarray:
         closed = approach.contacts.distance <= approach.rounding
-        return np.asarray(closed | (approach.free[:, 0] < _room(approach)))
+        return np.asarray(closed | (approach.free[:, 0] < approach.least.room))
 
     def first(self, approach: Approach) -> Offsets:
         offsets = approach.newton()
-        margin = _room(approach)
+        margin = approach.least.room
         impact = (approach.free[:, 0] < margin) | approach.hit
-        offsets[:, 0] = -np.where(impact, _bounce(approach), margin)
+        offsets[:, 0] = -np.where(impact, approach.least.bounce, margin)
         return offsets
 
     def again(
         self, approach: Approach, offsets: Offsets, impulses: np.ndarray, after: np.ndarray
     ) -> Offsets | None:
-        bounce = _bounce(approach)
+        bounce = approach.least.bounce
         pressed = (impulses[:, 0] > 0) & (-offsets[:, 0] < bounce)
         parting = approach.before[:, 0]
         pressed &= (parting <= 0) | (offsets[:, 0] != parting)  # excludes idle contacts
+        work = (impulses * (after + approach.before)).sum(axis=1)
+        supplied = float(work.sum())
+        if not pressed.any() and supplied <= 0:
+            return None
         changed = offsets.copy()
         changed[pressed, 0] = -bounce[pressed]
-        magnitude = np.abs(impulses) * (np.abs(after) + np.abs(approach.before))
-        work = (impulses * (after + approach.before)).sum(axis=1)
-        overlap = np.maximum(-approach.contacts.distance, 0.0)  # of rounding, which is opened
-        opening = (2 * impulses[:, 0] * overlap / approach.h).sum()
-        if work.sum() > ROUNDING * magnitude.sum() + opening:
+        if supplied > 0 and supplied > _inexact_work(approach, impulses, after):
             idle = changed.copy()
             idle[:, 0] = np.maximum(changed[:, 0], approach.before[:, 0])
             slips = ~approach.contacts.laws.higher_at_rest  # the others stop
@@ -220,52 +216,12 @@ class AnticipatedImpacts(ContactScheme):
         return anticipated_slopes(approach, offsets, CLOSING, rounding)
 
 
-def _open(approach: Approach) -> np.ndarray:
-    """``s``, the minimum speed that leaves the gap open."""
-    return -2 * approach.contacts.distance / approach.h - approach.before[:, 0]
-
-
-def _margin(approach: Approach, restitution: np.ndarray | float) -> np.ndarray:
-    """Minimum speed that permits an impact in the next step, ``g⁺ ≥ −(1−e) H u_N⁺/2``, where ``H``
-    is the longest step."""
-    gap = np.maximum(approach.contacts.distance, 0) + approach.h * approach.before[:, 0] / 2
-    room = (approach.h + (1 - restitution) * approach.longest) / 2
-    return np.maximum(-gap / room, _open(approach))
-
-
-def _room(approach: Approach) -> np.ndarray:
-    """Minimum speed that permits an impact in the next step, or a stop: without restitution if the
-    contact is slow, and by other laws than Newton's."""
-    laws = approach.contacts.laws
-    rebounds = laws.follows(ImpactLaw.NEWTON) & approach.fast
-    restitution = np.where(rebounds, laws.restitution, 0.0)
-    margin = _margin(approach, restitution)
-    passes = (approach.free[:, 0] < margin) & _passes(approach, restitution)
-    return np.where(passes, _open(approach), margin)
-
-
-def _passes(approach: Approach, restitution: np.ndarray) -> np.ndarray:
-    """(n,) mask of the gaps that need no room for an impact: as their directions turn, they remain
-    open without impulses for the time that it would take, though their linear parts close."""
-    turning = np.broadcast_to(approach.contacts.turning, approach.before.shape)[:, 0]
-    ahead = (1 - restitution) * approach.longest / 2
-    gap = np.maximum(approach.contacts.distance, 0)
-    gap = gap + approach.h * (approach.before[:, 0] + approach.free[:, 0]) / 2
-    gap = gap + ahead * (approach.free[:, 0] + ahead * turning / approach.h)
-    return np.asarray((turning > 0) & (gap >= 0))
-
-
-def _bounce(approach: Approach) -> np.ndarray:
-    """Minimum speed of contacts under pressure: impacting, resting or separating."""
-    before, forced = approach.before[:, 0], approach.forced
-    closing = CLOSING * np.maximum(approach.contacts.distance, 0) / approach.h
-    stopping, gradual = _margin(approach, 0.0), -np.minimum(closing, forced)
-    e = approach.contacts.laws.restitution
-    parting = (1 - e) * stopping + e * np.maximum(stopping, -before)  # a reversal does no work
-    resting = np.where(before > 0, parting, np.maximum(stopping, gradual))
-    impact = approach.impacting
-    lower = np.where(impact & approach.begins, -np.inf, _open(approach))  # opened after the step
-    return np.maximum(np.where(impact, approach.rebound, resting), lower)
+def _inexact_work(approach: Approach, impulses: np.ndarray, after: np.ndarray) -> float:
+    """Total work of contacts that results from rounding and opens overlaps of rounding."""
+    magnitude = np.abs(impulses) * (np.abs(after) + np.abs(approach.before))
+    overlap = np.maximum(-approach.contacts.distance, 0.0)
+    opening = (2 * impulses[:, 0] * overlap / approach.h).sum()
+    return float(ROUNDING * magnitude.sum() + opening)
 
 
 def check_share(owner: str, name: str, value: float) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 
 from dalembert.integrators.contact.contact_laws import ContactLaws
 from dalembert.integrators.contact.contact_solver import ContactSolver
-from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
+from dalembert.integrators.contact.contacts import Contacts, FrictionProblem, among
 from dalembert.integrators.contact.impulses import Impulses
 
 STILL = 10.0
@@ -38,7 +38,7 @@ def may_stick(
     if not higher.any():
         return higher
     slow = np.linalg.norm(before[:, 1 : contacts.linear], axis=1) <= rounding
-    static: np.ndarray = higher & (slow | np.isin(contacts.key, stuck))
+    static: np.ndarray = higher & (slow | among(contacts.key, stuck))
     return static
 
 
@@ -59,8 +59,10 @@ def solve_with_static_friction(
     static : (n,) mask of contacts with static friction at first
     before : (n, k) relative velocities before the step
     """
-    rounds, slips = 0, np.zeros_like(static)
     higher = laws.higher_at_rest
+    if not higher.any():
+        return solver.solve(problem, start), static
+    rounds, slips = 0, np.zeros_like(static)
     while True:
         own = problem
         if static.any():
@@ -69,7 +71,7 @@ def solve_with_static_friction(
             own = replace(problem, friction=friction)
         solution = solver.solve(own, start)
         start, rounds = solution.impulses, rounds + solution.rounds
-        if not higher.any() or not solution.accepted:
+        if not solution.accepted:
             break
         after = problem.speeds(start)[:, 1 : problem.linear]
         turned = (after * before[:, 1 : problem.linear]).sum(axis=1) < 0

@@ -9,6 +9,8 @@ sweeps, the next one begins from ``P − Σ γ_i ΔP_i``, where ``γ`` minimises
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from dalembert.integrators.contact.contacts import FrictionProblem
@@ -19,10 +21,13 @@ from dalembert.integrators.contact.machine_code import (
     machine_code,
     problem_arrays,
 )
+from dalembert.symbolic.native.toolchain import Call
 
 DEPTH, GROWTH, REGULARIZATION = 10, 4.0, 1e-12
 """Stored sweeps; growth of the squared changes after which they are forgotten; regularisation of
 the least-squares problem relative to its diagonal [-]."""
+LIMIT = 3
+"""Place of the limit of sweeps among the integers of the loop."""
 SWEEPS = 300
 """Upper limit of sweeps before Newton's method takes over."""
 
@@ -42,12 +47,81 @@ def swept(
     operator, code = problem.matrix, machine_code("sweep.c", "sweeps.c")
     if code is None or not isinstance(operator, Delassus) or not problem.shape[0]:
         return impulses
-    result, rows, speeds = np.array(impulses), impulses.size, operator.directions.shape[1]
-    settings = np.array([tolerance, GROWTH, REGULARIZATION])
-    inputs = [*problem_arrays(problem, operator), settings, *index_arrays(problem, operator)]
-    counts = [*problem.shape, len(problem.groups), limit, speeds, DEPTH]
-    work = problem.shape[1] + (3 + 2 * DEPTH) * rows + (1 + DEPTH) * speeds
-    work += DEPTH * (1 + 2 * DEPTH)
-    outputs = [result, operator.response(result.ravel())]
-    Loop(code, inputs, outputs, counts, work)()
+    if operator.is_dense:
+        idle = _idle(problem.shape, problem.groups)
+        sweeps = idle.pop() if idle else DenseSweeps(code, problem)
+        result = sweeps(problem, operator, impulses, tolerance, limit)
+        idle.append(sweeps)
+    else:
+        result, speeds = np.array(impulses), operator.directions.shape[1]
+        settings = np.array([tolerance, GROWTH, REGULARIZATION])
+        inputs = [*problem_arrays(problem, operator), settings, *index_arrays(problem, operator)]
+        outputs = [result, operator.response(result.ravel())]
+        sizes = _counts(problem, limit, speeds), _work(problem, speeds)
+        Loop(code, inputs, outputs, *sizes)()
     return result if np.isfinite(result).all() else impulses
+
+
+def _counts(problem: FrictionProblem, limit: int, speeds: int) -> list[int]:
+    """Integers of the loop."""
+    return [*problem.shape, len(problem.groups), limit, speeds, DEPTH]
+
+
+def _work(problem: FrictionProblem, speeds: int) -> int:
+    """Size of the memory of the loop."""
+    rows, own = problem.velocity.size, problem.shape[1] + DEPTH * (1 + 2 * DEPTH)
+    return own + (3 + 2 * DEPTH) * rows + (1 + DEPTH) * speeds
+
+
+class DenseSweeps:
+    """Sweeps with the matrix ``H`` itself, on arrays that remain in place from call to call.
+
+    The velocities of the contacts take the place of the speeds of the bodies, so that directions
+    are unit vectors.
+
+    Parameters
+    ----------
+    code : machine code
+    problem : with as many contacts as those of the calls
+    """
+
+    def __init__(self, code: Call, problem: FrictionProblem):
+        rows, (count, _) = problem.velocity.size, problem.shape
+        self._impulses, self._speeds = np.zeros(problem.shape), np.zeros(rows)
+        self._responses, self._settings = np.zeros((rows, rows)), np.zeros(3)
+        vectors = [np.zeros(problem.shape) for _ in range(4)]
+        self._velocity, self._mobility, self._weights, self._shift = vectors
+        self._friction, self._minimum = np.zeros((count, len(problem.groups))), np.zeros(count)
+        parts = [np.ones(rows), self._responses, self._velocity, self._friction, self._minimum]
+        parts += [self._mobility, self._weights, self._shift, self._settings]
+        number = np.arange(rows, dtype=np.int32)
+        starts = np.arange(rows + 1, dtype=np.int32)
+        indices = [starts, number, rows * starts, np.tile(number, rows)]
+        indices.append(problem.starts.astype(np.int32))
+        sizes = _counts(problem, SWEEPS, rows), _work(problem, rows)
+        self._loop = Loop(code, [*parts, *indices], [self._impulses, self._speeds], *sizes)
+
+    def __call__(
+        self,
+        problem: FrictionProblem,
+        operator: Delassus,
+        impulses: np.ndarray,
+        tolerance: float,
+        limit: int,
+    ) -> np.ndarray:
+        """Impulses after sweeps, arguments as of ``swept``."""
+        self._responses[:], self._velocity[:] = operator.product.T, problem.velocity
+        self._friction[:], self._minimum[:] = problem.friction, problem.minimum
+        self._mobility[:], self._weights[:] = problem.mobility, problem.weights
+        self._shift[:] = operator.shift.reshape(problem.shape)
+        self._settings[:] = tolerance, GROWTH, REGULARIZATION
+        self._impulses[:], self._speeds[:] = impulses, operator.product @ impulses.ravel()
+        self._loop.counts[LIMIT] = limit
+        self._loop()
+        return self._impulses.copy()
+
+
+@lru_cache(maxsize=256)
+def _idle(shape: tuple[int, int], groups: tuple[int, ...]) -> list[DenseSweeps]:
+    """Sweeps over contacts of some number and components that no call uses."""
+    return []

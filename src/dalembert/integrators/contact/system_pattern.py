@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
+from dalembert.integrators.contact.compressed_rows import Rows
 from dalembert.symbolic.evaluation.kernel import Matrix
 
 
@@ -34,9 +35,7 @@ class SystemPattern:
     place: np.ndarray
 
     @classmethod
-    def of(
-        cls, directions: scipy.sparse.csr_array, inertia: Matrix, joints: Matrix, width: int
-    ) -> SystemPattern:
+    def of(cls, directions: Rows, inertia: Matrix, joints: Matrix, width: int) -> SystemPattern:
         """Pattern for contacts with ``width`` rows of ``W`` each."""
         count, n = directions.shape[0] // width, directions.shape[1]
         size = n + joints.shape[0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
-from dalembert.analysis.nonsmooth.correction import PositionCorrection, PositionResidual, normals_of
+from dalembert.analysis.nonsmooth.correction import PositionCorrection, PositionResidual
 from dalembert.symbolic.equations import newton
 
 SAME = 1e-6
@@ -29,7 +29,7 @@ class RecordedOpening(PositionCorrection):
         shift, gaps = self.shift(x, residual)
         keys, lifts = np.zeros(0, dtype=int), np.zeros(0)
         if gaps is not None:
-            remainder = np.abs(gaps.distance + normals_of(gaps) @ shift)
+            remainder = np.abs(gaps.distance + gaps.normals @ shift)
             active = np.flatnonzero(remainder <= SAME * -gaps.distance.min())
             active = active[np.argsort(gaps.key[active])]
             keys, lifts = gaps.key[active], gaps.distance[active]

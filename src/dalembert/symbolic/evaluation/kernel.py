@@ -66,6 +66,47 @@ def flattened(
     return flat
 
 
+REUSED = 100_000
+"""Upper limit of numbers of arguments and results whose memory remains from call to call."""
+
+
+class BoundArrays:
+    """Arrays from which a function reads its arguments, and into which it writes its results.
+
+    Parameters
+    ----------
+    function : dense in all inputs and outputs
+    """
+
+    def __init__(self, function: ca.Function):
+        self.arguments = [np.zeros(function.numel_in(i)) for i in range(function.n_in())]
+        self.results = [np.zeros(function.numel_out(i)) for i in range(function.n_out())]
+        self._buffer: Any
+        self._buffer, self._trigger = function.buffer()
+        for i, argument in enumerate(self.arguments):
+            self._buffer.set_arg(i, argument.data)
+        for i, result in enumerate(self.results):
+            self._buffer.set_res(i, memoryview(result.data))
+
+    def evaluate(self) -> None:
+        """Evaluate the function once.
+
+        Raises
+        ------
+        SolverFailure
+            A solver inside the function fails.
+        """
+        shown, sys.stderr = sys.stderr, StringIO()  # CasADi prints all arguments on failure
+        try:
+            self._trigger()
+        except RuntimeError as error:
+            raise SolverFailure(str(error).strip().rpartition(": ")[2].rstrip(".")) from None
+        finally:
+            sys.stderr = shown
+        if self._buffer.ret():  # a failure without an exception; the results are zeros
+            raise SolverFailure(NO_SOLUTION)
+
+
 class Kernel:
     """A CasADi function on NumPy arrays.
 
@@ -84,32 +125,23 @@ class Kernel:
 
     def __init__(self, function: ca.Function):
         self.function, self._name = function, function.name()
-        self._sizes = [function.numel_in(i) for i in range(function.n_in())]
         self._shapes = [function.size_out(i) for i in range(function.n_out())]
-        self._idle: list[Any] = []  # buffers that no call uses, neither in another thread
+        self._idle: list[BoundArrays] = []  # that no call uses, neither in another thread
+        self._reused = function.nnz_in() + function.nnz_out() <= REUSED
 
     def __call__(self, *arguments) -> list[np.ndarray]:
-        buffer: Any
-        buffer, trigger = self._idle.pop() if self._idle else self.function.buffer()
-        references = [
-            flattened(self._name, i, argument, size)
-            for i, (argument, size) in enumerate(zip(arguments, self._sizes, strict=True))
-        ]
-        for i, flat in enumerate(references):
-            buffer.set_arg(i, flat.data)
-        results = [np.zeros(rows * columns) for rows, columns in self._shapes]
-        for i, result in enumerate(results):
-            buffer.set_res(i, memoryview(result.data))
-        shown, sys.stderr = sys.stderr, StringIO()  # CasADi prints all arguments on failure
-        try:
-            trigger()
-        except RuntimeError as error:
-            raise SolverFailure(str(error).strip().rpartition(": ")[2].rstrip(".")) from None
-        finally:
-            sys.stderr = shown
-        if buffer.ret():  # a failure without an exception; the results are zeros
-            raise SolverFailure(NO_SOLUTION)
-        self._idle.append((buffer, trigger))
+        bound = self._idle.pop() if self._idle else BoundArrays(self.function)
+        for i, (own, argument) in enumerate(zip(bound.arguments, arguments, strict=True)):
+            if isinstance(argument, float) or np.shape(argument) == own.shape:
+                own[:] = argument
+            else:
+                own[:] = flattened(self._name, i, argument, own.size)
+        bound.evaluate()
+        if not self._reused:
+            results = bound.results
+        else:
+            results = [result.copy() for result in bound.results]
+            self._idle.append(bound)
         return [r.reshape(shape, order="F") for r, shape in zip(results, self._shapes, strict=True)]
 
 

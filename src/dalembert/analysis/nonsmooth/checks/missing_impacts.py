@@ -21,7 +21,7 @@ from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.mobility import delassus
 from dalembert.analysis.nonsmooth.step_state import StepStart
 from dalembert.analysis.nonsmooth.touching_shapes import bodies_of
-from dalembert.integrators.contact.contacts import Contacts
+from dalembert.integrators.contact.contacts import Contacts, among
 from dalembert.results.nonsmooth_motion import ContactRecord
 
 SHARE = 0.01
@@ -81,7 +81,7 @@ def returning_gaps(start: StepStart, near: Contacts, result: Ends, rounding: flo
     rounding : gap that counts as closed [m]
     """
     ends = near.distance + start.h * near.speeds(start.v)[:, 0]
-    pressed = np.isin(near.key, result.pressing[0])
+    pressed = among(near.key, result.pressing[0])
     return near.some((near.distance > rounding) & (ends < -rounding) & ~pressed)
 
 

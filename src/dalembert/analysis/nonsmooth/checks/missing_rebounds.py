@@ -18,7 +18,7 @@ from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.mobility import delassus
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.integrators.contact.approach import SLOW
-from dalembert.integrators.contact.contacts import Contacts
+from dalembert.integrators.contact.contacts import Contacts, among
 from dalembert.results.nonsmooth_motion import ContactRecord
 
 SHARE, ROUGH = 0.01, 0.03
@@ -110,7 +110,7 @@ def _rebounds(step: ContactStep, record: ContactRecord, k: int) -> Rebounds | No
     start = step.begin(t, h, y, v, k == 0)
     contacts = step.rigid(step.starting(start, np.sort(own)))
     strikes = start.approach(contacts, step.rounding).impacting
-    contacts = contacts.some(strikes | ~np.isin(contacts.key, before))
+    contacts = contacts.some(strikes | ~among(contacts.key, before))
     if not contacts.count:
         return None
     closing = -contacts.at_start(v)[:, 0]
@@ -127,9 +127,10 @@ def _rebounds(step: ContactStep, record: ContactRecord, k: int) -> Rebounds | No
         rebounds |= ~newton & (speed > SLOW * float(np.abs(h * acceleration).max()))
     masses = effective_masses(contacts, start.motion.mobility)
     missing = np.where(rebounds, 0.0, masses * rebound**2 / 2)
-    end = step.selected(step.at(t + h, record.ends.y[:, k + 1]), contacts.key)
-    height = np.maximum(acceleration, 0.0) * np.maximum(end.distance, 0.0)
-    height[contacts.laws.restitution == 0] = 0.0  # dissipated by later impacts
+    height, elastic = np.zeros(contacts.count), contacts.laws.restitution != 0
+    if elastic.any():  # the height of others is dissipated by later impacts
+        end = step.selected(step.at(t + h, record.ends.y[:, k + 1]), contacts.key[elastic])
+        height[elastic] = np.maximum(acceleration[elastic], 0.0) * np.maximum(end.distance, 0.0)
     share = np.divide(after, closing, out=np.zeros_like(after), where=closing > 0)
     newton = contacts.laws.follows(ImpactLaw.NEWTON)
     exact = np.where(newton, rebound, share * speed)
@@ -144,7 +145,5 @@ def _rebounds(step: ContactStep, record: ContactRecord, k: int) -> Rebounds | No
 
 def effective_masses(contacts: Contacts, mobility) -> np.ndarray:
     """(n,) effective masses along the normals of the gaps [kg]."""
-    width = contacts.drift.shape[1]
-    normals = contacts.directions[np.arange(contacts.count) * width]
-    diagonal = delassus(normals, mobility).diagonal()
+    diagonal = delassus(contacts.normals, mobility).diagonal()
     return np.divide(1.0, diagonal, out=np.zeros_like(diagonal), where=diagonal > 0)

@@ -66,16 +66,12 @@ def find_passage(
     end, travel = result.y, step.model.equations.manifold.lead(y, result.y)[:, None]
     after = step.near(step.at(t + h, end), travel)
     pairs, pairs_after = step.pairs(gaps.key), step.pairs(after.key)
-    normals = _normals(step, step.at(t, y), gaps.key)
-    for row, pair in enumerate(pairs):
-        beyond = np.flatnonzero(pairs_after == pair)
-        if not beyond.size:
-            continue
-        nearest = after.key[beyond[[np.argmin(after.distance[beyond])]]]
-        if _normals(step, step.at(t + h, end), nearest)[0] @ normals[row] >= 0:
-            continue
+    rows, nearest = _nearest(pairs, pairs_after, after.distance)
+    before = _normals(step, step.at(t, y), gaps.key[rows])
+    beyond = _normals(step, step.at(t + h, end), after.key[nearest])
+    for row in rows[(before * beyond).sum(axis=1) < 0]:
 
-        def gap(s: float, pair: int = pair) -> float:
+        def gap(s: float, pair: int = pairs[row]) -> float:
             at = step.at(t + s * h, between(step.model, y, end, s))
             near = step.near(at, travel)
             return float(near.distance[step.pairs(near.key) == pair].min(initial=np.inf))
@@ -87,6 +83,25 @@ def find_passage(
             names = f"{bodies_of(step.model, gaps, row)} of {step.names[gaps.owner[row]]}"
             return Passage(t, names, depth, h * (leaving - entry))
     return None
+
+
+def _nearest(
+    pairs: np.ndarray, pairs_after: np.ndarray, distance: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Gaps of some pairs of shapes, and the nearest gaps of the same ones at the end of a step.
+
+    Parameters
+    ----------
+    pairs, pairs_after : (n,), (m,) numbers of the pairs of both
+    distance : (m,) gaps at the end
+    """
+    order = np.lexsort((distance, pairs_after))
+    present, first = np.unique(pairs_after[order], return_index=True)
+    if not present.size:
+        return np.zeros(0, dtype=int), order
+    place = np.minimum(np.searchsorted(present, pairs), present.size - 1)
+    rows = np.flatnonzero(present[place] == pairs)
+    return rows, order[first[place[rows]]]
 
 
 def _normals(step: ContactStep, at: Configuration, keys: np.ndarray) -> np.ndarray:

@@ -8,6 +8,8 @@ import numpy as np
 
 RATIO = 2.0
 """Upper limit of the ratio of the radii of balls that are searched together."""
+FEW = 50
+"""Upper limit of balls of which comparing all pairs costs less than a search."""
 
 
 def near_balls(centers: np.ndarray, radii: np.ndarray, reach: float) -> np.ndarray:
@@ -21,8 +23,8 @@ def near_balls(centers: np.ndarray, radii: np.ndarray, reach: float) -> np.ndarr
     centers : (m, 3)
     radii : (m,)
     """
-    if radii.size < 2:
-        return np.zeros((2, 0), dtype=int)
+    if radii.size <= FEW:
+        return within_reach(np.stack(np.triu_indices(radii.size, 1)), centers, radii, reach)
     from scipy.spatial import cKDTree
 
     parts, sizes = [], [(own, cKDTree(centers[own])) for own in _similar(radii)]
@@ -35,11 +37,18 @@ def near_balls(centers: np.ndarray, radii: np.ndarray, reach: float) -> np.ndarr
             counts = [len(near) for near in lists]
             others = np.fromiter(chain.from_iterable(lists), int, sum(counts))
             parts.append(np.stack([np.repeat(own, counts), smaller[others]]))
-    first, second = np.sort(np.hstack(parts), axis=0)
-    distance = np.linalg.norm(centers[first] - centers[second], axis=1)
-    near = distance <= radii[first] + radii[second] + reach
-    pairs = np.stack([first[near], second[near]])
+    pairs = within_reach(np.sort(np.hstack(parts), axis=0), centers, radii, reach)
     return pairs[:, np.lexsort(pairs[::-1])]
+
+
+def within_reach(
+    pairs: np.ndarray, centers: np.ndarray, radii: np.ndarray, reach: float
+) -> np.ndarray:
+    """Those of the pairs (2, n) of balls whose distance is within reach."""
+    first, second = pairs
+    distance = np.linalg.norm(centers[first] - centers[second], axis=1)
+    near: np.ndarray = pairs[:, distance <= radii[first] + radii[second] + reach]
+    return near
 
 
 def _similar(radii: np.ndarray) -> list[np.ndarray]:

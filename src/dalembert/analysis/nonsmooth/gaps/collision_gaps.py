@@ -20,6 +20,7 @@ from dalembert.analysis.nonsmooth.gaps.hulls.hull_gaps import HullGaps
 from dalembert.analysis.nonsmooth.gaps.joined_gaps import JoinedGaps
 from dalembert.analysis.nonsmooth.gaps.near_pairs import NearPairs, ShapesAt
 from dalembert.analysis.nonsmooth.gaps.neighbours import Neighbours
+from dalembert.analysis.nonsmooth.gaps.recent_positions import RecentPositions
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST, ShapeVelocities
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact_point import contact_at_wall, contact_of_balls
@@ -30,10 +31,11 @@ from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.evaluation.mapped_kernel import MappedKernel
 from dalembert.symbolic.once import once
 
-SMALLEST = 16
-"""Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
+AHEAD = 1.25
+"""Reach of a search relative to the request; it then suffices for faster bodies in later steps."""
 
 
 class CollisionGaps(GapSource):
@@ -82,56 +84,64 @@ class CollisionGaps(GapSource):
         number = {name: k for k, name in enumerate(dict.fromkeys(self._names))}
         self.owner = np.array([number[name] for name in self._names])
         self._neighbours = Neighbours(self.owner)
-        self._kernels: dict[tuple[bool, int], Kernel] = {}
-        self._last: NearPairs | None = None
+        self._gaps = [
+            MappedKernel(_gap_function(self.dimension, wall, self._turns)) for wall in (False, True)
+        ]
+        self._points = {
+            feature: MappedKernel(gap_function(feature, self.dimension))
+            for feature in (Feature.CORNERS, Feature.WALL)
+        }
+        self._recent = RecentPositions[NearPairs]()
 
     def near(self, configuration: Configuration, travels: np.ndarray) -> Contacts:
         pairs = self._pairs(configuration)
         reach = 2 * self._velocities.fastest(pairs.shapes.velocities, travels)
         if reach > pairs.reach:
-            pairs = self._last = self._within(pairs.shapes, reach)
+            pairs = self._recent.use(self._within(pairs.shapes, AHEAD * reach))
         return self._contacts(pairs, np.flatnonzero(pairs.distance <= reach))
 
     def selected(self, configuration: Configuration, keys: np.ndarray) -> Contacts:
         shapes = self._shapes(configuration)
         chosen = np.stack(np.divmod(keys, shapes.positions.shape[0]))
         walls = chosen[0] >= shapes.radii.size
-        order = np.argsort(walls, kind="stable")  # pairs of balls before those with walls
         parts = chosen[:, ~walls], chosen[:, walls]
         pairs = self._evaluated(parts, shapes, np.inf)
+        if (walls[:-1] <= walls[1:]).all():  # pairs of balls before those with walls
+            return self._contacts(pairs, slice(None))
+        order = np.argsort(walls, kind="stable")
         return self._contacts(pairs, np.argsort(order))
 
-    def _contacts(self, pairs: NearPairs, rows: np.ndarray) -> Contacts:
+    def _contacts(self, pairs: NearPairs, rows: np.ndarray | slice) -> Contacts:
         """Gaps of some rows of the pairs."""
         first, second = pairs.first[rows], pairs.second[rows]
         number = self.law(first, second)
         return Contacts(
             pairs.distance[rows],
             pairs.derivatives.rows(rows),
-            np.zeros((rows.size, 1 + sum(self.groups))),
+            np.zeros((number.size, 1 + sum(self.groups))),
             ContactLaws.of(pairs.shapes.coefficients[:, number], self.groups, number),
             self.groups,
             first * pairs.shapes.positions.shape[0] + second,
-            np.zeros(rows.size, dtype=int),
+            np.zeros(number.size, dtype=int),
+            moved=pairs.derivatives.moved(rows),
         )
 
     def deepest(self, configuration: Configuration) -> float:
         return float(self._pairs(configuration).distance.min(initial=0.0))
 
     def _pairs(self, configuration: Configuration) -> NearPairs:
-        """Pairs near each other at a position; those of the last call if it is the same."""
-        last = self._last
-        if last is not None and configuration.equals(last.shapes.configuration):
-            return last
-        shapes = self._shapes(configuration)
-        self._last = self._within(shapes, 0.0 if last is None else last.reach)
-        return self._last
+        """Pairs near each other at a position; stored ones if it is one of the last."""
+        pairs, last = self._recent.find(configuration), self._recent.last
+        if pairs is None:
+            reach = 0.0 if last is None else last.reach
+            pairs = self._within(self._shapes(configuration), reach)
+        return self._recent.use(pairs)
 
     def _shapes(self, configuration: Configuration) -> ShapesAt:
         """The shapes at a position."""
-        last = self._last
-        if last is not None and configuration.equals(last.shapes.configuration):
-            return last.shapes
+        recent = self._recent.find(configuration)
+        if recent is not None:
+            return recent.shapes
         positions, normals, radii, coefficients = self._geometry(*configuration)
         geometry = positions.T, normals.T, radii.ravel(), coefficients
         return ShapesAt(configuration.copy(), *geometry, self._velocities(*configuration))
@@ -183,19 +193,19 @@ class CollisionGaps(GapSource):
     def points(
         self, configuration: Configuration, keys: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        positions, normals, radii, _ = self._geometry(*configuration)
+        shapes = self._shapes(configuration)
         places, directions = super().points(configuration, keys)
-        balls = radii.size
-        for k, key in enumerate(keys):
-            here, there = divmod(int(key), positions.shape[1])
-            other = np.concatenate([positions[:, there], radii[there], positions[:, there]])
-            if here >= balls:
-                feature, own = Feature.WALL, [positions[:, here], normals[:, here - balls], [0.0]]
-            else:
-                feature, own = Feature.CORNERS, [positions[:, here], radii[here]]
-            function = gap_function(feature, self.dimension)
-            out = function(np.concatenate([*own, positions[:, here]]), other)
-            places[k], directions[k] = out[2].full().ravel(), out[3].full()
+        first, second = np.divmod(keys, shapes.positions.shape[0])
+        walls = first >= shapes.radii.size
+        for rows, feature in ((walls, Feature.WALL), (~walls, Feature.CORNERS)):
+            here, there = first[rows], second[rows]
+            position, other = shapes.positions[here].T, shapes.positions[there].T
+            own = [self._own(shapes, here, feature is Feature.WALL)]
+            if feature is Feature.WALL:
+                own.append(np.zeros((1, here.size)))  # its radius
+            radii = shapes.radii[None, there]
+            results = self._points[feature]([position, *own, position], [other, radii, other])
+            places[rows], directions[rows] = results[2][..., 0], results[3]
         return places, directions
 
     def bodies(self, keys: np.ndarray) -> np.ndarray:
@@ -210,21 +220,17 @@ class CollisionGaps(GapSource):
         width = 1 + sum(self.groups)
         if not count:
             return np.zeros(0), np.zeros((0, width, 2 * TWIST))
-        size = SMALLEST << max(0, int(np.ceil(np.log2(count / SMALLEST))))
-        first, second = chosen if size == count else chosen[:, np.arange(size) % count]
-        own = shapes.normals[first - radii.size].T if wall else radii[None, first]
+        first, second = chosen
+        own = self._own(shapes, first, wall)
         here, there = positions[first].T, positions[second].T
-        kernel = self._kernel(wall, size)
-        distance, blocks = kernel(np.vstack([here, own]), np.vstack([there, radii[second]]))
-        blocks = blocks.reshape(width, 2 * TWIST, size, order="F")
-        return distance.ravel()[:count], np.moveaxis(blocks, 2, 0)[:count]
+        distance, blocks = self._gaps[wall]([here, own], [there, radii[None, second]])
+        return distance.ravel(), blocks
 
-    def _kernel(self, wall: bool, size: int) -> Kernel:
-        """Gap function of two balls, or of a wall and a ball, mapped over ``size`` pairs."""
-        if (wall, size) not in self._kernels:
-            function = _gap_function(self.dimension, wall, self._turns)
-            self._kernels[wall, size] = Kernel(function.map(size))
-        return self._kernels[wall, size]
+    @staticmethod
+    def _own(shapes: ShapesAt, first: np.ndarray, wall: bool) -> np.ndarray:
+        """(3, n) normals of walls, or (1, n) radii of balls."""
+        balls = shapes.radii.size
+        return shapes.normals[first - balls].T if wall else shapes.radii[None, first]
 
     @property
     def _turns(self) -> bool:
@@ -251,11 +257,13 @@ def collision_gaps(model: Model) -> list[GapSource]:
 
 def _collision_gaps(model: Model, element: Collisions) -> GapSource:
     """Gaps of balls, of other convex shapes and of boundaries where there are any."""
-    balls = [CollisionGaps(model, element)] if element.balls else []
     shapes = any(not isinstance(shape, Round) for shape, _ in element.hulls)
     hulls = [HullGaps(model, element)] if shapes else []
     boundaries = [BoundaryGaps(model, element)] if element.boundaries else []
-    sources: list[GapSource] = [*balls, *hulls, *boundaries]
+    others: list[GapSource] = [*hulls, *boundaries]
+    bodies = {ball.point.body.name for ball in element.balls}
+    meet = len(bodies) > 1 or (bodies and element.walls)  # balls each other, or walls
+    sources = [CollisionGaps(model, element), *others] if meet or not others else others
     return sources[0] if len(sources) == 1 else JoinedGaps(sources)
 
 

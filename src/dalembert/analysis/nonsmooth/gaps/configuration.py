@@ -26,6 +26,11 @@ class Configuration(NamedTuple):
         same = self.time == other.time and np.array_equal(self.y, other.y)
         return same and np.array_equal(self.p, other.p)
 
+    @property
+    def key(self) -> tuple[float, bytes, bytes]:
+        """The values as bytes, which are the same for the same values."""
+        return self.time, self.y.tobytes(), self.p.tobytes()
+
     def copy(self) -> Configuration:
         """The same values in arrays of their own."""
         return Configuration(self.time, self.y.copy(), self.p.copy())

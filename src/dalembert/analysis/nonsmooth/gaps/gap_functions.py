@@ -64,6 +64,7 @@ RIM_POINTS = 4
 """Number of points of a rim with a start for its angle."""
 
 
+@cache
 def point_counts(feature: Feature, dimension: int) -> tuple[int, int]:
     """Number of points that define both features.
 

@@ -23,6 +23,9 @@ def selected_of(
     if len(sources) == 1:
         return sources[0].selected(configuration, keys)
     numbers, own = np.divmod(keys, offset)
+    if keys.size and (numbers == numbers[0]).all():
+        gaps = sources[numbers[0]].selected(configuration, own)
+        return replace(gaps, key=keys) if numbers[0] else gaps
     parts, order = [], []
     for number in np.unique(numbers) if keys.size else range(len(sources)):
         rows = np.flatnonzero(numbers == number)
@@ -94,9 +97,8 @@ class JoinedGaps(GapSource):
 
     def near(self, configuration: Configuration, travels: np.ndarray) -> Contacts:
         parts = [source.near(configuration, travels) for source in self.sources]
-        return Contacts.joined(
-            [replace(part, key=part.key + k * SOURCE) for k, part in enumerate(parts)]
-        )
+        others = (replace(part, key=part.key + k * SOURCE) for k, part in enumerate(parts[1:], 1))
+        return Contacts.joined([parts[0], *others])
 
     def selected(self, configuration: Configuration, keys: np.ndarray) -> Contacts:
         return selected_of(self.sources, SOURCE, configuration, keys)

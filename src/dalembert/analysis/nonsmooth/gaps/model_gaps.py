@@ -51,22 +51,18 @@ class ModelGaps:
 
     def near(self, configuration: Configuration, travels: np.ndarray) -> Contacts:
         """Gaps of all sources within reach of the displacements ``travels``."""
-        parts, elements = [], 0
-        for number, source in enumerate(self.sources):
-            contacts = source.near(configuration, travels)
-            parts.append(
-                replace(
-                    contacts, owner=contacts.owner + elements, key=contacts.key + number * APART
-                )
-            )
-            elements += len(source.elements)
+        parts = [source.near(configuration, travels) for source in self.sources]
+        for number, part in enumerate(parts[1:], 1):
+            owner, key = part.owner + self._first_elements[number], part.key + number * APART
+            parts[number] = replace(part, owner=owner, key=key)
         return Contacts.joined(parts)
 
     def selected(self, configuration: Configuration, keys: np.ndarray) -> Contacts:
         """Gaps with some keys, at any distance."""
         gaps = selected_of(self.sources, APART, configuration, keys)
-        elements = np.cumsum([0, *(len(source.elements) for source in self.sources)])
-        return replace(gaps, owner=gaps.owner + elements[keys // APART])
+        if len(self.sources) == 1:
+            return gaps
+        return replace(gaps, owner=gaps.owner + self._first_elements[keys // APART])
 
     def separating(self, start: Configuration, end: Configuration, keys: np.ndarray) -> np.ndarray:
         """Keys of gaps between the shapes of the gaps ``keys`` that separate them at ``start`` and
@@ -81,6 +77,11 @@ class ModelGaps:
     def pairs(self, keys: np.ndarray) -> np.ndarray:
         """(n,) numbers of the pairs of shapes of gaps with some keys."""
         return pairs_of(self.sources, APART, keys)
+
+    @cached_property
+    def _first_elements(self) -> np.ndarray:
+        """Number of the first element of each source."""
+        return np.cumsum([0, *(len(source.elements) for source in self.sources)])
 
     @property
     def names(self) -> list[str]:

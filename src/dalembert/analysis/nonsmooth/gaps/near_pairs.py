@@ -50,3 +50,8 @@ class NearPairs:
     second: np.ndarray
     distance: np.ndarray
     derivatives: GapDerivatives
+
+    @property
+    def configuration(self) -> Configuration:
+        """Configuration of the position."""
+        return self.shapes.configuration

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -13,18 +16,48 @@ from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature, gap_functio
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapKind, GapSource
 from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry
 from dalembert.analysis.nonsmooth.gaps.positions import Positions
+from dalembert.analysis.nonsmooth.gaps.recent_positions import RecentPositions
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
-from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.evaluation.mapped_kernel import MappedKernel
 
-SMALLEST = 16
-"""Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
 AHEAD = 1.25
 """Reach of a search at a new position, by the largest request at the position before: one search
 suffices for the end of a step and the start of the next one."""
+
+
+class EvaluatedGaps(NamedTuple):
+    """Gaps of pairs of shapes.
+
+    Attributes
+    ----------
+    first, second : (n,) numbers of the shapes
+    distance : (n,)
+    blocks : (n, k, 12) derivatives of gap velocities by both twists
+    key : (n,)
+    """
+
+    first: np.ndarray
+    second: np.ndarray
+    distance: np.ndarray
+    blocks: np.ndarray
+    key: np.ndarray
+
+    def some(self, selected: np.ndarray) -> EvaluatedGaps:
+        """The selected gaps."""
+        if selected.all():
+            return self
+        return EvaluatedGaps(*(column[selected] for column in self))
+
+    @classmethod
+    def joined(cls, parts: list[EvaluatedGaps]) -> EvaluatedGaps:
+        """Gaps of several kinds."""
+        if len(parts) == 1:
+            return parts[0]
+        return cls(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
 @dataclass(eq=False)
@@ -33,19 +66,25 @@ class LastPosition:
 
     Attributes
     ----------
+    geometry : of the shapes
     configuration : of the position
-    at, velocities : positions and velocities of the shapes
+    at : positions of the shapes
     reach : distance within which gaps are evaluated; at first that of the position before
     requested : largest distance of a request
-    contacts : the gaps; None before the first request
+    gaps : those within ``reach``; None before the first request
     """
 
+    geometry: HullGeometry
     configuration: Configuration
     at: Positions
-    velocities: np.ndarray
     reach: float
     requested: float = 0.0
-    contacts: Contacts | None = None
+    gaps: EvaluatedGaps | None = None
+
+    @cached_property
+    def velocities(self) -> np.ndarray:
+        """Derivatives of the twists of the shapes by speeds."""
+        return self.geometry.velocities(*self.configuration)
 
 
 class SearchedGaps(GapSource):
@@ -64,11 +103,11 @@ class SearchedGaps(GapSource):
         self.dimension: int = element.dimension
         self.geometry = HullGeometry(model, element)
         self.speeds = model.all_equations.speed_count
-        self._last: LastPosition | None = None
-        self._kernels: dict[tuple[Feature, int], Kernel] = {}
+        self._recent = RecentPositions[LastPosition]()
+        self._kernels: dict[Feature, MappedKernel] = {}
 
     @abstractmethod
-    def within(self, last: LastPosition) -> list[Contacts]:
+    def within(self, last: LastPosition) -> list[EvaluatedGaps]:
         """All gaps within ``last.reach``."""
 
     @abstractmethod
@@ -90,61 +129,49 @@ class SearchedGaps(GapSource):
         return self.geometry.arms(at)
 
     def near(self, configuration: Configuration, travels: np.ndarray) -> Contacts:
-        last = self._last = self.position(configuration)
+        last = self._recent.use(self.position(configuration))
         moved = self.geometry.velocities.displacements(last.velocities, travels)
         reach = self.geometry.reach(self.arms(last.at), moved)
-        contacts = self._searched(last, reach)
-        return contacts.some(contacts.distance <= reach)
+        gaps = self._searched(last, reach)
+        near = gaps.distance <= reach
+        return self.contacts(last, gaps.some(near)) if near.any() else self.none()
 
     def deepest(self, configuration: Configuration) -> float:
-        last = self._last = self.position(configuration)
+        last = self._recent.use(self.position(configuration))
         return float(self._searched(last, 0.0).distance.min(initial=0.0))
 
-    def _searched(self, last: LastPosition, reach: float) -> Contacts:
+    def _searched(self, last: LastPosition, reach: float) -> EvaluatedGaps:
         """Gaps at a position, which include all within reach."""
-        if last.contacts is None or reach > last.reach:
+        if last.gaps is None or reach > last.reach:
             last.reach = max(last.reach, reach)
-            last.contacts = Contacts.joined(self.within(last) or [self.none()])
+            last.gaps = EvaluatedGaps.joined(self.within(last) or [self._no_gaps])
         last.requested = max(last.requested, reach)
-        return last.contacts
+        return last.gaps
 
     def position(self, configuration: Configuration) -> LastPosition:
-        """The last position if it is this one, else a new one."""
-        last = self._last
-        if last is not None and configuration.equals(last.configuration):
-            return last
+        """One of the last positions if it is this one, else a new one."""
+        if (recent := self._recent.find(configuration)) is not None:
+            return recent
+        last = self._recent.last
         at = self.geometry.positions(configuration)
-        velocities = self.geometry.velocities(*configuration)
         ahead = 0.0
         if last is not None:
             ahead = AHEAD * last.requested or last.reach
-        return LastPosition(configuration.copy(), at, velocities, ahead)
+        return LastPosition(self.geometry, configuration.copy(), at, ahead)
 
-    def evaluate(self, feature: Feature, columns: list[np.ndarray]) -> list[np.ndarray]:
+    def evaluate(
+        self, feature: Feature, columns: Sequence[np.ndarray | list[np.ndarray]]
+    ) -> list[np.ndarray]:
         """(n,) distances, (n, k, 12) derivatives of gap velocities by twists, (n, 3) places and
         (n, 3, k) directions of n pairs of features."""
-        count, k = columns[0].shape[1], self.dimension
-        size = SMALLEST << max(0, int(np.ceil(np.log2(max(count, 1) / SMALLEST))))
-        padded = np.arange(size) % count
-        kernel = self._kernel(feature, size)
-        distance, blocks, place, directions = kernel(*(column[:, padded] for column in columns))
-        return [
-            distance.ravel()[:count],
-            blocks.T.reshape(size, 2 * TWIST, -1)[:count].swapaxes(1, 2),
-            place.T[:count],
-            directions.T.reshape(size, k, 3)[:count].swapaxes(1, 2),
-        ]
+        if feature not in self._kernels:
+            self._kernels[feature] = MappedKernel(self.function(feature))
+        distance, blocks, place, directions = self._kernels[feature](*columns)
+        return [distance.ravel(), blocks, place[..., 0], directions]
 
-    def contacts(
-        self,
-        last: LastPosition,
-        first: np.ndarray,
-        second: np.ndarray,
-        distance: np.ndarray,
-        blocks: np.ndarray,
-        key: np.ndarray,
-    ) -> Contacts:
-        """Contacts of pairs of shapes with evaluated gaps."""
+    def contacts(self, last: LastPosition, gaps: EvaluatedGaps) -> Contacts:
+        """Contacts of evaluated gaps."""
+        first, second, distance, blocks, key = gaps
         number = self.geometry.law(first, second)
         derivatives = self.geometry.velocities.gap_derivatives(
             blocks, first, second, last.velocities
@@ -152,12 +179,13 @@ class SearchedGaps(GapSource):
         count = distance.size
         return Contacts(
             distance,
-            derivatives.rows(np.arange(count)),
+            derivatives.rows(),
             np.zeros((count, 1 + sum(self.groups))),
             ContactLaws.of(last.at.coefficients[:, number], self.groups, number),
             self.groups,
             key,
             np.zeros(count, dtype=int),
+            moved=derivatives.moved(),
         )
 
     def kind(
@@ -184,11 +212,10 @@ class SearchedGaps(GapSource):
         """Whether there is friction of rotations."""
         return len(self.groups) > 1
 
-    def _kernel(self, feature: Feature, size: int) -> Kernel:
-        """Gap function mapped over ``size`` pairs."""
-        if (feature, size) not in self._kernels:
-            self._kernels[feature, size] = Kernel(self.function(feature).map(size))
-        return self._kernels[feature, size]
+    @cached_property
+    def _no_gaps(self) -> EvaluatedGaps:
+        none, blocks = np.zeros(0, dtype=int), np.zeros((0, 1 + sum(self.groups), 2 * TWIST))
+        return EvaluatedGaps(none, none, np.zeros(0), blocks, none)
 
     def none(self) -> Contacts:
         """No contacts."""

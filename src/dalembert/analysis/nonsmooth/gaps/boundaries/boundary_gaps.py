@@ -18,12 +18,17 @@ from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapFormulas, GapKind
 from dalembert.analysis.nonsmooth.gaps.hulls.outline_corners import OutlineCorners
 from dalembert.analysis.nonsmooth.gaps.positions import Positions
-from dalembert.analysis.nonsmooth.gaps.searched_gaps import LastPosition, SearchedGaps
+from dalembert.analysis.nonsmooth.gaps.searched_gaps import (
+    EvaluatedGaps,
+    LastPosition,
+    SearchedGaps,
+)
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.evaluation.mapped_kernel import MappedKernel
 
 
 class BoundaryGaps(SearchedGaps):
@@ -60,9 +65,12 @@ class BoundaryGaps(SearchedGaps):
         e = model.all_equations
         self._values = Kernel(ca.Function("values", [e.t, e.y, e.p], [self.formulas.geometry]))
         self._functions: dict[tuple[int, ...], ca.Function] = {}
+        self._mapped: dict[ca.Function, MappedKernel] = {}
+        self._last_listed: tuple[np.ndarray, list[GapKind], tuple[np.ndarray, np.ndarray]] | None
+        self._last_listed = None
         self._placed: tuple[Positions, PlacedBoundaries] | None = None
 
-    def within(self, last: LastPosition) -> list[Contacts]:
+    def within(self, last: LastPosition) -> list[EvaluatedGaps]:
         parts = []
         search = BoundarySearch(
             self.geometry,
@@ -74,16 +82,14 @@ class BoundaryGaps(SearchedGaps):
         for feet in search.feet():
             if feet.first.size:
                 gaps = self.evaluate(Feature.WALL, self._columns(feet, last.at))
-                near = gaps[0] <= last.reach
-                feet, distance, blocks = feet.some(near), gaps[0][near], gaps[1][near]
-                columns = feet.first, feet.second, distance, blocks, self._keys(feet)
-                parts.append(self.contacts(last, *columns))
+                columns = feet.first, feet.second, *gaps[:2], self._keys(feet)
+                parts.append(EvaluatedGaps(*columns).some(gaps[0] <= last.reach))
         return parts
 
     def arms(self, at: Positions) -> np.ndarray:
         arms = super().arms(at)
-        if self._last is not None:
-            placed = self._at(at, self._last.configuration.p)
+        if self._recent.last is not None:
+            placed = self._at(at, self._recent.last.configuration.p)
             arms[placed.first_shape :] = placed.arms
         return arms
 
@@ -91,17 +97,19 @@ class BoundaryGaps(SearchedGaps):
         if not keys.size:
             return self.none()
         values = self._values(*configuration)[0].ravel()
-        first, second = self.shapes_of(keys)
-        distance, blocks = np.zeros(keys.size), list[np.ndarray]()
-        kinds = self.kinds(keys)
+        if self._last_listed is None or not np.array_equal(keys, self._last_listed[0]):
+            self._last_listed = keys.copy(), self.kinds(keys), self.shapes_of(keys)
+        kinds, shapes = self._last_listed[1:]
+        distance = np.zeros(keys.size)
+        blocks = np.zeros((keys.size, 1 + sum(self.groups), 2 * TWIST))
         for kind in kinds:
-            results = kind.function.call([ca.DM(values[entries].T) for entries in kind.arguments])
-            distance[kind.row] = results[0].full().ravel()
-            own = results[1].full().T.reshape(kind.row.size, 2 * TWIST, -1).swapaxes(1, 2)
-            blocks.append(own)
-        order = np.argsort(np.concatenate([kind.row for kind in kinds]))
-        gaps = first, second, distance, np.concatenate(blocks)[order], keys
-        return self.contacts(self.position(configuration), *gaps)
+            if kind.function not in self._mapped:
+                self._mapped[kind.function] = MappedKernel(kind.function)
+            columns = (values[entries].T for entries in kind.arguments)
+            distances, derivatives, *_ = self._mapped[kind.function](*columns)
+            distance[kind.row], blocks[kind.row] = distances.ravel(), derivatives
+        gaps = EvaluatedGaps(*shapes, distance, blocks, keys)
+        return self.contacts(self.position(configuration), gaps)
 
     def leaving(self, start: Configuration, end: Configuration, keys: np.ndarray) -> np.ndarray:
         touch, first, second, own, other = self._parts(keys)
@@ -146,7 +154,7 @@ class BoundaryGaps(SearchedGaps):
         places, directions = super().points(configuration, keys)
         at = self.geometry.positions(configuration)
         placed = self._at(at, configuration.p)
-        reach = 0.0 if self._last is None else self._last.requested
+        reach = 0.0 if self._recent.last is None else self._recent.last.requested
         reach = max(reach, 0.1 * float(placed.balls[1].max(initial=0.0)))
         for feet in BoundarySearch(self.geometry, self._corners, placed, at, reach).feet():
             own = self._keys(feet)
@@ -165,14 +173,14 @@ class BoundaryGaps(SearchedGaps):
             self._placed = at, PlacedBoundaries(self._boundaries, self.geometry, at, p)
         return self._placed[1]
 
-    def _columns(self, feet: Feet, at: Positions) -> list[np.ndarray]:
+    def _columns(self, feet: Feet, at: Positions) -> list[list[np.ndarray]]:
         """Arguments of the gap function of a wall and a ball."""
         count = feet.first.size
         rest = np.zeros((1, count))
         radii = at.radii[feet.second] if feet.kind in (Touch.CORNER, Touch.SIDE) else rest[0]
         surface = [feet.surface.T, rest, feet.normal.T, rest, rest, at.origins[feet.first].T]
         ball = [feet.place.T, rest, radii[None], at.origins[feet.second].T]
-        return [np.vstack(surface), np.vstack(ball)]
+        return [surface, ball]
 
     def _keys(self, feet: Feet) -> np.ndarray:
         features, shapes = self._radix

@@ -187,6 +187,8 @@ class BoundarySearch:
 
     def _walls(self) -> Iterator[Feet]:
         """Smooth curves near walls."""
+        if not len(self.at.walls):
+            return
         walls, (centers, radii) = self.at.walls[:, :, :2], self.placed.balls
         heights = ((centers[self.smooth] - walls[:, None, 0]) * walls[:, None, 1]).sum(axis=2)
         wall, k = np.nonzero(heights - radii[self.smooth] <= self.reach)
@@ -225,6 +227,8 @@ class BoundarySearch:
 
     def _outlines(self) -> Iterator[Feet]:
         """Smooth curves near sides of polygons."""
+        if not (self.polygons.size and self.smooth.size):
+            return
         first, second = (x.ravel() for x in np.meshgrid(self.polygons, self.smooth))
         near = self._near_boundaries(first, second)
         first, second = first[near], second[near]
@@ -241,6 +245,8 @@ class BoundarySearch:
 
     def _curves(self) -> Iterator[Feet]:
         """Smooth curves near each other."""
+        if self.smooth.size < 2:
+            return
         placed = self.placed
         i, j = np.triu_indices(self.smooth.size, 1)
         first, second = self.smooth[i], self.smooth[j]

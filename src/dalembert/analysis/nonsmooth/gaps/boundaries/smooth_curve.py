@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.curves import Curve
-from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.evaluation.mapped_kernel import MappedKernel
 
 DENSE, TURN, PARTS, FEWEST, MOST = 4096, 2 * np.pi / 48, 24, 16, 2048
 """Points at which a curve is analysed; turn between samples [rad], samples of a straight curve,
@@ -18,8 +18,6 @@ smallest and largest number of samples."""
 STRAIGHT, PROMINENT = 1e-6, 0.05
 """Curvature that counts as straight, by the size; peaks of the curvature of a concave arc that
 divide it, by the largest curvature."""
-SMALLEST = 16
-"""Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
 
 
 class SmoothCurve:
@@ -48,7 +46,7 @@ class SmoothCurve:
         self.function = ca.Function("curve", [u, p], [ca.densify(outputs)], {"cse": True})
         self.closed, (self.low, high) = curve.closed, curve.interval()
         self.period = high - self.low
-        self._kernels: dict[int, Kernel] = {}
+        self._mapped = MappedKernel(self.function, common=[1])
         self._analyse(nominal)
 
     @cached_property
@@ -70,13 +68,8 @@ class SmoothCurve:
         """(3, n, 2) positions, first and second derivatives."""
         if not u.size:
             return np.zeros((3, 0, 2))
-        size = SMALLEST << max(0, int(np.ceil(np.log2(u.size / SMALLEST))))
-        if size not in self._kernels:
-            mapped = self.function.map("curves", "serial", size, [1], [])
-            self._kernels[size] = Kernel(mapped)
-        padded = np.resize(self.wrapped(u), size)
-        values = self._kernels[size](padded, p)[0][:, : u.size]
-        return np.moveaxis(values.reshape(3, 2, u.size), 1, 2)
+        values = self._mapped(self.wrapped(u)[None], p)[0]
+        return values.reshape(-1, 3, 2).swapaxes(0, 1)
 
     def arc(self, u: np.ndarray) -> np.ndarray:
         """Numbers of the arcs that contain points."""

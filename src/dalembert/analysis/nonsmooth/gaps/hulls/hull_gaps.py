@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -14,13 +15,37 @@ from dalembert.analysis.nonsmooth.gaps.hulls.corners_over_hulls import (
     are_sharp,
     corners_over_hulls,
 )
+from dalembert.analysis.nonsmooth.gaps.hulls.feature_columns import FeatureColumns
 from dalembert.analysis.nonsmooth.gaps.hulls.feature_pairs import Pairs, some_pairs
 from dalembert.analysis.nonsmooth.gaps.hulls.hull_search import HullSearch
 from dalembert.analysis.nonsmooth.gaps.positions import Positions
-from dalembert.analysis.nonsmooth.gaps.searched_gaps import LastPosition, SearchedGaps
+from dalembert.analysis.nonsmooth.gaps.searched_gaps import (
+    EvaluatedGaps,
+    LastPosition,
+    SearchedGaps,
+)
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
+
+
+@dataclass(frozen=True, eq=False)
+class ListedFeatures:
+    """Features of a list of gaps.
+
+    Attributes
+    ----------
+    keys : (n,) of the gaps
+    parts : features of one kind each, and those of both bodies
+    order : (n,) places of the gaps among the parts; None for one part
+    first, second : (n,) numbers of the shapes
+    """
+
+    keys: np.ndarray
+    parts: list[tuple[Feature, list[FeatureColumns]]]
+    order: np.ndarray | None
+    first: np.ndarray
+    second: np.ndarray
 
 
 class HullGaps(SearchedGaps):
@@ -39,14 +64,15 @@ class HullGaps(SearchedGaps):
         self.formulas = self.geometry.formulas
         self._search = HullSearch(self.geometry)
         self._first = np.cumsum([0, *self.geometry.feature_counts])
+        self._last_listed: ListedFeatures | None = None
 
-    def within(self, last: LastPosition) -> list[Contacts]:
+    def within(self, last: LastPosition) -> list[EvaluatedGaps]:
         near = self._search(last.at, last.reach, partial(self._normals, last.at))
         pairs = [part for part in map(self._with_ends, near) if part.first.size]
         if not pairs:
             return []
-        gaps = self._gaps(pairs, last.at)
-        return [self.contacts(last, *(column[gaps[2] <= last.reach] for column in gaps))]
+        gaps = EvaluatedGaps.joined([self._gaps(part, last.at) for part in pairs])
+        return [gaps.some(gaps.distance <= last.reach)]
 
     def _with_ends(self, pairs: Pairs) -> Pairs:
         """The pairs without corners of endless shapes."""
@@ -59,13 +85,28 @@ class HullGaps(SearchedGaps):
         return some_pairs(pairs, ~corners)
 
     def selected(self, configuration: Configuration, keys: np.ndarray) -> Contacts:
-        position, kinds = self.position(configuration), keys // self._first[-1] ** 2
-        rows = [np.flatnonzero(kinds == kind) for kind in np.unique(kinds)]
         if not keys.size:
             return self.none()
-        order = np.argsort(np.concatenate(rows))
-        gaps = self._gaps([self._pairs_of(keys[own]) for own in rows], position.at)
-        return self.contacts(position, *(column[order] for column in gaps))
+        position, listed = self.position(configuration), self._listed(keys)
+        gaps = [self._evaluated(*part, position.at)[:2] for part in listed.parts]
+        distance, blocks = gaps[0]
+        if listed.order is not None:
+            distance, blocks = (np.concatenate(g)[listed.order] for g in zip(*gaps, strict=True))
+        shapes = listed.first, listed.second
+        return self.contacts(position, EvaluatedGaps(*shapes, distance, blocks, keys))
+
+    def _listed(self, keys: np.ndarray) -> ListedFeatures:
+        """Features of gaps with some keys; those of the last call if these are the same."""
+        last = self._last_listed
+        if last is None or not np.array_equal(keys, last.keys):
+            kinds = keys // self._first[-1] ** 2
+            rows = [np.flatnonzero(kinds == kind) for kind in np.unique(kinds)]
+            pairs = [self._pairs_of(keys[own]) for own in rows]
+            parts = [(part.feature, self.geometry.columns(part)) for part in pairs]
+            order = np.argsort(np.concatenate(rows)) if len(rows) > 1 else None
+            last = ListedFeatures(keys.copy(), parts, order, *self.shapes_of(keys))
+            self._last_listed = last
+        return last
 
     def shapes_of(self, keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         numbers = np.stack(np.divmod(keys % self._first[-1] ** 2, self._first[-1]))
@@ -94,7 +135,7 @@ class HullGaps(SearchedGaps):
         pairs = self._pairs_of(keys[rows]) if rows.size else None
         if pairs is None:
             return mask
-        places = [self.geometry.positions(configuration) for configuration in (start, end)]
+        places = [self.position(configuration).at for configuration in (start, end)]
         sharp = are_sharp(self.geometry, pairs, places[0])
         pairs, rows = some_pairs(pairs, sharp), rows[sharp]
         if rows.size:
@@ -124,16 +165,18 @@ class HullGaps(SearchedGaps):
         return places, directions
 
     # gaps of pairs -------------------------------------------------------------------------------
-    def _gaps(self, parts: list[Pairs], at: Positions) -> list[np.ndarray]:
-        """Shapes of pairs, their distances, the derivatives of their velocities, and keys."""
-        gaps = [
-            (pairs.first, pairs.second, *self._evaluate(pairs, at)[:2], self._keys(pairs))
-            for pairs in parts
-        ]
-        return [np.concatenate(column) for column in zip(*gaps, strict=True)]
+    def _gaps(self, pairs: Pairs, at: Positions) -> EvaluatedGaps:
+        """Gaps of pairs."""
+        distance, blocks, *_ = self._evaluate(pairs, at)
+        return EvaluatedGaps(pairs.first, pairs.second, distance, blocks, self._keys(pairs))
 
     def _evaluate(self, pairs: Pairs, at: Positions) -> list[np.ndarray]:
-        return self.evaluate(pairs.feature, self.geometry.columns(pairs, at))
+        return self._evaluated(pairs.feature, self.geometry.columns(pairs), at)
+
+    def _evaluated(
+        self, feature: Feature, sides: list[FeatureColumns], at: Positions
+    ) -> list[np.ndarray]:
+        return self.evaluate(feature, [columns(at) for columns in sides])
 
     def _normals(self, at: Positions, pairs: Pairs) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(n,) distances, (n, 3) places and (n, 3) normals."""

@@ -18,6 +18,7 @@ from dalembert.analysis.nonsmooth.gaps.cylinders.cylinders import (
 from dalembert.analysis.nonsmooth.gaps.gap_functions import RIM_POINTS, WALLS, point_counts
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapFormulas
 from dalembert.analysis.nonsmooth.gaps.geometry_entries import GeometryEntries
+from dalembert.analysis.nonsmooth.gaps.hulls.feature_columns import FeatureColumns
 from dalembert.analysis.nonsmooth.gaps.hulls.feature_pairs import Pairs
 from dalembert.analysis.nonsmooth.gaps.hulls.form_tables import FormTables
 from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import Polygons
@@ -87,6 +88,7 @@ class HullGeometry:
         self.rounded = ~np.array(sharp, dtype=bool)
         others = [False] * len(surroundings)
         self.flat_ends = np.array([hull.flat_ends for hull in self.hulls] + others)
+        self._has_flat_ends = bool(self.flat_ends.any())
         self._symbols(model, element)
 
     @cached_property
@@ -238,20 +240,20 @@ class HullGeometry:
         corners = at.corners[self.starts[hulls][:, None] + number]
         return Polygons.of(corners[..., :2], counts)
 
-    def columns(self, pairs: Pairs, at: Positions) -> list[np.ndarray]:
-        """Arguments of the gap function of some pairs: a matrix for the features of each body."""
+    def columns(self, pairs: Pairs) -> list[FeatureColumns]:
+        """Arguments of the gap function of some pairs: those of the features of each body."""
         counts = point_counts(pairs.feature, self.dimension)
         columns = []
         for count, shape, feature in self._sides(pairs, counts):
             if shape is pairs.first and pairs.feature in WALLS:
-                points = at.walls[shape - len(self.hulls)]
-            else:
-                points = at.corners[self._corners_of(count, shape, feature)]
+                columns.append(FeatureColumns(shape, wall=shape - len(self.hulls)))
+                continue
+            corners, start, sharp = self._corners_of(count, shape, feature), None, None
             if count == RIM_POINTS:
                 start = sector_directions(feature % SECTORS)
-                points = np.concatenate([points, start[:, None]], axis=1)
-            points, radii = points.reshape(shape.size, -1).T, self._radii(count, shape, at.radii)
-            columns.append(np.vstack([points, radii, at.origins[shape].T]))
+            if count == 1 and self._has_flat_ends:  # points on the rims of cylinders
+                sharp = self.flat_ends[shape]
+            columns.append(FeatureColumns(shape, None, corners, start, sharp))
         return columns
 
     def entries(self, pairs: Pairs) -> list[np.ndarray]:
@@ -274,10 +276,6 @@ class HullGeometry:
     def _sides(pairs: Pairs, counts: tuple[int, int]) -> list[tuple[int, np.ndarray, np.ndarray]]:
         """Number of points, shapes and features of both sides."""
         return [(counts[0], pairs.first, pairs.own), (counts[1], pairs.second, pairs.other)]
-
-    def _radii(self, count: int, shape: np.ndarray, radii: np.ndarray) -> np.ndarray:
-        """Radii of features; points on the rims of cylinders are sharp corners."""
-        return np.where(self.flat_ends[shape], 0.0, radii[shape]) if count == 1 else radii[shape]
 
     def face_gaps(self, first: int, second: int) -> np.ndarray:
         """(4, n) numbers of the hulls, of each face of the first and each corner of the second;

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.gaps.bounding_balls import bounding_balls, near_balls
+from dalembert.analysis.nonsmooth.gaps.bounding_balls import (
+    FEW,
+    bounding_balls,
+    near_balls,
+    within_reach,
+)
 from dalembert.analysis.nonsmooth.gaps.cylinders.cylinder_features import cylinder_features
 from dalembert.analysis.nonsmooth.gaps.cylinders.cylinder_pairs import (
     features_at_walls,
@@ -42,7 +47,10 @@ class HullSearch:
         self._end = np.array([shape.boundary() is not None for shape in geometry.shapes])
         self._outlines = OutlineCorners(geometry)
         self._terrain = np.isin(np.arange(len(geometry.shapes)), geometry.terrains)
-        hulls = np.flatnonzero(~self._terrain[: len(geometry.hulls)])
+        hulls = self._searchable = np.flatnonzero(~self._terrain[: len(geometry.hulls)])
+        self._candidates: np.ndarray | None = None
+        if hulls.size <= FEW:
+            self._candidates = self._touching(hulls[np.stack(np.triu_indices(hulls.size, 1))])
         self._terrains = [
             TerrainSearch(geometry, k, hulls[self._may_touch(np.full(hulls.size, k), hulls)])
             for k in geometry.terrains
@@ -59,6 +67,11 @@ class HullSearch:
             listed = on_points_alone(listed, self.geometry.flat_ends, self.geometry.compliant)
         return [pairs for pairs in listed if pairs.first.size]
 
+    def _touching(self, pairs: np.ndarray) -> np.ndarray:
+        """Those of the pairs (2, n) of shapes that may touch."""
+        touching: np.ndarray = pairs[:, self._may_touch(*pairs)]
+        return touching
+
     def _may_touch(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """Mask of pairs of shapes that may touch, not both of balls, nor corners of boundaries and
         points, which do not hit each other."""
@@ -69,6 +82,8 @@ class HullSearch:
 
     def _walls(self, at: Positions, reach: float) -> list[Pairs]:
         """Corners and rims near walls."""
+        if not len(at.walls):
+            return []
         starts, count = self.geometry.starts, len(self.geometry.hulls)
         hull = np.repeat(np.arange(count), np.diff(starts))
         normals, points = at.walls[:, 1], at.walls[:, 0]
@@ -97,12 +112,14 @@ class HullSearch:
         """Near features of hulls."""
         starts = self.geometry.starts
         centers, radii = bounding_balls(at.corners, starts)
-        rounding = np.where(self.geometry.flat_ends, 0.0, at.radii)[: radii.size]
-        hulls = np.flatnonzero(~self._terrain[: radii.size])
-        near = near_balls(centers[hulls], (radii + rounding)[hulls], reach)
-        first, second = hulls[near[0]], hulls[near[1]]
-        touching = self._may_touch(first, second)
-        first, second = first[touching], second[touching]
+        radii = radii + np.where(self.geometry.flat_ends, 0.0, at.radii)[: radii.size]
+        hulls, candidates = self._searchable, self._candidates
+        if candidates is None:
+            near = near_balls(centers[hulls], radii[hulls], reach)
+            candidates = self._touching(hulls[near])
+        else:
+            candidates = within_reach(candidates, centers, radii, reach)
+        first, second = candidates
         if not first.size:
             return []
         listed: list[Pairs] = []
