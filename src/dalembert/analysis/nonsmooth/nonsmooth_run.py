@@ -227,8 +227,7 @@ class NonsmoothRun:
         The start is a position with open gaps, and near. A correction is linear in the gaps, and
         moves bodies without bounds where their directions turn normal to the motion.
         """
-        limit = max(FARTHEST * self.moved_by(start, end), CORRECTED)
-        if self.moved_by(end, corrected) <= limit:
+        if self.moved_by(end, corrected) <= max(FARTHEST * self.moved_by(start, end), CORRECTED):
             return False
         return self.step.deepest(self.step.at(t, end)) < -self.step.rounding
 
