@@ -229,7 +229,7 @@ def test_wrong_laws_in_files(tmp_path):
         ("damping = 0.2", "dampng = 0.2", r"floor.law.*dampng: unknown key"),
         ('"Hertz"', '"Herz"', r"pairs\[0\].law.*unknown type 'Herz'"),
         ("stiffness = 1e7", "stiffness = -1e7", r"floor.pairs\[0\].law.stiffness: is -"),
-        ("damping = 0.2", 'damping = "1 kg"', r"floor.law.damping: 1 kg does not fit, expected s/m"),
+        ("damping = 0.2", 'damping = "1 kg"', r"floor.law.damping: 1 kg does not fit, expected s"),
     ):
         path = tmp_path / "wrong.toml"
         path.write_text(FILE.replace(old, new), encoding="utf-8")
