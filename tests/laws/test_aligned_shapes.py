@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import dalembert as da
-from dalembert import spatial
+from dalembert import planar, spatial
 from dalembert.elements.contact.shapes import Shape
 
 contact = spatial.contact
@@ -83,3 +83,24 @@ def test_aligned_bodies_tip_over_their_edge(case, integrator, swapped):
     speed = np.sqrt(2 * work / (INERTIA + MASS * (edge**2 + height**2)))
     assert angle > 0.05
     assert np.linalg.norm(motion["b.angular_velocity"][-1]) == pytest.approx(speed, rel=0.01)
+
+
+@pytest.mark.parametrize("integrator", [da.AnticipatedImpacts(), da.MoreauJean()])
+def test_corners_on_straight_sides_do_not_matter(integrator):
+    """A box on a polygon with a corner in the middle of its top tips as on a rectangle."""
+
+    def tipped(shape: Callable[[planar.Body], Shape]) -> float:
+        system = da.System("tipping", gravity=(0.0, -G))
+        place = {"position": (0, 0.05), "angle": 0.0}
+        body = system.add(planar.Body("b", mass=MASS, inertia=INERTIA, **place))
+        system.add(planar.Force("load", body.point(-0.3, 0), (0.0, -2 * MASS * G)))
+        shapes = [planar.contact.Rectangle(body.center, (0.2, 0.1)), shape(system.ground)]
+        system.add(planar.Collisions("c", shapes, friction=FRICTION))
+        motion = da.solve_nonsmooth(system.build(), 0.05, step=1e-3, integrator=integrator)
+        assert motion.status.success
+        return float(motion["b.angular_velocity"][-1])
+
+    ends = [(-0.3, -0.2), (0.3, -0.2), (0.3, 0.0), (0.0, 0.0), (-0.3, 0.0)]
+    polygon = tipped(lambda ground: planar.contact.Polygon(ground, ends))
+    middle = tipped(lambda ground: planar.contact.Rectangle(ground.point(0, -0.1), (0.6, 0.2)))
+    assert polygon == pytest.approx(middle, rel=1e-12)
