@@ -62,11 +62,11 @@ static casadi_real casadi_depth(const casadi_real* x, const int* loop, casadi_in
   }
   return least;
 }
-/* sides of two faces that cross along the normal of the first one; the smallest distance of these
-   and the value before in nearest */
+/* sides of two faces that cross along the normal of the first one, farther than a margin from their
+   ends; the smallest distance of these and the value before in nearest */
 static casadi_int casadi_crossings(const int* a, const casadi_real* x, casadi_int f, const int* b,
-    const casadi_real* y, casadi_int g, const casadi_real* normal, casadi_int swapped, int* rows,
-    casadi_int count, casadi_real* nearest) {
+    const casadi_real* y, casadi_int g, const casadi_real* normal, casadi_int swapped,
+    casadi_real margin, int* rows, casadi_int count, casadi_real* nearest) {
   const int* start = a + a[8];
   const int* sides = a + a[10];
   const int* other = b + b[10] + b[b[8]+g];
@@ -89,7 +89,7 @@ static casadi_int casadi_crossings(const int* a, const casadi_real* x, casadi_in
       first = casadi_dot(turned, across)/(size*size);
       casadi_cross(between, u, turned);
       second = casadi_dot(turned, across)/(size*size);
-      if (!(first>1e-9 && first<1 - 1e-9 && second>1e-9 && second<1 - 1e-9)) continue;
+      if (!(first>margin && first<1 - margin && second>margin && second<1 - margin)) continue;
       first = casadi_dot(between, across)/size;
       if (area<0) first = -first;
       if (first<nearest[0]) nearest[0] = first;
@@ -100,6 +100,19 @@ static casadi_int casadi_crossings(const int* a, const casadi_real* x, casadi_in
   }
   return count;
 }
+/* whether a place is over one of the corners in rows, along a normal */
+static casadi_int casadi_over_corner(const casadi_real* y, const int* rows, casadi_int count,
+    const casadi_real* normal, const casadi_real* place, casadi_real limit) {
+  casadi_int k, c;
+  casadi_real between[3], height;
+  for (k=0; k<count; ++k) {
+    casadi_between(y + 3*rows[4*k+3], place, between);
+    height = casadi_dot(between, normal);
+    for (c=0; c<3; ++c) between[c] = between[c] - height*normal[c];
+    if (casadi_dot(between, between)<=limit*limit) return 1;
+  }
+  return 0;
+}
 /* contacts along the normal of face f of hull a: corners over it, corners under the face of the
    other hull that meets it, edges that cross, or the lowest corner alone, which is beside it */
 static casadi_int casadi_face_rows(const int* a, const casadi_real* x, const casadi_real* n,
@@ -109,7 +122,8 @@ static casadi_int casadi_face_rows(const int* a, const casadi_real* x, const cas
   const int* own = a + a[9] + a[a[8]+f];
   const int* other = b + b[9];
   casadi_int own_count = a[a[8]+f+1] - a[a[8]+f], other_count, k, g = 0, lowest = 0, count = 0;
-  casadi_real nearest[1], facing, smallest = INFINITY, start, height;
+  casadi_int over;
+  casadi_real nearest[1], facing, smallest = INFINITY, start, height, size;
   for (k=0; k<b[4]; ++k) {
     facing = casadi_dot(m + 3*k, normal);
     if (facing<smallest) {
@@ -128,16 +142,22 @@ static casadi_int casadi_face_rows(const int* a, const casadi_real* x, const cas
     if (height<nearest[0]) nearest[0] = height;
     count = casadi_append(rows, count, 1, swapped, f, other[k]);
   }
+  over = count;
+  size = casadi_span(y, b[0], y, 0);
   if (smallest<-0.7) {
     casadi_inward(y, other, other_count, m + 3*g, w);
     for (k=0; k<own_count; ++k) {
-      if (!(casadi_depth(y, other, other_count, w, x + 3*own[k])>1e-9)) continue;
+      if (!(casadi_depth(y, other, other_count, w, x + 3*own[k])>=-1e-9)) continue;
+      if (casadi_over_corner(y, rows, over, normal, x + 3*own[k], 1e-8*size)) continue;
       height = casadi_dot(x + 3*own[k], m + 3*g) - casadi_dot(y + 3*other[0], m + 3*g);
       if (height<nearest[0]) nearest[0] = height;
       count = casadi_append(rows, count, 1, 1 - swapped, g, own[k]);
     }
   }
-  count = casadi_crossings(a, x, f, b, y, g, normal, swapped, rows, count, nearest);
+  count = casadi_crossings(a, x, f, b, y, g, normal, swapped, 1e-9, rows, count, nearest);
+  if (!count) {  /* an edge over two corners */
+    count = casadi_crossings(a, x, f, b, y, g, normal, swapped, -1e-9, rows, count, nearest);
+  }
   if (!farthest) return count;
   smallest = INFINITY;
   for (k=0; k<b[0]; ++k) {
@@ -147,7 +167,7 @@ static casadi_int casadi_face_rows(const int* a, const casadi_real* x, const cas
       lowest = k;
     }
   }
-  if (nearest[0]>smallest - start + 1e-3*casadi_span(y, b[0], y, 0)) {
+  if (nearest[0]>smallest - start + 1e-3*size) {
     count = casadi_append(rows, count, 1, swapped, f, lowest);
   }
   return count;
@@ -239,7 +259,7 @@ static casadi_int casadi_beside_rows(const int* a, const casadi_real* x, const i
 static casadi_int casadi_spatial_features(const int* a, const casadi_real* x,
     const casadi_real* n, const int* b, const casadi_real* y, const casadi_real* m,
     casadi_int rounded, casadi_real limit, int* rows, casadi_real* w) {
-  casadi_int k, i, j, flat, best = 0, f = -1, column = -1, count = 0, corners[2];
+  casadi_int k, i, j, flat, crossed, best = 0, f = -1, column = -1, count = 0, corners[2];
   casadi_real face = -INFINITY, edge = -INFINITY, corner = -INFINITY, beside = -INFINITY;
   casadi_real range[2], normal[3], common[3], least[2], apart, size;
   for (k=0; k<a[4]; ++k) {
@@ -282,14 +302,15 @@ static casadi_int casadi_spatial_features(const int* a, const casadi_real* x,
   size = casadi_span(x, a[0], y, b[0]);
   apart = corner>beside ? corner : beside;
   flat = face>=edge - 1e-3*size && face>=apart - 1e-12*size;
+  crossed = edge>face + 1e-12*size;
   if (corner>edge) best = 1;
   if (beside>(best==1 ? corner : edge)) best = 2;
   if (flat && f>=a[4]) {
-    count = casadi_face_rows(b, y, m, a, x, n, f - a[4], 1, edge<=face, rows, w);
+    count = casadi_face_rows(b, y, m, a, x, n, f - a[4], 1, !crossed, rows, w);
   } else if (flat && f>=0) {
-    count = casadi_face_rows(a, x, n, b, y, m, f, 0, edge<=face, rows, w);
+    count = casadi_face_rows(a, x, n, b, y, m, f, 0, !crossed, rows, w);
   }
-  if (column>=0 && ((!flat && best==0) || (flat && edge>face))) {
+  if (column>=0 && ((!flat && best==0) || (flat && crossed))) {
     count = casadi_edge_row(a, x, b, y, column/b[2], column%b[2], common, rows, count);
   }
   if (!flat && best==1) count = casadi_append(rows, count, 2, 0, corners[0], corners[1]);

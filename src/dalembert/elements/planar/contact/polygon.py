@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -39,7 +40,7 @@ class ConvexShape(Spotted):
         return [Spot(Point(self.carrier, corner), ca.SX(0)) for corner in self.corners()]
 
     def hull(self) -> Hull:
-        return Hull.planar(self.corners(), ca.SX(0))
+        return Hull.planar(without_straight(self.corners()), ca.SX(0))
 
     def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
         local, corners = self.local(place), self.corners()
@@ -72,6 +73,21 @@ def checked_vertices(vertices: Rows, owner: str) -> list[Expression]:
     if not isinstance(vertices, (list, tuple, np.ndarray)) or len(vertices) < 3:
         raise ModelError(f"needs at least 3 vertices, got {vertices!r:.60}", owner)
     return [as_expression(v, f"{owner} vertex {k + 1}", "m", 2) for k, v in enumerate(vertices)]
+
+
+def without_straight(corners: Sequence[ca.SX]) -> list[ca.SX]:
+    """Corners of a polygon without those between two sides in one line, if they are numbers.
+
+    A flat face of another shape would stand on one of two such sides only.
+    """
+    if not all(corner.is_constant() for corner in corners):
+        return list(corners)
+    places = np.array([[float(corner[k]) for k in range(2)] for corner in corners])
+    before, after = places - np.roll(places, 1, axis=0), np.roll(places, -1, axis=0) - places
+    turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    straight = np.abs(turn) <= FLAT * (after**2).sum(axis=1).max()
+    straight &= (before * after).sum(axis=1) > 0
+    return [corner for corner, left_out in zip(corners, straight, strict=True) if not left_out]
 
 
 def outline(corners: ca.SX, u: ca.SX) -> ca.SX:

@@ -10,6 +10,8 @@ from dalembert.analysis.nonsmooth.gaps.hulls.polyhedra import Polyhedra
 
 FLAT = 1e-3
 """Difference of the heights of corners that touch a face together, by the size of the hull."""
+SAME = 1e-8
+"""Distance of two corners over each other, by the size of the hull."""
 ON_EDGE = 1e-9
 """Distance of a corner from a side of a face within which it is on this side, by its length."""
 
@@ -54,8 +56,10 @@ def face_rows(
     under, opposite = np.zeros_like(own_real), -normal
     if flush.any():
         opposite = others.normals[rows, g]
-        under = own_real & flush[:, None] & (_depth(other, real, opposite, face) > ON_EDGE)
-    (a, b), reverse, crossed, apart = _crossings(polyhedra, others, f, g, normal)
+        under = own_real & flush[:, None] & (_depth(other, real, opposite, face) >= -ON_EDGE)
+        under &= ~_over_corners(face, other, over, normal)
+    found = over.any(axis=1) | under.any(axis=1)
+    (a, b), reverse, crossed, apart = _crossings(polyhedra, others, f, g, normal, found)
     start = (face[:, 0] * normal).sum(axis=1)
     nearest = np.where(over, heights[rows[:, None], loop], np.inf).min(axis=1) - start
     if flush.any():
@@ -75,6 +79,18 @@ def face_rows(
         (Feature.EDGES, pair[crossed], np.zeros(crossed.size, dtype=bool), *edges),
         (Feature.FACE, pair[alone], sides, f[alone], lowest[alone]),
     ]
+
+
+def _over_corners(
+    places: np.ndarray, corners: np.ndarray, selected: np.ndarray, normal: np.ndarray
+) -> np.ndarray:
+    """(m, k) mask of places (m, k, 3) that are over a selected corner (m, l, 3) along a normal."""
+    between = places[:, :, None] - corners[:, None]
+    heights = (between * normal[:, None, None]).sum(axis=3)
+    distances = np.linalg.norm(between - heights[..., None] * normal[:, None, None], axis=3)
+    limit = SAME * np.ptp(corners, axis=1).max(axis=1)
+    over: np.ndarray = (selected[:, None] & (distances <= limit[:, None, None])).any(axis=2)
+    return over
 
 
 def _rows(
@@ -114,9 +130,15 @@ def _following(loop: np.ndarray, real: np.ndarray) -> np.ndarray:
 
 
 def _crossings(
-    polyhedra: Polyhedra, others: Polyhedra, f: np.ndarray, g: np.ndarray, normal: np.ndarray
+    polyhedra: Polyhedra,
+    others: Polyhedra,
+    f: np.ndarray,
+    g: np.ndarray,
+    normal: np.ndarray,
+    found: np.ndarray,
 ) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray, np.ndarray, np.ndarray]:
-    """Sides of the faces whose shortest connection is nearly along the normal.
+    """Sides of the faces whose shortest connection is nearly along the normal, between their ends;
+    at an end, as an edge over two corners, where nothing else is ``found`` (m,).
 
     Returns their numbers, whether one is reversed, the pair of faces, and the distance.
     """
@@ -138,8 +160,10 @@ def _crossings(
     crosses &= size > ON_EDGE * np.linalg.norm(u, axis=3) * np.linalg.norm(w, axis=3)
     divisor = np.where(crosses, size, 1.0) ** 2
     first, second = ((np.cross(between, v) * across).sum(axis=3) / divisor for v in (w, u))
-    for fraction in (first, second):
-        crosses &= (fraction > ON_EDGE) & (fraction < 1 - ON_EDGE)
+    inside = np.minimum(np.minimum(first, 1 - first), np.minimum(second, 1 - second))
+    between_ends = crosses & (inside > ON_EDGE)
+    found = found | between_ends.any(axis=(1, 2))
+    crosses = np.where(found[:, None, None], between_ends, crosses & (inside > -ON_EDGE))
     apart = np.sign(area) * (between * across).sum(axis=3) / np.sqrt(divisor)
     row, a, b = np.nonzero(crosses)
     numbers = sides[0][row, a], sides[1][row, b]

@@ -46,8 +46,9 @@ def spatial_features(first: Polyhedra, second: Polyhedra, rounded: np.ndarray) -
     flat = (face >= edge - FLAT * size) & (face >= np.maximum(corner, beside) - ROUNDING * size)
     best = np.stack([edge, corner, beside]).argmax(axis=0)
     pair = np.arange(size.size)
-    rows = _faces(pair[flat], first, second, faces, edge <= face)
-    crossing = pair[(~flat & (best == 0)) | (flat & (edge > face))]
+    crossed = edge > face + ROUNDING * size  # otherwise any edges around parallel faces
+    rows = _faces(pair[flat], first, second, faces, ~crossed)
+    crossing = pair[(~flat & (best == 0)) | (flat & crossed)]
     rows = _distinct_edges(rows + _edges(crossing, first, second, edges, normals))
     ends = pair[~flat & (best == 1)]
     rows.append((Feature.CORNERS, ends, np.zeros(ends.size, dtype=bool), i[ends], j[ends]))
