@@ -239,16 +239,16 @@ class FreeBodyMarch:
             self.sleeping.record()
         return outcome
 
-    def _applied(self) -> bool:
-        """Whether the forces of the step, without those on sleeping bodies, are finite."""
-        finite = self._forces()
+    def _applied(self, forces: Callable[[], bool]) -> bool:
+        """Whether forces of the step, without those on sleeping bodies, are finite."""
+        finite = forces()
         return finite and not (self.sleeping.hold() and self._steps.on_path)
 
     def _turned_step(self) -> StepOutcome:
         """The step, repeated with the mean speeds of its solution in the gyroscopic forces."""
         steps, before, last = self._steps, self._steps.v.copy(), np.inf
         rows, scales = self._step.smooth.turning, self._step.model.scales.displacements
-        outcome = steps() if self._applied() else StepOutcome.UNSOLVED
+        outcome = steps() if self._applied(self._forces) else StepOutcome.UNSOLVED
         for _ in range(PATHS if rows.size else 0):
             if outcome is not StepOutcome.DONE:
                 break
@@ -263,7 +263,7 @@ class FreeBodyMarch:
                 steps.v[:] = before
                 return StepOutcome.UNSOLVED
             self._mean[:], last, steps.v[:] = mean, error, before
-            outcome = steps.again() if self._turned() else StepOutcome.UNSOLVED
+            outcome = steps.again() if self._applied(self._turned) else StepOutcome.UNSOLVED
         return outcome
 
     def _transfer(self, grid: np.ndarray, begin: int, end: int, log: StepLog) -> int:
