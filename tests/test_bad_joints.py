@@ -109,6 +109,7 @@ PLANE_WRONG = {
     "D: joint must leave a displacement free; got Revolute R": lambda s, w, r: (
         planar.TranslationalDriver("D", r, 0.0)
     ),
+    "D: 'A' is a name; give the element": lambda s, w, r: planar.RotationalDriver("D", "A", 1.0),
     "D: has no law; give a law": lambda s, w, r: planar.RotationalDriver("D", r),
     "D: give a joint that leaves a turn free, or body_i and body_j": lambda s, w, r: (
         planar.RotationalDriver("D", law=0.0)

@@ -44,6 +44,10 @@ class JointDriver(Driver):
         if isinstance(ends[0], Constraint):  # (name, joint, law)
             self.joint, self.law = ends[0], ends[1] if self.law is None else self.law
             ends = [None, None]
+        for end in (self.joint, ends[0]):
+            if isinstance(end, str):
+                text = f"{end!r} is a name; give the element itself, as system.add returns it"
+                raise ModelError(text, self.name)
         if self.law is None:
             raise ModelError("has no law; give a law, a number or a formula in t", self.name)
         if self.joint is None:
