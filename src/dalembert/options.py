@@ -13,7 +13,8 @@ import numpy as np
 from dalembert.budget import LARGEST, check_budget, numeral
 from dalembert.errors import ExpressionError, UnsupportedError
 from dalembert.text.arguments import ConstructorSignature, check_constructor
-from dalembert.units.measured import measured
+from dalembert.units.amounts import unit
+from dalembert.units.measured import check_measured, measured
 
 Class = TypeVar("Class", bound=type)
 ROUNDS = {"max_iterations", "steps", "max_points", "repeat"}
@@ -52,7 +53,7 @@ def options(cls: Class | None = None, /, **settings: bool) -> Any:
     def __post_init__(self: Any) -> None:
         for field in dataclasses.fields(self):
             if isinstance(value := getattr(self, field.name), str):
-                object.__setattr__(self, field.name, _number_in(field, value))
+                object.__setattr__(self, field.name, _number_in(type(self), field, value))
             check_option(type(self).__name__, field, getattr(self, field.name))
         if check_fields is not None:
             check_fields(self)
@@ -73,6 +74,14 @@ def _checked_and_recorded(cls: type, *args: Any, **kwargs: Any) -> Any:
     return instance
 
 
+def _is_unit(text: str) -> bool:
+    try:
+        unit(text)
+    except ExpressionError:
+        return False
+    return True
+
+
 def is_stated(strategy: Any, name: str) -> bool:
     """Whether an option was stated, or differs from its default.
 
@@ -86,14 +95,30 @@ def is_stated(strategy: Any, name: str) -> bool:
     return bool(getattr(strategy, name) != default)
 
 
-def _number_in(field: dataclasses.Field, text: str) -> Any:
-    """The number in a text such as ``"10 ms"`` for fields of numbers; the text for others."""
+def _number_in(cls: type, field: dataclasses.Field, text: str) -> Any:
+    """The number in a text such as ``"10 ms"`` for fields of numbers; the text for others.
+
+    Raises
+    ------
+    ExpressionError
+        Its unit is not that of the field in the docstring of the class.
+    """
     if str(field.type) not in ("float", "float | None"):
         return text
     try:
-        return measured(text)
+        number = measured(text)
     except ExpressionError:  # reported as not a number
         return text
+    check_measured([number], _unit_of(cls, field.name), f"{cls.__name__}: {field.name}")
+    return number
+
+
+def _unit_of(cls: type, name: str) -> str:
+    """The unit in brackets in the docstring of an option; empty without a single one."""
+    entries = [_sections(base.__doc__ or "")[1].get("Parameters", {}) for base in cls.__mro__]
+    text: str = next((entry[name] for entry in entries if name in entry), "")
+    units = {part for part in re.findall(r"\[([^\[\]]+)\]", text) if part == "-" or _is_unit(part)}
+    return units.pop().replace("-", "1") if len(units) == 1 else ""
 
 
 def check_option(owner: str, field: dataclasses.Field, value: Any) -> None:

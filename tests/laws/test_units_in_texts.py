@@ -482,3 +482,26 @@ def test_a_text_means_the_same_in_files_and_in_python(law: str, tmp_path) -> Non
     assert results[0] is None or np.array_equal(*results)
     refused = ("0.1 m + 45 m/s*t", "3 deg + 1 kg*t", "l1 + t", "sin(t", "2 deg*b.angle")
     assert (results[0] is None) == (law in refused)
+
+
+@pytest.mark.parametrize(
+    ("strategy", "options", "expected"),
+    [
+        (da.Nonsmooth, {"duration": 1.0, "step": "5 mm"}, "s"),
+        (da.Nonsmooth, {"duration": 1.0, "sleep_speed": "3 s"}, "m/s"),
+        (da.Dynamics, {"duration": "1 m"}, "s"),
+        (da.MoreauJean, {"theta": "0.5 m"}, "a plain number"),
+        (da.Baumgarte, {"alpha": "5 s"}, "1/s"),
+    ],
+)
+def test_options_refuse_units_of_other_kinds(strategy, options, expected):
+    name = list(options)[-1]
+    with pytest.raises(da.ExpressionError, match=rf"{name}: .* does not fit, expected {expected}"):
+        strategy(**options)
+
+
+def test_options_convert_units_of_their_kind():
+    analysis = da.Nonsmooth(
+        duration="2 min", step="5 ms", sleep_after="0.1 s", sleep_speed="2 mm/s"
+    )
+    assert (analysis.duration, analysis.step, analysis.sleep_speed) == (120.0, 0.005, 0.002)
