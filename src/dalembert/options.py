@@ -6,6 +6,7 @@ import dataclasses
 import inspect
 import re
 from collections.abc import Callable
+from functools import cache
 from typing import Any, TypeVar, dataclass_transform
 
 import numpy as np
@@ -13,8 +14,8 @@ import numpy as np
 from dalembert.budget import LARGEST, check_budget, numeral
 from dalembert.errors import ExpressionError, UnsupportedError
 from dalembert.text.arguments import ConstructorSignature, check_constructor
-from dalembert.units.amounts import unit
-from dalembert.units.measured import check_measured, measured
+from dalembert.units.amounts import check_unit, unit
+from dalembert.units.measured import Measured, measured
 
 Class = TypeVar("Class", bound=type)
 ROUNDS = {"max_iterations", "steps", "max_points", "repeat"}
@@ -39,8 +40,9 @@ def options(cls: Class | None = None, /, **settings: bool) -> Any:
     """Make a frozen dataclass that checks its fields against their annotations.
 
     ``float`` is a number of usable magnitude, or a text that states it with its unit, ``int`` a
-    whole number, ``bool`` true or false, ``str`` a text; ``| None`` also allows None. Further
-    conditions are checked by the ``__post_init__`` of the class.
+    whole number, ``bool`` true or false, ``str`` a text; ``| None`` also allows None. A unit has to
+    fit the one in brackets in the docstring of the option. Further conditions are checked by the
+    ``__post_init__`` of the class.
 
     Parameters
     ----------
@@ -53,7 +55,10 @@ def options(cls: Class | None = None, /, **settings: bool) -> Any:
     def __post_init__(self: Any) -> None:
         for field in dataclasses.fields(self):
             if isinstance(value := getattr(self, field.name), str):
-                object.__setattr__(self, field.name, _number_in(type(self), field, value))
+                object.__setattr__(self, field.name, value := _number_in(field, value))
+            if isinstance(value, Measured) and (expected := _unit_of(type(self), field.name)):
+                text = f"{field.name} = {value.text}"
+                check_unit(value.si, expected, type(self).__name__, text)
             check_option(type(self).__name__, field, getattr(self, field.name))
         if check_fields is not None:
             check_fields(self)
@@ -95,24 +100,17 @@ def is_stated(strategy: Any, name: str) -> bool:
     return bool(getattr(strategy, name) != default)
 
 
-def _number_in(cls: type, field: dataclasses.Field, text: str) -> Any:
-    """The number in a text such as ``"10 ms"`` for fields of numbers; the text for others.
-
-    Raises
-    ------
-    ExpressionError
-        Its unit is not that of the field in the docstring of the class.
-    """
+def _number_in(field: dataclasses.Field, text: str) -> Any:
+    """The number in a text such as ``"10 ms"`` for fields of numbers; the text for others."""
     if str(field.type) not in ("float", "float | None"):
         return text
     try:
-        number = measured(text)
+        return measured(text)
     except ExpressionError:  # reported as not a number
         return text
-    check_measured([number], _unit_of(cls, field.name), f"{cls.__name__}: {field.name}")
-    return number
 
 
+@cache
 def _unit_of(cls: type, name: str) -> str:
     """The unit in brackets in the docstring of an option; empty without a single one."""
     entries = [_sections(base.__doc__ or "")[1].get("Parameters", {}) for base in cls.__mro__]

@@ -496,7 +496,7 @@ def test_a_text_means_the_same_in_files_and_in_python(law: str, tmp_path) -> Non
 )
 def test_options_refuse_units_of_other_kinds(strategy, options, expected):
     name = list(options)[-1]
-    with pytest.raises(da.ExpressionError, match=rf"{name}: .* does not fit, expected {expected}"):
+    with pytest.raises(da.ExpressionError, match=rf"{name} = .* does not fit, expected {expected}"):
         strategy(**options)
 
 
