@@ -71,7 +71,7 @@ class SleepingBodies:
         self._owner = np.repeat(np.arange(bodies), np.diff(motion.first))
         self._island, self._rest = np.full(bodies, AWAKE), np.zeros(bodies)
         self._force, self._fresh = np.zeros(self._owner.size), np.zeros(self._owner.size, bool)
-        self._asleep = np.zeros(self._owner.size, dtype=bool)
+        self._asleep, self._some = np.zeros(self._owner.size, dtype=bool), False
         self._contacts = np.zeros((2, 0), dtype=np.int64)  # bodies and keys
         self._impulses, self._offsets = np.zeros((2, 0, steps.width))
         self._stored = self._island, self._rest
@@ -84,7 +84,7 @@ class SleepingBodies:
 
     def begin(self, speeds: np.ndarray) -> None:
         """Continue with other speeds; islands that move wake."""
-        if self._rule is None or not self._asleep.any():
+        if self._rule is None or not self._some:
             return
         moving = np.unique(self._island[self._fastest(speeds) > self._rule.speed])
         self._wake(moving[moving != AWAKE])
@@ -99,9 +99,9 @@ class SleepingBodies:
     def hold(self) -> bool:
         """Remove the forces on sleeping bodies, and wake those on which they changed; whether there
         are any of the latter."""
-        force, asleep = self._steps.force, self._asleep
-        if not asleep.any():
+        if not self._some:
             return False
+        force, asleep = self._steps.force, self._asleep
         self._force[self._fresh] = force[self._fresh]
         self._fresh[:] = False
         change = np.abs(force - self._force) > SAME_FORCE * np.abs(self._force[asleep]).max()
@@ -112,7 +112,7 @@ class SleepingBodies:
 
     def wakes(self) -> bool:
         """Wake the islands on which other bodies press in the last step; whether there are any."""
-        if not self._asleep.any():
+        if not self._some:
             return False
         bodies = self._motion.body[self._steps.pressing_shapes()]
         islands = np.where(bodies >= 0, self._island[bodies], AWAKE)
@@ -124,7 +124,7 @@ class SleepingBodies:
 
     def record(self) -> None:
         """Append the contacts of sleeping bodies to the record of the last step."""
-        if not self._asleep.any():
+        if not self._some:
             return
         self.count += int((self._island != AWAKE).sum())
         self._steps.append(self._contacts[1], self._impulses, self._offsets)
@@ -203,7 +203,7 @@ class SleepingBodies:
 
     def _apply(self) -> None:
         """Bodies of the shapes in machine code, and room for the contacts of sleeping bodies."""
-        body = self._motion.body
+        self._some, body = bool(self._asleep.any()), self._motion.body
         asleep = (body >= 0) & (self._island[body] != AWAKE)
         self._steps.body[:] = np.where(asleep, -1, body)
         self._steps.reserve_record(self._contacts.shape[1])
