@@ -240,11 +240,23 @@ def test_every_strategy_can_be_named(key, name, form, tmp_path, schema):
     schema.validate(tomllib.loads(text))
 
 
+TOUCHING = """
+[forces.hits]
+type = "Collisions"
+shapes = [
+    { type = "Circle", point = "b", radius = 0.1 },
+    { type = "HalfPlane", point = "ground", normal = [1, 0] },
+]
+"""
+
+
 @pytest.mark.parametrize("name", ANALYSES)
 def test_every_analysis_can_be_asked_for(name, tmp_path, schema):
     text = f'{HEAD}[analysis]\ntype = "{name}"\n'
     if "duration" in ANALYSES[name].__dataclass_fields__:
         text += "duration = 1.0\noutputs = [0.0, 0.5]\n"
+    if name == "Nonsmooth":  # refused where nothing may touch
+        text += TOUCHING
     file = load_model_file(written(tmp_path, text))
     assert type(make_analysis(file, file.model())) is ANALYSES[name]
     schema.validate(tomllib.loads(text))
