@@ -138,11 +138,12 @@ class FreeBodyMarch:
                 if outcome is not StepOutcome.DONE:
                     break
                 self._t[0] = grid[k + 1]
-                if not self._move():
-                    break
-                self._y[:] = self._next
-                self.sleeping.sleep(float(grid[k + 1] - grid[k]))
-                self._look_ahead(grid, k + 1)
+                if not self.sleeping.whole:
+                    if not self._move():
+                        break
+                    self._y[:] = self._next
+                    self.sleeping.sleep(float(grid[k + 1] - grid[k]))
+                    self._look_ahead(grid, k + 1)
                 self._ys[k - begin], self._vs[k - begin] = self._y, steps.v
                 k += 1
                 if k - begin == CHUNK:
@@ -248,7 +249,10 @@ class FreeBodyMarch:
         """The step, repeated with the mean speeds of its solution in the gyroscopic forces."""
         steps, before, last = self._steps, self._steps.v.copy(), np.inf
         rows, scales = self._step.smooth.turning, self._step.model.scales.displacements
-        outcome = steps() if self._applied(self._forces) else StepOutcome.UNSOLVED
+        finite = self._applied(self._forces)
+        if finite and self.sleeping.whole:
+            return steps.rest()
+        outcome = steps() if finite else StepOutcome.UNSOLVED
         for _ in range(PATHS if rows.size else 0):
             if outcome is not StepOutcome.DONE:
                 break

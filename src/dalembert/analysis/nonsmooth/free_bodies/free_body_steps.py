@@ -228,6 +228,11 @@ class FreeBodySteps(RecordedContacts):
             array.ravel()[: part.size] = part.ravel()
         self.counts[ENTRIES] = order.entries
 
+    def renew_order(self) -> None:
+        """Order of elimination without the bodies that take no part."""
+        self._motion.orderings.forget()
+        self._renew_order()
+
     def reserve_record(self, contacts: int) -> None:
         """Room in the record for a number of contacts that are appended after each step."""
         self._reserved = contacts

@@ -13,6 +13,7 @@ from dalembert.analysis.nonsmooth.free_bodies.step_outcome import (
     PRESSED,
     RESIDUAL,
     ROUNDS_OF,
+    StepOutcome,
 )
 from dalembert.analysis.nonsmooth.step_log import StepEntries
 
@@ -29,6 +30,7 @@ class RecordedContacts(PathContacts):
     """
 
     numbers: np.ndarray
+    displacement: np.ndarray
     _last: tuple[np.ndarray, np.ndarray]
     _solved: np.ndarray
     _pairs: np.ndarray
@@ -71,6 +73,15 @@ class RecordedContacts(PathContacts):
         end, count = int(self.counts[PRESSING]), self.pressing_shapes().shape[1]
         begin = end - int(self.numbers[self.counts[STEPS] - 1, PRESSED])
         return [array[begin : begin + count].copy() for array in self._recorded[:3]]
+
+    def rest(self) -> StepOutcome:
+        """A step in which no body moves, without contacts."""
+        if self.counts[PRESSING] >= self.counts[RECORDED]:
+            return StepOutcome.FULL
+        self.numbers[self.counts[STEPS]] = 0.0
+        self.counts[STEPS] += 1
+        self.counts[COUNT], self._sizes[LAST_IMPULSES], self.displacement[:] = 0, 0, 0.0
+        return StepOutcome.DONE
 
     def append(self, keys: np.ndarray, impulses: np.ndarray, offsets: np.ndarray) -> None:
         """Append contacts to the record of the last step."""

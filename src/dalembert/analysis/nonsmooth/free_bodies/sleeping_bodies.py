@@ -62,6 +62,7 @@ class SleepingBodies:
 
     Attributes
     ----------
+    whole : whether all bodies sleep
     count : sum of the sleeping bodies over all steps
     """
 
@@ -75,7 +76,7 @@ class SleepingBodies:
         self._contacts = np.zeros((2, 0), dtype=np.int64)  # bodies and keys
         self._impulses, self._offsets = np.zeros((2, 0, steps.width))
         self._stored = self._island, self._rest
-        self._next, self.count = 0, 0
+        self._next, self.count, self.whole = 0, 0, False
         shaped = motion.body >= 0
         self._shapes = np.flatnonzero(shaped)
         reach = np.zeros(motion.body.size)
@@ -105,14 +106,16 @@ class SleepingBodies:
         self._force[self._fresh] = force[self._fresh]
         self._fresh[:] = False
         change = np.abs(force - self._force) > SAME_FORCE * np.abs(self._force[asleep]).max()
-        changed = np.unique(self._island[self._owner[change & asleep]])
-        self._wake(changed)
+        changed = change & asleep
+        wakes = bool(changed.any())
+        if wakes:
+            self._wake(np.unique(self._island[self._owner[changed]]))
         force[self._asleep] = 0.0
-        return bool(changed.size)
+        return wakes
 
     def wakes(self) -> bool:
         """Wake the islands on which other bodies press in the last step; whether there are any."""
-        if not self._some:
+        if not self._some or self.whole:
             return False
         bodies = self._motion.body[self._steps.pressing_shapes()]
         islands = np.where(bodies >= 0, self._island[bodies], AWAKE)
@@ -137,7 +140,7 @@ class SleepingBodies:
         h : length of the step [s]
         """
         steps, rule = self._steps, self._rule
-        if rule is None:
+        if rule is None or self.whole:
             return
         self._stored = self._island.copy(), self._rest
         slow = self._fastest(steps.v) <= rule.speed
@@ -160,6 +163,7 @@ class SleepingBodies:
         steps.v[new[self._owner]] = 0.0
         self._keep(new)
         self._apply()
+        steps.renew_order()
 
     def _labels(self) -> np.ndarray:
         """Numbers that are the same for bodies of one island, or so near that they may touch."""
@@ -203,7 +207,8 @@ class SleepingBodies:
 
     def _apply(self) -> None:
         """Bodies of the shapes in machine code, and room for the contacts of sleeping bodies."""
-        self._some, body = bool(self._asleep.any()), self._motion.body
+        body, self.whole = self._motion.body, bool(self._asleep.all())
+        self._some = bool(self._asleep.any())
         asleep = (body >= 0) & (self._island[body] != AWAKE)
         self._steps.body[:] = np.where(asleep, -1, body)
         self._steps.reserve_record(self._contacts.shape[1])
