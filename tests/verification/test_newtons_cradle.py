@@ -55,6 +55,7 @@ def test_three_balls_as_shapes(between, speeds, scheme):
     assert motion.data["energy"].values[-1] == pytest.approx(0.5, abs=1e-10)
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("free", [True, False], ids=["balls", "pendulums"])
 @pytest.mark.parametrize("gap", [1e-4, 1e-3])
 def test_gaps_below_the_motion_of_a_step_dissipate_no_energy(gap, free):

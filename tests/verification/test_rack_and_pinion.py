@@ -78,6 +78,7 @@ def test_rack_and_pinion(integrator):
 
 
 @pytest.mark.few(2)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("step", [1e-3, 5e-4, 2e-4])
 @pytest.mark.parametrize("integrator", [da.AnticipatedImpacts(), da.MoreauJean()])
 def test_a_torque_accelerates_a_rack_from_rest(integrator, step: float):
