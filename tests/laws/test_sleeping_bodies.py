@@ -85,6 +85,20 @@ def test_forces_that_grow_wake_bodies():
     assert motion["block.x"][-1] == pytest.approx(acceleration * 0.2**2 / 2, rel=0.02)
 
 
+def test_slow_bodies_out_of_balance_do_not_sleep():
+    """A body on a soft spring turns back slowly, and one without shapes flies on."""
+    system = da.System("space", gravity=(0, 0))
+    body = system.add(planar.Body("body", mass=MASS, inertia=0.01, position=(0.51, 0)))
+    system.add(planar.Body("shapeless", mass=MASS, inertia=0.01, velocity=(1.0, 0.0)))
+    ends = system.ground.center, body.center
+    system.add(planar.Spring("spring", *ends, stiffness=1.0, free_length=0.5))
+    wall = planar.contact.HalfPlane(system.ground.point(0, -1))
+    system.add(planar.Collisions("hits", [planar.contact.Circle(body.center, 0.1), wall]))
+    motion = solved(system.build(), 6.0, **SLEEP)
+    assert motion["body.x"][-1] == pytest.approx(0.5 + 0.01 * np.cos(6.0), abs=1e-6)
+    assert motion["shapeless.x"][-1] == pytest.approx(6.0)
+
+
 @pytest.mark.parametrize("seed", sampled(range(6), 2))
 def test_heaps_of_boxes_come_to_rest(seed: int):
     rng = np.random.default_rng(seed)

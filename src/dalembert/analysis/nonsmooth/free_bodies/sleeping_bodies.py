@@ -15,6 +15,8 @@ from dalembert.analysis.nonsmooth.free_bodies.step_outcome import LOSS
 
 AWAKE = -1
 """Island of a body that does not sleep."""
+BALANCED = 0.1
+"""Upper limit of the accelerations of bodies at rest, relative to speed over time of the rule [-]."""
 SAME_FORCE = 1e-9
 """Change of the force on a sleeping body that does not wake it, relative to the force [-]."""
 
@@ -77,6 +79,7 @@ class SleepingBodies:
         self._impulses, self._offsets = np.zeros((2, 0, steps.width))
         self._stored = self._island, self._rest
         self._next, self.count, self.whole = 0, 0, False
+        self._speeds = np.zeros(self._owner.size)
         shaped = motion.body >= 0
         self._shapes = np.flatnonzero(shaped)
         reach = np.zeros(motion.body.size)
@@ -143,11 +146,12 @@ class SleepingBodies:
         if rule is None or self.whole:
             return
         self._stored = self._island.copy(), self._rest
-        slow = self._fastest(steps.v) <= rule.speed
-        self._rest = np.where(slow, self._rest + h, 0.0)
+        slow, change = self._fastest(steps.v) <= rule.speed, steps.v - self._speeds
+        self._rest, self._speeds[:] = np.where(slow, self._rest + h, 0.0), steps.v
         ready = (self._rest >= rule.time) & (self._island == AWAKE)
         if not ready.any():
             return
+        ready &= self._fastest(change) <= BALANCED * rule.speed * h / rule.time
         label = self._labels()
         asleep = self._island != AWAKE
         restless = np.zeros(self._island.size, dtype=bool)
@@ -180,11 +184,8 @@ class SleepingBodies:
 
     def _keep(self, new: np.ndarray) -> None:
         """Keep the contacts of bodies that begin to sleep."""
-        shapes, (keys, impulses, offsets) = (
-            self._steps.pressing_shapes(),
-            self._steps.last_recorded(),
-        )
-        bodies = self._motion.body[shapes]
+        bodies = self._motion.body[self._steps.pressing_shapes()]
+        keys, impulses, offsets = self._steps.last_recorded()
         own = new[bodies].any(axis=0, where=bodies >= 0)
         added = np.stack([bodies.max(axis=0), keys])[:, own]
         self._contacts = np.concatenate([self._contacts, added], axis=1)
@@ -223,7 +224,8 @@ class SleepingBodies:
         )
         linear, angular = (np.sqrt((twist[:, k : k + 3] ** 2).sum(axis=1)) for k in (0, 3))
         points = linear + angular * (steps.arms[self._shapes] + self._radii)
-        fastest = np.zeros(bodies)
+        fastest = np.full(bodies, np.inf)  # of bodies without shapes
+        fastest[self._column] = 0.0
         np.maximum.at(fastest, self._column, points)
         return fastest
 
