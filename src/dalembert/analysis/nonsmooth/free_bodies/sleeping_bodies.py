@@ -16,7 +16,7 @@ from dalembert.analysis.nonsmooth.free_bodies.step_outcome import LOSS
 AWAKE = -1
 """Island of a body that does not sleep."""
 BALANCED = 0.1
-"""Upper limit of the accelerations of bodies at rest, relative to speed over time of the rule [-]."""
+"""Upper limit of accelerations at rest, relative to the speed over the time of the rule [-]."""
 SAME_FORCE = 1e-9
 """Change of the force on a sleeping body that does not wake it, relative to the force [-]."""
 
