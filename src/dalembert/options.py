@@ -6,7 +6,6 @@ import dataclasses
 import inspect
 import re
 from collections.abc import Callable
-from functools import cache
 from typing import Any, TypeVar, dataclass_transform
 
 import numpy as np
@@ -14,7 +13,7 @@ import numpy as np
 from dalembert.budget import LARGEST, check_budget, numeral
 from dalembert.errors import ExpressionError, UnsupportedError
 from dalembert.text.arguments import ConstructorSignature, check_constructor
-from dalembert.units.amounts import check_unit, unit
+from dalembert.units.amounts import check_unit, is_unit
 from dalembert.units.measured import Measured, measured
 
 Class = TypeVar("Class", bound=type)
@@ -79,14 +78,6 @@ def _checked_and_recorded(cls: type, *args: Any, **kwargs: Any) -> Any:
     return instance
 
 
-def _is_unit(text: str) -> bool:
-    try:
-        unit(text)
-    except ExpressionError:
-        return False
-    return True
-
-
 def is_stated(strategy: Any, name: str) -> bool:
     """Whether an option was stated, or differs from its default.
 
@@ -110,12 +101,11 @@ def _number_in(field: dataclasses.Field, text: str) -> Any:
         return text
 
 
-@cache
 def _unit_of(cls: type, name: str) -> str:
     """The unit in brackets in the docstring of an option; empty without a single one."""
     entries = [_sections(base.__doc__ or "")[1].get("Parameters", {}) for base in cls.__mro__]
     text: str = next((entry[name] for entry in entries if name in entry), "")
-    units = {part for part in re.findall(r"\[([^\[\]]+)\]", text) if part == "-" or _is_unit(part)}
+    units = {part for part in re.findall(r"\[([^\[\]]+)\]", text) if part == "-" or is_unit(part)}
     return units.pop().replace("-", "1") if len(units) == 1 else ""
 
 

@@ -56,15 +56,16 @@ def heap() -> da.Model:
 
 @pytest.mark.thorough
 def test_discs_at_rest_in_a_heap():
-    """Two discs rest at the walls of the box, ``x = size − 0.15``, whatever the friction; the mean
-    slopes of runs over a range of friction are zero, too, but for the last 2 µm that a disc may
-    leave open."""
+    """Two discs rest at the walls of the box, ``x = size − 0.15``, whatever the friction: in most
+    runs over a range of friction within 20 nm, and in all within 2 µm."""
     options = {"step": 2e-3, "integrator": da.MoreauJean()}
     model, responses = heap(), [da.final("disc0.x"), da.final("disc19.x")]
     gradient = da.sensitivity(da.solve_nonsmooth(model, 1.0, **options), responses).values
     np.testing.assert_allclose(gradient, [[0.0, 1.0], [0.0, 0.0]], atol=0.05)
     ends = []
-    for friction in (0.39, 0.41):
+    for friction in np.linspace(0.39, 0.41, 5):
         moved = da.solve_nonsmooth(model, 1.0, parameters={"friction": friction}, **options)
         ends.append([da.evaluate(moved, response) for response in responses])
-    np.testing.assert_allclose(np.diff(ends, axis=0) / 0.02, 0.0, atol=2e-6 / 0.02)
+    from_walls = np.abs(np.array(ends) - (-0.05, 1.05))
+    assert np.median(from_walls, axis=0).max() < 1e-6 * 0.02
+    assert from_walls.max() < 2e-6

@@ -138,7 +138,7 @@ def with_names(text: str, is_name: Callable[[str], bool]) -> tuple[str, dict[str
         An unknown unit, or a symbol that is both a unit and a name.
     """
     alone = _ALONE.fullmatch(text)
-    if alone and not _WITH_VARIABLE.search(alone[2]) and _is_unit(alone[2]):
+    if alone and not _WITH_VARIABLE.search(alone[2]) and is_unit(alone[2]):
         return "_0", {"_0": _amount(alone[1], alone[2])}
     amounts: dict[str, Amount] = {}
     formula, position = "", 0
@@ -159,22 +159,23 @@ def _end(text: str, end: int, is_name: Callable[[str], bool]) -> int:
         symbol = _PLAIN.match(further[2])
         assert symbol is not None
         if further[1].strip():
-            is_unit, is_model_name = _is_unit(further[2]), is_name(symbol[0])
+            has_unit, is_model_name = is_unit(further[2]), is_name(symbol[0])
             if NO_UNITS.match(symbol[0]):
                 break
-            if is_unit and is_model_name:
+            if has_unit and is_model_name:
                 raise ExpressionError(
                     f"{symbol[0]!r} is a unit and a name of the model; write "
                     f"(… {further[1].strip()} {symbol[0]}) with brackets round the number and "
                     f"its unit, or name the quantity"
                 )
-            if not is_unit:
+            if not has_unit:
                 break
         end = further.end()
     return end
 
 
-def _is_unit(text: str) -> bool:
+def is_unit(text: str) -> bool:
+    """Whether a text is a unit."""
     try:
         unit(text)
     except ExpressionError:

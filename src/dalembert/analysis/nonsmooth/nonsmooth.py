@@ -13,6 +13,8 @@ from dalembert.analysis.keywords import NonsmoothKeywords
 from dalembert.analysis.kinematics.kinematics import refuse_outside
 from dalembert.analysis.nonsmooth.between_steps import interpolate
 from dalembert.analysis.nonsmooth.contact_forces import contact_forces
+from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
+from dalembert.analysis.nonsmooth.free_bodies.sleeping_bodies import SleepRule
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
 from dalembert.analysis.timeline import OverTime
 from dalembert.analysis.times import Time, analysis_of
@@ -85,11 +87,14 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
         check_sleep(self)
 
     def checks(self, model: Model) -> dict[str, Callable[[], object]]:
-        """Checks of the options, and of the shapes at the start."""
+        """Checks of the options, of the shapes at the start, and whether bodies can sleep."""
 
         def start() -> None:
             if model.kind in self.kinds:
-                NonsmoothRun(self, model, None).state_at_start()
+                run = NonsmoothRun(self, model, None)
+                run.state_at_start()
+                if self.sleep_after is not None:
+                    FreeBodyMarch.of(run.step, SleepRule.of(self))
 
         return {**super().checks(model), "": start}
 
@@ -111,12 +116,11 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
 
 def check_sleep(analysis: Nonsmooth) -> None:
     """Raise unless the options of sleeping bodies are positive and their steps allow it."""
-    if analysis.sleep_after is None:
-        return
     for name in ("sleep_after", "sleep_speed"):
-        if not getattr(analysis, name) > 0:
-            raise AnalysisError(f"{name} is {getattr(analysis, name)!r}; give a positive number")
-    if analysis.separate_impacts:
+        value = getattr(analysis, name)
+        if value is not None and not value > 0:
+            raise AnalysisError(f"{name} is {value!r}; give a positive number")
+    if analysis.sleep_after is not None and analysis.separate_impacts:
         raise AnalysisError("sleep_after and separate_impacts exclude each other; leave out one")
 
 

@@ -55,7 +55,6 @@ from dalembert.symbolic.equations.newton import Solution
 DIVISIONS = 6
 """Upper limit of the divisions of a step in halves, where its impulses do not converge or its
 positions cannot be corrected."""
-
 FARTHEST, CORRECTED = 2.0, 0.1
 """Upper limits of the correction of a position, relative to the motion in the step and to the
 natural displacements; the larger one applies [-]."""
@@ -294,7 +293,8 @@ class NonsmoothRun:
 
     def statistics(self, record: ContactRecord, log: StepLog, elapsed: float) -> dict[str, Any]:
         count = max(record.loss.size, 1)
-        own = {"initial overlaps removed": self.closed_gaps} if self.closed_gaps else {}
+        closed = self.closed_gaps
+        own: dict[str, Any] = {"initial overlaps removed": closed} if closed else {}
         if self.sleeping and self.analysis.sleep_after is not None:
             own["bodies that sleep, on average"] = round(self.sleeping.count / count, 3)
         return own | {

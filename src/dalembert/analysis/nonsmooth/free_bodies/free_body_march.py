@@ -138,7 +138,7 @@ class FreeBodyMarch:
                 if outcome is not StepOutcome.DONE:
                     break
                 self._t[0] = grid[k + 1]
-                if not self.sleeping.whole:
+                if not self.sleeping.all_asleep:
                     if not self._move():
                         break
                     self._y[:] = self._next
@@ -240,17 +240,17 @@ class FreeBodyMarch:
             self.sleeping.record()
         return outcome
 
-    def _applied(self, forces: Callable[[], bool]) -> bool:
+    def _applied(self, forces: Callable[[], int]) -> bool:
         """Whether forces of the step, without those on sleeping bodies, are finite."""
-        finite = forces()
-        return finite and not (self.sleeping.hold() and self._steps.on_path)
+        finite = bool(forces())
+        return finite and not (self.sleeping.remove_forces() and self._steps.on_path)
 
     def _turned_step(self) -> StepOutcome:
         """The step, repeated with the mean speeds of its solution in the gyroscopic forces."""
         steps, before, last = self._steps, self._steps.v.copy(), np.inf
         rows, scales = self._step.smooth.turning, self._step.model.scales.displacements
         finite = self._applied(self._forces)
-        if finite and self.sleeping.whole:
+        if finite and self.sleeping.all_asleep:
             return steps.rest()
         outcome = steps() if finite else StepOutcome.UNSOLVED
         for _ in range(PATHS if rows.size else 0):
@@ -283,7 +283,8 @@ class FreeBodyMarch:
         depth = self._step.deepest(self._step.at(grid[end], y[-1]))
         depths = np.abs(np.append(steps.numbers[1:count, DEPTH], depth))
         log.extend(grid[begin + 1 : end + 1], y, v, depths, part)
-        own, contacts = slice(-int(part.count[-1]) or part.key.size, None), part.key.size
+        contacts = part.key.size
+        own = slice(contacts - int(part.count[-1]), contacts)
         self._last = LastImpulses((part.key[own], part.impulse[own]), part.key[:0])
         rest = int(steps.counts[STEPS]) - count
         self._ys[:rest], self._vs[:rest] = self._ys[count:][:rest], self._vs[count:][:rest]

@@ -114,7 +114,7 @@ def _functions(model: Model) -> FreeBodyMotion | None:
     h = ca.SX.sym("h")
     lead = (1 - AnticipatedImpacts.theta) * h
     half = e.manifold.halfway_formula(2 * lead * e.v)
-    ahead = places(e.t + lead, e.y, half, e.p)[1:]
+    ahead = places.call([e.t + lead, e.y, half, e.p])[1:]
     return FreeBodyMotion(
         forces=forces,
         turned=turned,

@@ -228,7 +228,7 @@ class FreeBodySteps(RecordedContacts):
             array.ravel()[: part.size] = part.ravel()
         self.counts[ENTRIES] = order.entries
 
-    def renew_order(self) -> None:
+    def reorder(self) -> None:
         """Order of elimination without the bodies that take no part."""
         self._motion.orderings.forget()
         self._renew_order()

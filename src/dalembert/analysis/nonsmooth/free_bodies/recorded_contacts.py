@@ -52,8 +52,8 @@ class RecordedContacts(PathContacts):
         """Initial impulses of more contacts."""
         count = self._sizes[LAST_IMPULSES]
         others = ~np.isin(self._last[0][:count], keys)
-        known = [part[:count][others] for part in self._last]
-        self.warm(np.concatenate([known[0], keys]), np.concatenate([known[1], impulses]))
+        first, second = (part[:count][others] for part in self._last)
+        self.warm(np.concatenate([first, keys]), np.concatenate([second, impulses]))
 
     def pressing_shapes(self) -> np.ndarray:
         """(2, n) shapes of the pressing contacts of the last step."""

@@ -64,7 +64,7 @@ class SleepingBodies:
 
     Attributes
     ----------
-    whole : whether all bodies sleep
+    all_asleep : whether all bodies sleep
     count : sum of the sleeping bodies over all steps
     """
 
@@ -74,11 +74,11 @@ class SleepingBodies:
         self._owner = np.repeat(np.arange(bodies), np.diff(motion.first))
         self._island, self._rest = np.full(bodies, AWAKE), np.zeros(bodies)
         self._force, self._fresh = np.zeros(self._owner.size), np.zeros(self._owner.size, bool)
-        self._asleep, self._some = np.zeros(self._owner.size, dtype=bool), False
+        self._asleep, self._any_asleep = np.zeros(self._owner.size, dtype=bool), False
         self._contacts = np.zeros((2, 0), dtype=np.int64)  # bodies and keys
         self._impulses, self._offsets = np.zeros((2, 0, steps.width))
         self._stored = self._island, self._rest
-        self._next, self.count, self.whole = 0, 0, False
+        self._next, self.count, self.all_asleep = 0, 0, False
         self._speeds = np.zeros(self._owner.size)
         shaped = motion.body >= 0
         self._shapes = np.flatnonzero(shaped)
@@ -88,7 +88,7 @@ class SleepingBodies:
 
     def begin(self, speeds: np.ndarray) -> None:
         """Continue with other speeds; islands that move wake."""
-        if self._rule is None or not self._some:
+        if self._rule is None or not self._any_asleep:
             return
         moving = np.unique(self._island[self._fastest(speeds) > self._rule.speed])
         self._wake(moving[moving != AWAKE])
@@ -100,10 +100,10 @@ class SleepingBodies:
         self._wake(np.unique(self._island[(self._island != AWAKE) & (island == AWAKE)]))
         self._rest = rest
 
-    def hold(self) -> bool:
+    def remove_forces(self) -> bool:
         """Remove the forces on sleeping bodies, and wake those on which they changed; whether there
         are any of the latter."""
-        if not self._some:
+        if not self._any_asleep:
             return False
         force, asleep = self._steps.force, self._asleep
         self._force[self._fresh] = force[self._fresh]
@@ -118,7 +118,7 @@ class SleepingBodies:
 
     def wakes(self) -> bool:
         """Wake the islands on which other bodies press in the last step; whether there are any."""
-        if not self._some or self.whole:
+        if not self._any_asleep or self.all_asleep:
             return False
         bodies = self._motion.body[self._steps.pressing_shapes()]
         islands = np.where(bodies >= 0, self._island[bodies], AWAKE)
@@ -130,7 +130,7 @@ class SleepingBodies:
 
     def record(self) -> None:
         """Append the contacts of sleeping bodies to the record of the last step."""
-        if not self._some:
+        if not self._any_asleep:
             return
         self.count += int((self._island != AWAKE).sum())
         self._steps.append(self._contacts[1], self._impulses, self._offsets)
@@ -143,7 +143,7 @@ class SleepingBodies:
         h : length of the step [s]
         """
         steps, rule = self._steps, self._rule
-        if rule is None or self.whole:
+        if rule is None or self.all_asleep:
             return
         self._stored = self._island.copy(), self._rest
         slow, change = self._fastest(steps.v) <= rule.speed, steps.v - self._speeds
@@ -152,7 +152,7 @@ class SleepingBodies:
         if not ready.any():
             return
         ready &= self._fastest(change) <= BALANCED * rule.speed * h / rule.time
-        label = self._labels()
+        label = self._labels(rule.speed * rule.time)
         asleep = self._island != AWAKE
         restless = np.zeros(self._island.size, dtype=bool)
         np.logical_or.at(restless, label, ~(ready | asleep))
@@ -167,12 +167,11 @@ class SleepingBodies:
         steps.v[new[self._owner]] = 0.0
         self._keep(new)
         self._apply()
-        steps.renew_order()
+        steps.reorder()
 
-    def _labels(self) -> np.ndarray:
-        """Numbers that are the same for bodies of one island, or so near that they may touch."""
-        steps, reach = self._steps, self._rule.speed * self._rule.time if self._rule else 0.0
-        near = self._motion.body[steps.near_shapes(reach)]
+    def _labels(self, reach: float) -> np.ndarray:
+        """Numbers that are the same for bodies of one island, and for those within reach [m]."""
+        near = self._motion.body[self._steps.near_shapes(reach)]
         near = near[:, (near >= 0).all(axis=0)]
         asleep = np.flatnonzero(self._island != AWAKE)
         _, first, inverse = np.unique(self._island[asleep], return_index=True, return_inverse=True)
@@ -208,8 +207,8 @@ class SleepingBodies:
 
     def _apply(self) -> None:
         """Bodies of the shapes in machine code, and room for the contacts of sleeping bodies."""
-        body, self.whole = self._motion.body, bool(self._asleep.all())
-        self._some = bool(self._asleep.any())
+        body, self.all_asleep = self._motion.body, bool(self._asleep.all())
+        self._any_asleep = bool(self._asleep.any())
         asleep = (body >= 0) & (self._island[body] != AWAKE)
         self._steps.body[:] = np.where(asleep, -1, body)
         self._steps.reserve_record(self._contacts.shape[1])

@@ -58,8 +58,8 @@ def face_rows(
         opposite = others.normals[rows, g]
         under = own_real & flush[:, None] & (_depth(other, real, opposite, face) >= -ON_EDGE)
         under &= ~_over_corners(face, other, over, normal)
-    found = over.any(axis=1) | under.any(axis=1)
-    (a, b), reverse, crossed, apart = _crossings(polyhedra, others, f, g, normal, found)
+    touched = over.any(axis=1) | under.any(axis=1)
+    (a, b), reverse, crossed, apart = _crossings(polyhedra, others, f, g, normal, touched)
     start = (face[:, 0] * normal).sum(axis=1)
     nearest = np.where(over, heights[rows[:, None], loop], np.inf).min(axis=1) - start
     if flush.any():
@@ -135,10 +135,10 @@ def _crossings(
     f: np.ndarray,
     g: np.ndarray,
     normal: np.ndarray,
-    found: np.ndarray,
+    touched: np.ndarray,
 ) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray, np.ndarray, np.ndarray]:
     """Sides of the faces whose shortest connection is nearly along the normal, between their ends;
-    at an end, as an edge over two corners, where nothing else is ``found`` (m,).
+    at an end, as an edge over two corners, where no corner touches, by the mask ``touched`` (m,).
 
     Returns their numbers, whether one is reversed, the pair of faces, and the distance.
     """
@@ -162,8 +162,8 @@ def _crossings(
     first, second = ((np.cross(between, v) * across).sum(axis=3) / divisor for v in (w, u))
     inside = np.minimum(np.minimum(first, 1 - first), np.minimum(second, 1 - second))
     between_ends = crosses & (inside > ON_EDGE)
-    found = found | between_ends.any(axis=(1, 2))
-    crosses = np.where(found[:, None, None], between_ends, crosses & (inside > -ON_EDGE))
+    touched = touched | between_ends.any(axis=(1, 2))
+    crosses = np.where(touched[:, None, None], between_ends, crosses & (inside > -ON_EDGE))
     apart = np.sign(area) * (between * across).sum(axis=3) / np.sqrt(divisor)
     row, a, b = np.nonzero(crosses)
     numbers = sides[0][row, a], sides[1][row, b]
