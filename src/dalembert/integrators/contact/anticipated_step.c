@@ -18,15 +18,18 @@ static int casadi_passes(casadi_real gap, casadi_real before, casadi_real free, 
   gap = (gap>0 ? gap : 0.0) + h*(before + free)/2;
   return turning>0 && gap + ahead*(free + ahead*turning/h)>=0;
 }
-/* minimum speed of a contact under pressure: impacting, resting or separating */
+/* minimum speed of a contact under pressure: impacting, resting or separating; between the latter if it
+   approaches more slowly than at rest */
 static casadi_real casadi_bounce(casadi_real gap, casadi_real before, casadi_real h,
     casadi_real longest, casadi_real restitution, casadi_real forced, casadi_real closing, int fast) {
   casadi_real gradual = gap>0 ? closing*gap/h : 0.0, open = casadi_open(gap, before, h);
-  casadi_real speed = casadi_margin(gap, before, h, longest, 0.0);
+  casadi_real speed = casadi_margin(gap, before, h, longest, 0.0), share, reversed, parting;
+  share = before>0 ? 1.0 : (before>-gradual ? 1 + before/gradual : 0.0);
+  reversed = before>0 ? -before : 0.0;
+  parting = (1 - restitution)*speed + restitution*(speed<reversed ? reversed : speed);
   if (gradual>forced) gradual = forced;
-  if (before>0) {
-    speed = (1 - restitution)*speed + restitution*(speed<-before ? -before : speed);
-  } else if (speed<-gradual) speed = -gradual;
+  if (speed<-gradual) speed = -gradual;
+  speed = (1 - share)*speed + share*parting;
   if (before<0 && fast) speed = -restitution*before;
   return speed>open ? speed : open;
 }

@@ -16,8 +16,9 @@ if TYPE_CHECKING:
 
 Offsets = np.ndarray
 """(n, k) offsets of the velocities after a step: ``u⁺ + offset`` satisfies the conditions."""
-CLOSING = 0.5
-"""Fraction of a gap that a resting contact closes per step [-]."""
+CLOSING = 0.45
+"""Fraction of a gap that a resting contact closes per step, by its speed at the end [-]. With a
+half, this would be the speed itself that permits a stop in the next step."""
 SLOW = 1.9
 """Threshold of the speed of an impact, relative to the change of speed by forces in a step [-]. No
 fall of round length has it: from rest over ``k a h²`` it is ``√(2 k)``, after ``n`` steps ``n``."""
@@ -190,16 +191,19 @@ class LeastSpeeds:
 
     @cached_property
     def bounce(self) -> np.ndarray:
-        """(n,) minimum speed of contacts under pressure: impacting, resting or separating."""
+        """(n,) minimum speed of contacts under pressure: impacting, resting or separating; between
+        the latter where they approach more slowly than resting ones do, without a jump."""
         approach, before = self._of, self._of.before[:, 0]
         closing = CLOSING * self._gap / approach.h
         stopping, gradual = self._margin(0.0), -np.minimum(closing, approach.forced)
-        e = approach.contacts.laws.restitution
-        parting = (1 - e) * stopping + e * np.maximum(stopping, -before)  # reversals do no work
-        resting = np.where(before > 0, parting, np.maximum(stopping, gradual))
+        e, parts = approach.contacts.laws.restitution, np.maximum(before, 0.0)
+        parting = (1 - e) * stopping + e * np.maximum(stopping, -parts)  # reversals do no work
+        share = np.clip(1 + before / np.where(closing > 0, closing, 1.0), 0.0, 1.0)
+        share = np.where(closing > 0, share, before > 0)
+        slow = (1 - share) * np.maximum(stopping, gradual) + share * parting
         impact = approach.impacting
         lower = np.where(impact & approach.begins, -np.inf, self.open)  # opened after the step
-        return np.maximum(np.where(impact, approach.rebound, resting), lower)
+        return np.maximum(np.where(impact, approach.rebound, slow), lower)
 
 
 def largest_moving(moved: np.ndarray, change: np.ndarray) -> np.ndarray:

@@ -23,6 +23,7 @@ class OffsetSlopes:
     ----------
     gap, speed, restitution : of the normal offset, by ``g``, ``u_N⁻``, ``e``
     forced : of the normal offset, by the largest change of a normal speed by forces in the step
+    change : this change [m/s] of contacts whose offsets depend on it, as their offsets state it
     struck : of the normal offset, by the normal speed after impacts at the start of the step
     idle : mask of the contacts whose tangential offsets are ``u_T⁻``; others follow Newton's law
     bounces : mask of the contacts that follow Newton's law, or stop in time to remain open
@@ -32,6 +33,7 @@ class OffsetSlopes:
     speed: np.ndarray
     restitution: np.ndarray
     forced: np.ndarray
+    change: np.ndarray
     struck: np.ndarray
     idle: np.ndarray
     bounces: np.ndarray
@@ -48,7 +50,7 @@ def newton_slopes(approach: Approach, offsets: np.ndarray) -> OffsetSlopes:
     value, *slopes = _rebound(approach)
     parts = np.abs(offsets[:, 0] - u) < np.abs(offsets[:, 0] - value)
     speed, restitution, struck = (np.where(parts, 0.0, slope) for slope in slopes)
-    return OffsetSlopes(zero, speed + parts, restitution, zero, struck, zero > 0, ~parts)
+    return OffsetSlopes(zero, speed + parts, restitution, zero, zero, struck, zero > 0, ~parts)
 
 
 def _rebound(approach: Approach) -> tuple[np.ndarray, ...]:
@@ -70,8 +72,8 @@ def anticipated_slopes(
     """Derivatives of the branch of ``AnticipatedImpacts`` that an offset equals.
 
     Where branches tie, as at rest, closed contacts remain closed. A contact on no other branch
-    approaches by less than the fraction of its gap, as forces change its speed; the caller verifies
-    this change.
+    approaches by less than the fraction of its gap, as forces change its speed, or a share of
+    that; the caller verifies this change.
 
     Parameters
     ----------
@@ -96,31 +98,39 @@ def anticipated_slopes(
     margin = (gap + h * u / 2) / room
     by_restitution = margin * approach.longest / 2 / room
     factor, closes = contacts.laws.restitution, (gap + h * u / 2) / stop
-    reverses = (1 - factor) / stop * one, (1 - factor) * h / 2 / stop + factor
+    reversed_by = (1 - factor) / stop * one, (1 - factor) * h / 2 / stop + factor
     opens = [2 * contacts.distance / h + u, 2 / h + zero, 1 + zero, zero, zero]
+    rests = [closing * gap / h, closing / h * one, zero, zero, zero]
+    separates = [closes, one / stop, h / 2 / stop + zero, zero, zero]
+    reversing = [(1 - factor) * closes + factor * u, *reversed_by, u - closes, zero]
     branches = np.array(  # value, derivatives by g, u and e, by the change of speed by forces
         [
-            [closing * gap / h, closing / h * one, zero, zero, zero],  # at rest
+            rests,
             opens,  # remains open
             [bounce, zero, *bounced, zero],  # impact
-            [closes, one / stop, h / 2 / stop + zero, zero, zero],  # separates
+            separates,
             [margin, one / room, h / 2 / room, newton * by_restitution, zero],  # room for impacts
             [u, zero, 1 + zero, zero, zero],  # no work
             opens,  # remains open while it separates
-            [
-                (1 - factor) * closes + factor * u,
-                *reverses,
-                u - closes,
-                zero,
-            ],  # reverses
+            reversing,
             [offsets[:, 0], zero, zero, zero, 1 + zero],  # approaches as forces change its speed
         ]
     )
     tied = np.abs(branches[:, 0] - offsets[:, 0]) <= rounding
     tied[0] &= ~tied[2] | (np.abs(u) <= rounding)
     tied[1] &= (u <= 0) | overlaps
-    tied[-2] &= (u > 0) & (u < closes)
-    tied[-1] &= (u <= rounding) & (offsets[:, 0] >= 0) & (offsets[:, 0] <= branches[0, 0])
+    tied[2] &= u <= 0
+    reverses = (u >= 0) & (u < closes)
+    tied[3:5] &= (u <= -branches[0, 0]) | (u >= closes)
+    tied[5] &= ~(reverses & tied[-2])
+    tied[-2] &= reverses
+    tied[-1] &= (u <= rounding - branches[0, 0]) & (offsets[:, 0] >= 0)
+    tied[-1] &= offsets[:, 0] <= branches[0, 0]
+    parting = np.array([(1 - factor) * closes, *reversed_by, -closes, zero])
+    parting[2] -= factor
+    at_rest = np.array([rests, separates])
+    slow, slows, slow_change = _slow(offsets[:, 0], u, at_rest, parting, rounding)
+    branches, tied = np.concatenate([branches, slow]), np.concatenate([tied, slows])
     if not tied.any(axis=0).all():
         speed = -offsets[np.argmin(tied.any(axis=0)), 0]
         raise AnalysisError(
@@ -134,7 +144,43 @@ def anticipated_slopes(
     idle = _lengths(offsets[:, 1:] - before[:, 1:]) < _lengths(offsets[:, 1:] - law)
     bounces = ((number == 1) | (number == 2)) & (u < -rounding)
     struck = np.where(number == 2, struck, 0.0)
-    return OffsetSlopes(by_gap, speed, restitution, forced, struck, idle, bounces)
+    change = np.where(number == branches.shape[0] - 1, slow_change, offsets[:, 0])
+    change = np.where(forced != 0, change, 0.0)
+    return OffsetSlopes(by_gap, speed, restitution, forced, change, struck, idle, bounces)
+
+
+def _slow(
+    offset: np.ndarray,
+    u: np.ndarray,
+    at_rest: np.ndarray,
+    parting: np.ndarray,
+    rounding: float | np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Branches (3, 5, n) of slow approach, ``(1 − w) rest + w parting`` with ``w = 1 + u/c``, where
+    ``c`` is the speed by which a resting contact closes its gap; masks of the contacts on these;
+    and the change of speed by forces of the last branch.
+
+    At rest, contacts close their gaps gradually, stop in time to remain open (2, 5, n), or approach
+    as forces change their speed.
+    """
+    rests, separates = at_rest
+    slow = (u < 0) & (u > -rests[0])
+    limit = np.where(slow, rests[0], 1.0)
+    share = np.where(slow, 1 + u / limit, 0.0)
+    forced = np.zeros_like(rests)
+    forced[0] = (offset - share * parting[0]) / (1 - share)
+    forced[4] = 1.0
+    resting = np.stack([*at_rest, forced])
+    branches = (1 - share) * resting + share * parting
+    change = (parting[0] - resting[:, 0]) / limit
+    branches[:, 2] += change
+    branches[:, 1] += change * (1 - share) * rests[1]
+    tied = slow & (np.abs(branches[:, 0] - offset) <= rounding)
+    least = np.minimum(rests[0], separates[0])
+    tied[0] &= rests[0] <= separates[0]
+    tied[1] &= separates[0] <= rests[0]
+    tied[2] &= (forced[0] >= 0) & (forced[0] <= least)
+    return branches, tied, forced[0]
 
 
 def _lengths(vectors: np.ndarray) -> np.ndarray:

@@ -145,8 +145,9 @@ class ContactMaps:
             z = z - factors.solve(right)
         forced = None
         if contacts is not None and contacts.slopes.forced.any():
-            offsets = active.offsets[contacts.slopes.forced > 0, 0]
-            single = ForcedSteps(x[:, None], np.array([t]), np.array([h]), [offsets])
+            own = contacts.slopes.some(contacts.slopes.forced > 0)
+            state = x[:, None], np.array([t]), np.array([h])
+            single = ForcedSteps(*state, [own.change], [own.forced])
             forced = self.forced_changes(single)
         next_by_z, next_by_q = slopes
         return MapAt(z, following, factors, by_q, next_by_z, next_by_q, contacts, forced, before)
@@ -206,7 +207,7 @@ class ContactMaps:
         Raises
         ------
         AnalysisError
-            The change is not the offset of the contacts that take none of the other branches.
+            The change is not that which the offsets of the contacts state.
         """
         (y, v), count, n = np.split(steps.x, [self.size]), steps.count, self.smooth
         t, h = steps.t[None], steps.h[None]

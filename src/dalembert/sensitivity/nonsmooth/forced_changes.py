@@ -11,24 +11,26 @@ from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.errors import AnalysisError
 
 SAME = 1e-8
-"""Tolerance of an offset that equals the change, relative to it [-]."""
+"""Tolerance of an offset that depends on the change, relative to it [-]."""
 
 
 @dataclass(frozen=True, eq=False)
 class ForcedSteps:
-    """Steps with offsets that equal the largest change of a normal speed by forces.
+    """Steps with offsets that depend on the largest change of a normal speed by forces.
 
     Attributes
     ----------
     x : (n_x, K) states at the starts
     t, h : (K,) starts and lengths
-    offsets : normal offsets of the contacts of each step that equal the change
+    changes, slopes : the change of each of these contacts of a step as its offset states it, and
+        the derivative of the offset by it
     """
 
     x: np.ndarray
     t: np.ndarray
     h: np.ndarray
-    offsets: list[np.ndarray]
+    changes: list[np.ndarray]
+    slopes: list[np.ndarray]
 
     @property
     def count(self) -> int:
@@ -42,7 +44,7 @@ class ForcedSteps:
         Raises
         ------
         AnalysisError
-            An offset is not the change.
+            An offset states another change.
         """
         gaps = [self._largest(step, k, column) for k, column in enumerate(free.T)]
         keys, signs, kept = (np.array(values) for values in zip(*gaps, strict=True))
@@ -56,7 +58,9 @@ class ForcedSteps:
         contacts = step.in_middle(step.begin(t, h, y, v, False), near)
         changes = (contacts.at_end(free) - contacts.at_start(v))[:, 0]
         row = int(np.argmax(np.abs(changes)))
-        if not np.allclose(self.offsets[k], abs(changes[row]), rtol=SAME, atol=0):
+        largest = abs(changes[row])
+        errors = self.slopes[k] * np.abs(self.changes[k] - largest)
+        if not errors.max(initial=0.0) <= SAME * largest:
             raise AnalysisError(
                 f"the speed of a contact in the step at t = {t:.9g} s follows no branch of "
                 f"{type(step.scheme).__name__} with a derivative; use integrator=da.MoreauJean()"

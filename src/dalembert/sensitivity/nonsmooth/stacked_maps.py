@@ -204,9 +204,10 @@ class StackedMaps:
         without offsets that depend on them."""
         steps, numbers = self.steps, np.flatnonzero(self.forced)
         rows = np.flatnonzero(self.contacts.slopes.forced)
+        slopes = self.contacts.slopes.some(rows)
         ends = np.searchsorted(steps.owner[rows], numbers[1:])
-        offsets = np.split(steps.active.offsets[rows, 0], ends)
-        own = ForcedSteps(steps.x[:, numbers], steps.t[numbers], steps.h[numbers], offsets)
+        parts = np.split(slopes.change, ends), np.split(slopes.forced, ends)
+        own = ForcedSteps(steps.x[:, numbers], steps.t[numbers], steps.h[numbers], *parts)
         changes = self.maps.forced_changes(own).tocoo()
         width = steps.x.shape[0] + 1 + self.maps.p.size
         row, (step, column) = numbers[changes.row], np.divmod(changes.col, width)
