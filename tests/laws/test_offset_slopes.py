@@ -7,7 +7,7 @@ import pytest
 
 import dalembert as da
 from dalembert.elements.contact.impact_law import ImpactLaw
-from dalembert.integrators.contact.approach import Approach
+from dalembert.integrators.contact.approach import CLOSING, Approach
 from dalembert.integrators.contact.contact_laws import ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
 
@@ -25,11 +25,14 @@ def approaches(seed: int) -> Approach:
     turning = np.where(rng.random(COUNT) < 0.5, 0.0, 10.0 ** rng.uniform(-6, -1, COUNT))
     zero, none = np.zeros(COUNT), np.zeros((COUNT, 0))
     newton = np.full(COUNT, ImpactLaw.NEWTON.number)
-    laws = ContactLaws(rng.random(COUNT), zero, newton, zero, none, zero.astype(int))
+    restitution = np.where(
+        rng.random(COUNT) < 0.3, rng.choice([0.0, 1.0], COUNT), rng.random(COUNT)
+    )
+    laws = ContactLaws(restitution, zero, newton, zero, none, zero.astype(int))
     places = np.eye(COUNT), zero[:, None], laws, (), np.arange(COUNT), np.zeros(COUNT, dtype=int)
     contacts = Contacts(gap, *places, turning=turning[:, None])
     speeds = before[:, None], (before + change + turning)[:, None]
-    return Approach(contacts, *speeds, H, H)
+    return Approach(contacts, *speeds, H, H * rng.choice([1, 3, 8]))
 
 
 def moved(approach: Approach, gap: float, speed: float) -> Approach:
@@ -89,13 +92,15 @@ def test_offsets_of_pressed_contacts_have_derivatives(seed: int) -> None:
         "restitution": (e, with_restitution),
     }
     parting = (before > 0) & (start > 0)
+    slow = (before < 0) & (-before * H < CLOSING * gap)
     for name, (size, way) in ways.items():
         first, second, double = (pressed(way(k * STEP)) for k in (-1, 1, 2))
         linear = np.abs(double - 2 * second + start) <= 1e-9 * (np.abs(start) + size * STEP)
         linear &= (size > 0) & (np.abs(start - first - (second - start)) <= 1e-6 * STEP * speed)
-        assert (linear & parting).sum() > 20
+        assert (linear & parting).sum() > 20 and (linear & slow).sum() > 10
         expected = (second - first)[linear] / (2 * STEP * size[linear])
-        rounding = 1e-14 * (np.abs(start) + speed)[linear] / (STEP * size[linear])
+        terms = np.abs(start) + speed + gap / H / 16
+        rounding = 1e-14 * terms[linear] / (STEP * size[linear])
         error = np.abs(getattr(slopes, name)[linear] - expected)
         assert (error <= 1e-8 * np.abs(expected) + rounding).all()
 

@@ -120,16 +120,14 @@ def anticipated_slopes(
     tied[0] &= ~tied[2] | (np.abs(u) <= rounding)
     tied[1] &= (u <= 0) | overlaps
     tied[2] &= u <= 0
-    reverses = (u >= 0) & (u < closes)
-    tied[3:5] &= (u <= -branches[0, 0]) | (u >= closes)
-    tied[5] &= ~(reverses & tied[-2])
-    tied[-2] &= reverses
+    tied[-2] &= (u >= 0) & (u < closes)
     tied[-1] &= (u <= rounding - branches[0, 0]) & (offsets[:, 0] >= 0)
     tied[-1] &= offsets[:, 0] <= branches[0, 0]
     parting = np.array([(1 - factor) * closes, *reversed_by, -closes, zero])
     parting[2] -= factor
     at_rest = np.array([rests, separates])
     slow, slows, slow_change = _slow(offsets[:, 0], u, at_rest, parting, rounding)
+    tied[3:6] &= ~(tied[-2] | slows.any(axis=0))  # equal with e = 0 or 1 alone
     branches, tied = np.concatenate([branches, slow]), np.concatenate([tied, slows])
     if not tied.any(axis=0).all():
         speed = -offsets[np.argmin(tied.any(axis=0)), 0]
