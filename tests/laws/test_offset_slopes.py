@@ -44,6 +44,12 @@ def moved(approach: Approach, gap: float, speed: float) -> Approach:
     )
 
 
+def terms(approach: Approach, offsets: np.ndarray) -> np.ndarray:
+    """(n,) size of the terms of offsets, whose differences these are [m/s]."""
+    sizes = np.abs(offsets) + np.abs(approach.before[:, 0])
+    return np.asarray(sizes + approach.contacts.distance / H / 16)
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_offsets_of_the_first_conditions_have_derivatives(seed: int) -> None:
     """All branches occur; contacts at which the branch changes with the difference are left out."""
@@ -61,7 +67,7 @@ def test_offsets_of_the_first_conditions_have_derivatives(seed: int) -> None:
         linear &= (size > 0) & (np.abs(start - first - (second - start)) <= 1e-6 * STEP * speed)
         assert linear.sum() > COUNT / 2
         expected = (second - first)[linear] / (2 * STEP * size[linear])
-        rounding = 1e-14 * (np.abs(start) + speed)[linear] / (STEP * size[linear])
+        rounding = 1e-14 * terms(approach, start)[linear] / (STEP * size[linear])
         error = np.abs(getattr(slopes, name)[linear] - expected)
         assert (error <= 1e-8 * np.abs(expected) + rounding).all()
 
@@ -99,8 +105,7 @@ def test_offsets_of_pressed_contacts_have_derivatives(seed: int) -> None:
         linear &= (size > 0) & (np.abs(start - first - (second - start)) <= 1e-6 * STEP * speed)
         assert (linear & parting).sum() > 20 and (linear & slow).sum() > 10
         expected = (second - first)[linear] / (2 * STEP * size[linear])
-        terms = np.abs(start) + speed + gap / H / 16
-        rounding = 1e-14 * terms[linear] / (STEP * size[linear])
+        rounding = 1e-14 * terms(approach, start)[linear] / (STEP * size[linear])
         error = np.abs(getattr(slopes, name)[linear] - expected)
         assert (error <= 1e-8 * np.abs(expected) + rounding).all()
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 Offsets = np.ndarray
 """(n, k) offsets of the velocities after a step: ``u⁺ + offset`` satisfies the conditions."""
-CLOSING = 0.45
+CLOSING = 0.55
 """Fraction of a gap that a resting contact closes per step, by its speed at the end [-]. With a
 half, this would be the speed itself that permits a stop in the next step."""
 SLOW = 1.9
