@@ -78,7 +78,7 @@ class ContactSteps:
     def times_between(self) -> np.ndarray:
         """(K,) time since the last impact of another gap on the bodies of the impacts of each
         step, in steps; infinite without any."""
-        return times_between_impacts(self.step, self.record)
+        return times_between_impacts(self.maps, self.record, self.contacts)
 
     @cached_property
     def breaks(self) -> dict[int, np.ndarray]:

@@ -51,19 +51,24 @@ class FreeSteps:
     maps : ContactMaps of a model of free bodies
     state : states at the starts in columns
     h : (K,) lengths
+
+    Attributes
+    ----------
+    mobility : of the speeds of all steps
+    change : of these without impulses, one step after the other
     """
 
     def __init__(self, maps: ContactMaps, state: StepState, h: np.ndarray):
         self._maps, self._h, self._state = maps, h, state
         arguments = state.before, state.y, state.before, state.t, state.p, h[None]
         value, (matrix, _), *_ = maps.equations.linear(*arguments)
-        self._mobility = mobility_of(maps, matrix, h.size)
-        self._change = self._mobility(-value)[0]
+        self.mobility = mobility_of(maps, matrix, h.size)
+        self.change = self.mobility(-value)[0]
 
     @cached_property
     def accelerations(self) -> np.ndarray:
         """(n_v, K) without contacts."""
-        return np.asarray(self._change.reshape(self._h.size, -1).T / self._h)
+        return np.asarray(self.change.reshape(self._h.size, -1).T / self._h)
 
     def with_contacts(self, gaps: Gaps, lasting: LastingContacts) -> np.ndarray:
         """(n_v, K) accelerations with contacts.
@@ -81,7 +86,7 @@ class FreeSteps:
         offsets = np.zeros_like(values.before)
         offsets[:, 0] = -values.before[:, 0]
         offsets[:, 1:linear] = laws.tangential[:, None] * values.before[:, 1:linear]
-        change = (directions @ self._change).reshape(values.before.shape)
+        change = (directions @ self.change).reshape(values.before.shape)
         change += self.turning(gaps)[lasting.rows]
         speeds, friction = values.before + change + offsets, laws.friction.copy()
         static = laws.higher_at_rest & lasting.sticks
@@ -89,7 +94,7 @@ class FreeSteps:
         first = np.searchsorted(lasting.owner, np.arange(self._h.size + 1))
         problem = FrictionProblem(self._delassus(directions), speeds, friction, step.groups)
         impulses = self._impulses(problem, lasting, first)
-        total = self._change + self._mobility(directions.T @ impulses.ravel())[0]
+        total = self.change + self.mobility(directions.T @ impulses.ravel())[0]
         return np.asarray(total.reshape(self._h.size, -1).T / self._h)
 
     def turning(self, gaps: Gaps) -> np.ndarray:
@@ -98,7 +103,7 @@ class FreeSteps:
 
     def _delassus(self, directions: Sparse) -> Delassus:
         """Operator of contacts of all steps."""
-        operator = delassus(directions, self._mobility)
+        operator = delassus(directions, self.mobility)
         assert isinstance(operator, Delassus)
         return operator
 

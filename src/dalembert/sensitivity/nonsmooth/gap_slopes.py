@@ -186,6 +186,19 @@ class SourceGaps:
         across = scipy.sparse.coo_array((values, (row, column)), shape=shape)
         return scipy.sparse.csr_array(across) @ moving
 
+    @property
+    def moved(self) -> Sparse:
+        """(n, n_v) nonzero for the speeds of the shapes of each gap of the source."""
+        moving = self.middle.moving
+        kinds = [part.kind for part in self.kinds]
+        row = [kind.row.repeat(kind.velocities.shape[1]) for kind in kinds]
+        entries = [kind.velocities.ravel() for kind in kinds]
+        places = tuple(np.concatenate([np.zeros(0, dtype=int), *part]) for part in (row, entries))
+        shape = self.rows.size, moving.shape[0]
+        shapes = scipy.sparse.csr_array((np.ones(places[0].size), places), shape=shape)
+        speeds = np.ones(moving.nnz), moving.indices, moving.indptr
+        return shapes @ scipy.sparse.csr_array(speeds, shape=moving.shape)
+
 
 @dataclass(frozen=True, eq=False)
 class Gaps:

@@ -142,8 +142,7 @@ class StackedImpacts:
         arguments = still, state.y, still, state.t, state.p, 0.0
         mass = equations.consistent(*arguments)[1][0]
         mobility = mobility_of(maps.maps, mass, steps.count)
-        own = equations.reach[list(maps.maps.e.states)].T
-        by_states = scipy.sparse.kron(scipy.sparse.eye_array(steps.count), own, "csr")
+        by_states = equations.states_of_speeds(steps.count)
         groups, place = maps.maps.contact_step.groups, rows[:, None] * width + np.arange(width)
         directions = maps.contacts.gaps.directions[place.ravel()]
         laws = ContactLaws.of(self._values.laws[rows].T, groups)

@@ -19,6 +19,11 @@ UNMOVED = 0.1
 [-]."""
 
 
+def stack_length(size: int) -> int:
+    """Number of steps whose maps are evaluated together, with states of ``size`` entries."""
+    return int(np.clip(ENTRIES // size, 1, STACK))
+
+
 class StepStacks:
     """Stacks of a run; the last one is cached.
 
@@ -45,7 +50,7 @@ class StepStacks:
         has_means = step.smooth.takes_means(step.scheme.theta)
         unfit = has_means or step.smooth.has_joints or step.force_laws.elements
         self._fit = np.zeros_like(repeated) if unfit else ~repeated
-        self._length = int(np.clip(ENTRIES // self._x.shape[0], 1, STACK))
+        self._length = stack_length(self._x.shape[0])
         self._number = -1
         self._impacts: StackedImpacts | None = None
         self._last: tuple[dict[int, int], StackedMaps | None] = {}, None
