@@ -16,6 +16,7 @@ import scipy
 from dalembert.errors import SingularityError
 from dalembert.sensitivity.nonsmooth.jammed_contacts import SmallestImpulses
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
+from dalembert.sensitivity.nonsmooth.triplets import Triplets
 from dalembert.sparse.factorise import SuperLUFactors
 
 WEIGHT, ITERATIONS = 1e-9, 3
@@ -187,12 +188,12 @@ class ProximalFactors:
 
     def _product(self, columns: np.ndarray, transposed: bool = False) -> np.ndarray:
         """The scaled matrix, or its transpose, times columns (n, c)."""
-        matrix = self._transposed if transposed else self._scaled.shifted
-        return np.asarray(matrix @ columns - self._scaled.shift[:, None] * columns)
+        matrix = self._triplets.T if transposed else self._triplets
+        return matrix @ columns - self._scaled.shift[:, None] * columns
 
     @cached_property
-    def _transposed(self) -> Sparse:
-        return self._scaled.shifted.T
+    def _triplets(self) -> Triplets:
+        return Triplets.of(self._scaled.shifted)
 
 
 @lru_cache

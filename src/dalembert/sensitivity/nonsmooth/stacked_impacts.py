@@ -19,10 +19,10 @@ from dalembert.sensitivity.nonsmooth.free_steps import FreeSteps, LastingContact
 from dalembert.sensitivity.nonsmooth.gap_matrices import distance_slopes
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
 from dalembert.sensitivity.nonsmooth.instant_shifts import InstantShifts
-from dalembert.sensitivity.nonsmooth.proximal_factors import diagonal_block
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.source_slopes import StepState
 from dalembert.sensitivity.nonsmooth.stacked_maps import StackedMaps
+from dalembert.sensitivity.nonsmooth.triplets import DiagonalBlocks
 
 SIMULTANEOUS = 1e-6
 """Threshold of the distance of simultaneous impacts, relative to the step [-]."""
@@ -215,24 +215,19 @@ class StackedImpacts:
         return mean @ distance_slopes(self._maps.contacts.gaps)
 
     @cached_property
-    def _ordered(self) -> tuple[np.ndarray, np.ndarray, Sparse, np.ndarray]:
-        """First impact of each step, and the impacts by steps."""
+    def _ordered(self) -> tuple[np.ndarray, DiagonalBlocks, np.ndarray]:
+        """First impact of each step, and derivatives of the instants and by these, by steps."""
         order = np.argsort(self._step_of, kind="stable")
         first = np.searchsorted(self._step_of[order], np.arange(self._steps.count + 1))
-        return first, order, self._instants[order], self._jumps[order]
+        return first, DiagonalBlocks(self._instants[order], first), self._jumps[order]
 
     def at(self, k: int) -> InstantShifts | None:
         """Contribution of the impacts of a step; None without any."""
         if not self._step_of.size:
             return None
-        first, _, instants, jumps = self._ordered
+        first, instants, jumps = self._ordered
         begin, end = first[k : k + 2]
-        if begin == end:
-            return None
-        width = instants.shape[1] // self._steps.count
-        return InstantShifts(
-            diagonal_block(instants, begin, end, width * k, width), jumps[begin:end]
-        )
+        return InstantShifts(instants.at(k), jumps[begin:end]) if begin < end else None
 
     def changes(self, k: int) -> ContactChanges:
         """Changes of contact states in a step and near it."""
