@@ -15,7 +15,7 @@ from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
 from dalembert.integrators.contact.semismooth_newton import semismooth_newton
 from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
-from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
+from dalembert.sensitivity.nonsmooth.gap_values import GapValues
 from dalembert.sensitivity.nonsmooth.proximal_factors import diagonal_block
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.source_slopes import StepState
@@ -70,7 +70,7 @@ class FreeSteps:
         """(n_v, K) without contacts."""
         return np.asarray(self.change.reshape(self._h.size, -1).T / self._h)
 
-    def with_contacts(self, gaps: Gaps, lasting: LastingContacts) -> np.ndarray:
+    def with_contacts(self, gaps: GapValues, lasting: LastingContacts) -> np.ndarray:
         """(n_v, K) accelerations with contacts.
 
         Parameters
@@ -79,15 +79,15 @@ class FreeSteps:
         """
         if not lasting.rows.size:
             return self.accelerations
-        step, width = self._maps.contact_step, gaps.values.before.shape[1]
-        rows = (lasting.rows[:, None] * width + np.arange(width)).ravel()
-        directions, values = gaps.directions[rows], gaps.values.some(lasting.rows)
+        step, some = self._maps.contact_step, gaps.some(lasting.rows)
+        directions, values = some.directions, some.values
+        directions.eliminate_zeros()
         laws, linear = ContactLaws.of(values.laws.T, step.groups), 1 + sum(step.groups[:1])
         offsets = np.zeros_like(values.before)
         offsets[:, 0] = -values.before[:, 0]
         offsets[:, 1:linear] = laws.tangential[:, None] * values.before[:, 1:linear]
         change = (directions @ self.change).reshape(values.before.shape)
-        change += self.turning(gaps)[lasting.rows]
+        change += self.turning(some)
         speeds, friction = values.before + change + offsets, laws.friction.copy()
         static = laws.higher_at_rest & lasting.sticks
         friction[static, :1] = laws.static_friction[static, None]
@@ -97,7 +97,7 @@ class FreeSteps:
         total = self.change + self.mobility(directions.T @ impulses.ravel())[0]
         return np.asarray(total.reshape(self._h.size, -1).T / self._h)
 
-    def turning(self, gaps: Gaps) -> np.ndarray:
+    def turning(self, gaps: GapValues) -> np.ndarray:
         """(n, k) changes of the velocities of gaps of the same states at constant speeds."""
         return gaps.turning((self._state.after - self._state.before).T.ravel())
 

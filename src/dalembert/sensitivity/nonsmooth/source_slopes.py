@@ -6,8 +6,9 @@ on the pattern of contacts.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
@@ -16,6 +17,7 @@ from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapFormulas, GapKind, GapSource
 from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.model import Model
+from dalembert.sensitivity.nonsmooth.blocked_kernel import BlockedKernel
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
 from dalembert.sensitivity.nonsmooth.gap_slopes import (
     KindSlopes,
@@ -23,15 +25,14 @@ from dalembert.sensitivity.nonsmooth.gap_slopes import (
     SourceGaps,
     scatter,
 )
+from dalembert.sensitivity.nonsmooth.gap_values import GapValues, directions_of
 from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction
-from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.once import once
 
-SMALLEST, LARGEST = 16, 512
-"""Numbers of columns of the smallest and the largest mapped function; those between have 2, 4, 8 …
-times as many as the smallest."""
 CACHED = 64
 """Upper limit of the number of functions whose derivatives are cached."""
+GapFunctions = Callable[[ca.Function, int], tuple[ca.Function, ...]]
+"""Functions of gaps with a number of components, by the function of their kind."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +83,19 @@ class PlaceFunctions:
         self.velocities = SlopeFunction("velocities", [*place, e.v, share], velocities, [q, e.v])
         momenta = ca.mtimes(moving.T, wrench)
         self.momenta = SlopeFunction("momenta", [*place, wrench], momenta, [q])
+        self._place, self._speeds, self._geometry = place, [e.v, share], formulas.geometry
+        self._velocities = velocities
+
+    @cached_property
+    def sizes(self) -> SlopeFunction:
+        """Geometry without derivatives."""
+        return SlopeFunction("sizes", self._place, self._geometry, [])
+
+    @cached_property
+    def moving(self) -> SlopeFunction:
+        """Velocities with derivatives by the speeds."""
+        inputs, by = [*self._place, *self._speeds], self._speeds[:1]
+        return SlopeFunction("moving", inputs, self._velocities, by)
 
 
 class SourceSlopes:
@@ -103,7 +117,7 @@ class SourceSlopes:
             ca.substitute(part, here, there) for part in (formulas.geometry, formulas.velocities)
         )
         self._middle = PlaceFunctions(e, GapFormulas(geometry, velocities), start, lead)
-        self._kernels: dict[tuple[ca.Function, int, int], list[Kernel]] = {}
+        self._kernels: dict[tuple[GapFunctions, ca.Function, int], list[BlockedKernel]] = {}
 
     def at(
         self,
@@ -154,6 +168,52 @@ class SourceSlopes:
         places = start, PlaceSlopes(ahead_by_q, *slopes)
         return SourceGaps(rows, kinds, *places, momenta, end, speeds, shape)
 
+    def values(
+        self,
+        state: StepState,
+        keys: np.ndarray,
+        shape: tuple[int, int],
+        owner: np.ndarray,
+    ) -> GapValues:
+        """The gaps with some keys, without derivatives; zeros are stored for all speeds of their
+        shapes.
+
+        Parameters
+        ----------
+        shape : components of gap velocities, number of coefficients
+        owner : (n,) column of the state of each gap
+        """
+        place, count = (state.t, state.y, state.p, state.before, state.lead), state.count
+        end, share, (width, laws) = state.end, state.drift, shape
+        middle = self._middle if np.any(state.lead) else self._start
+        sizes, _ = self._start.sizes(*place, count=count)
+        ahead = sizes if middle is self._start else middle.sizes(*place, count=count)[0]
+        before, _ = self._start.moving(*place, state.before, share, count=count)
+        speeds = state.after + end * state.before, (1 + end) * share
+        both, (moving,) = middle.moving(*place, *speeds, count=count)
+        values, parts = GapChanges.zero(keys.size, width, laws), []
+        for one in self.source.kinds(keys):
+            kind = _in_columns(one, owner[one.row], sizes.size // count, before.size // count)
+            (kernel,) = self._kernels_of(_gap_values, kind.function, width)
+            distance, blocks = kernel(*(sizes[entries] for entries in kind.arguments))
+            turned = blocks
+            if middle is not self._start:
+                turned = kernel(*(ahead[entries] for entries in kind.arguments))[1]
+            first = (blocks @ before[kind.velocities][..., None])[..., 0]
+            last = (turned @ both[kind.velocities][..., None])[..., 0] - end * first
+            values.add(kind.row, GapChanges(distance[:, 0, 0], first, last, sizes[kind.laws]))
+            parts.append((kind, turned))
+        return GapValues(values, directions_of(parts, keys.size * width, moving, zeros=True))
+
+    def _kernels_of(
+        self, functions: GapFunctions, function: ca.Function, width: int
+    ) -> list[BlockedKernel]:
+        """Kernels of functions of the gaps of one kind."""
+        key = functions, function, width
+        if key not in self._kernels:
+            self._kernels[key] = [BlockedKernel(own) for own in functions(function, width)]
+        return self._kernels[key]
+
     def _evaluate(
         self,
         kind: GapKind,
@@ -163,28 +223,14 @@ class SourceSlopes:
         end: float,
     ) -> KindSlopes:
         """Gaps of a kind, by the geometry and the velocities at the start and in the middle."""
-        count, width = impulses.shape
-        size = SMALLEST << max(0, int(np.ceil(np.log2(count / SMALLEST))))
-        size = min(size, LARGEST)
-        key = kind.function, width, size
-        if key not in self._kernels:
-            self._kernels[key] = [Kernel(f.map(size)) for f in _gap_slopes(kind.function, width)]
-        padded = np.arange(-(-count // size) * size) % count
+        width = impulses.shape[1]
         results = []
+        kernels = self._kernels_of(_gap_slopes, kind.function, width)
         for kernel, place, speeds, rest in zip(
-            self._kernels[key], geometry, velocities, ([], [impulses[padded]]), strict=True
+            kernels, geometry, velocities, ([], [impulses]), strict=True
         ):
-            columns = [place[entries[padded]] for entries in kind.arguments]
-            columns += [speeds[kind.velocities[padded]], *rest]
-            parts = [
-                kernel(*(column[begin : begin + size].T for column in columns))
-                for begin in range(0, padded.size, size)
-            ]
-            outputs = [
-                np.concatenate([part.T.reshape(size, -1, part.shape[0]) for part in output])
-                for output in zip(*parts, strict=True)
-            ]
-            results.append([output[:count].swapaxes(1, 2) for output in outputs])
+            columns = [place[entries] for entries in kind.arguments]
+            results.append(kernel(*columns, speeds[kind.velocities], *rest))
         distance, start, blocks, by_distance, by_start = results[0]
         both, wrench, ahead, by_both, by_wrench = results[1]
         before = start[..., 0]
@@ -212,14 +258,28 @@ def source_slopes(model: Model) -> list[SourceSlopes]:
     return [SourceSlopes(source, model.equations) for source in gap_sources(model)]
 
 
+def _formulas(function: ca.Function, width: int) -> tuple[list[ca.SX], ca.SX, ca.SX]:
+    """Arguments, ``g`` and ``B`` with ``width`` rows."""
+    arguments = [ca.SX.sym("s", function.numel_in(k)) for k in range(function.n_in())]
+    distance, blocks, *_ = function.call(arguments)
+    rows = min(width, blocks.shape[0])
+    zeros = ca.SX.zeros(width - rows, blocks.shape[1])
+    return arguments, distance, ca.vertcat(blocks[:rows, :], zeros)
+
+
+@lru_cache(CACHED)
+def _gap_values(function: ca.Function, width: int) -> tuple[ca.Function]:
+    """``arguments → g, B``."""
+    arguments, *results = _formulas(function, width)
+    results = [ca.densify(part) for part in results]
+    return (ca.Function("gap_values", arguments, results, {"cse": True}),)
+
+
 @lru_cache(CACHED)
 def _gap_slopes(function: ca.Function, width: int) -> tuple[ca.Function, ca.Function]:
     """``(arguments, τ) → g, B τ, B`` and derivatives of ``g`` and ``B τ`` by the arguments; and
     ``(arguments, τ, P) → B τ, f, B`` and derivatives of ``B τ`` and ``f``."""
-    arguments = [ca.SX.sym("s", function.numel_in(k)) for k in range(function.n_in())]
-    distance, blocks, *_ = function.call(arguments)
-    rows = min(width, blocks.shape[0])
-    blocks = ca.vertcat(blocks[:rows, :], ca.SX.zeros(width - rows, blocks.shape[1]))
+    arguments, distance, blocks = _formulas(function, width)
     twist, impulse = ca.SX.sym("twist", blocks.shape[1]), ca.SX.sym("P", width)
     speeds, wrench = ca.mtimes(blocks, twist), ca.mtimes(blocks.T, impulse)
     geometry = ca.vertcat(*arguments)

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-import scipy
 
 from dalembert.analysis.nonsmooth.step_impacts import GroupImpacts, PressedGaps, smallest_gap
 from dalembert.integrators.contact.approach import Approach
@@ -15,9 +14,7 @@ from dalembert.integrators.contact.contacts import Contacts
 from dalembert.results.nonsmooth_motion import ContactRecord
 from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
 from dalembert.sensitivity.nonsmooth.free_steps import FreeSteps
-from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps, SourceGaps
 from dalembert.sensitivity.nonsmooth.recorded_contacts import RecordedContacts
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.source_slopes import StepState
 from dalembert.sensitivity.nonsmooth.step_stacks import stack_length
 
@@ -48,9 +45,9 @@ def _pressed_gaps(
     owner, active = place[contacts.owner[rows]], contacts.all.some(rows)
     y, v = record.ends.y[:, numbers], record.ends.v[:, numbers]
     state = StepState(t[None], y, maps.p, v, v, lead=maps.lead(h[None]))
-    gaps = maps.gaps(state, active.keys, active.impulses, owner=owner, kept=active.kept)
+    gaps = maps.values(state, active.keys, owner, active.kept)
     values, free, speeds = gaps.values, FreeSteps(maps, state, h), v.T.ravel()
-    turning, across = free.turning(gaps) / 2, _with_all_speeds(gaps)
+    turning, across = free.turning(gaps) / 2, gaps.directions
     drift = values.before + turning - (across @ speeds).reshape(turning.shape)
     distance = step.cleared(values.distance, turning, h[owner])
     laws, none = ContactLaws.of(values.laws.T, step.groups), np.zeros(owner.size, dtype=int)
@@ -63,17 +60,3 @@ def _pressed_gaps(
     by_states = maps.equations.states_of_speeds(numbers.size)
     pressed = approach, begins, active.keys, impulses, t[owner], after
     return PressedGaps(*pressed, free.mobility, by_states, step.longest), owner, values.distance
-
-
-def _with_all_speeds(gaps: Gaps) -> Sparse:
-    """``W``, with stored zeros for the speeds of the shapes along which a gap does not act."""
-    width, across = gaps.values.before.shape[1], gaps.directions.tocoo()
-    parts = [across.coords]
-    for part in gaps.parts:
-        assert isinstance(part, SourceGaps)  # no means over a path
-        row, column = part.moved.tocoo().coords
-        parts.append((part.rows[row] * width, column))
-    rows, columns = (np.concatenate(places) for places in zip(*parts, strict=True))
-    values = np.zeros(rows.size)
-    values[: across.data.size] = across.data
-    return scipy.sparse.csr_array((values, (rows, columns)), shape=across.shape)

@@ -17,7 +17,7 @@ from dalembert.sensitivity.nonsmooth.connected_contacts import (
 from dalembert.sensitivity.nonsmooth.contact_changes import MARGIN, ContactChanges
 from dalembert.sensitivity.nonsmooth.free_steps import FreeSteps, LastingContacts, mobility_of
 from dalembert.sensitivity.nonsmooth.gap_matrices import distance_slopes
-from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
+from dalembert.sensitivity.nonsmooth.gap_values import GapValues
 from dalembert.sensitivity.nonsmooth.instant_shifts import InstantShifts
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.source_slopes import StepState
@@ -85,16 +85,17 @@ class StackedImpacts:
         self._near = np.bincount(owner, margin <= MARGIN * speed, steps.count) > 0
         return rows[speed > SLOW * forced], before
 
-    def _carrying(self, has: np.ndarray) -> tuple[Gaps, LastingContacts]:
+    def _carrying(self, has: np.ndarray) -> tuple[GapValues, LastingContacts]:
         """Gaps of the contacts that carry bodies before the impacts of some steps, also those that
-        the impacts open."""
-        steps, maps = self._steps, self._maps
-        rows = np.flatnonzero(has[steps.owner] & ~steps.begins)
+        the impacts open, all with directions in the middle of the step."""
+        steps, gaps, kept = self._steps, self._maps.contacts.gaps, self._steps.active.kept
+        lasting = has[steps.owner] & ~steps.begins
+        rows, turned = np.flatnonzero(lasting & ~kept), np.flatnonzero(lasting & kept)
         ended = np.flatnonzero(has[steps.ended_owner])
-        if not ended.size:
-            return maps.contacts.gaps, steps.lasting(rows)
+        if not (turned.size or ended.size):
+            return gaps, steps.lasting(rows)
         owner, keys, impulses, sticks = (
-            np.concatenate([values[rows], others[ended]])
+            np.concatenate([values[rows], values[turned], others[ended]])
             for values, others in (
                 (steps.owner, steps.ended_owner),
                 (steps.active.keys, steps.ended.keys),
@@ -102,10 +103,11 @@ class StackedImpacts:
                 (steps.sticks, steps.ended_sticks),
             )
         )
-        order = np.argsort(owner, kind="stable")
-        owner, keys, impulses = owner[order], keys[order], impulses[order]
-        gaps = maps.maps.gaps(maps.state, keys, impulses, owner=owner)
-        return gaps, LastingContacts(np.arange(keys.size), owner, impulses, sticks[order])
+        own, order = np.arange(rows.size), np.argsort(owner, kind="stable")
+        others = np.arange(rows.size, owner.size)
+        evaluated = self._maps.maps.values(self._maps.state, keys[others], owner[others])
+        joined = GapValues.joined([(own, gaps.some(rows)), (others, evaluated)])
+        return joined, LastingContacts(order, owner[order], impulses[order], sticks[order])
 
     def _parts(self) -> tuple[np.ndarray, np.ndarray]:
         """Contacts of moving impacts, in the order of these, and (m, n_x) masks of the entries of
@@ -153,8 +155,7 @@ class StackedImpacts:
         steps, maps = self._steps, self._maps.maps
         y, v = np.split(steps.earlier, [maps.size])
         state = StepState(steps.earlier_t[None], y, maps.p, v, v)
-        keys, impulses = steps.active.keys[rows], steps.active.impulses[rows]
-        return closing_times(maps.gaps(state, keys, impulses, owner=self._owner(rows)).values)
+        return closing_times(maps.values(state, steps.active.keys[rows], self._owner(rows)).values)
 
     def _changed(
         self, labels: np.ndarray, moved: Sparse, chosen: np.ndarray, owner: np.ndarray
@@ -186,7 +187,7 @@ class StackedImpacts:
         state = StepState(t, y, maps.maps.p, v, v, lead=maps.maps.lead(steps.h[None]))
         lasting = steps.lasting(np.flatnonzero(has[steps.owner] & self._closed))
         keys, owner = steps.active.keys[lasting.rows], lasting.owner
-        gaps = maps.maps.gaps(state, keys, lasting.impulses, owner=owner)
+        gaps = maps.maps.values(state, keys, owner)
         own = LastingContacts(np.arange(keys.size), owner, lasting.impulses, lasting.sticks)
         after = FreeSteps(maps.maps, state, steps.h).with_contacts(gaps, own)
         start = maps.state

@@ -15,7 +15,7 @@ import scipy
 from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts
 from dalembert.sensitivity.nonsmooth.contact_changes import near_change
 from dalembert.sensitivity.nonsmooth.contact_equations import ContactEquations
-from dalembert.sensitivity.nonsmooth.contact_maps import SOLVED, ContactMaps, terms_of
+from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
 from dalembert.sensitivity.nonsmooth.forced_changes import ForcedSteps
 from dalembert.sensitivity.nonsmooth.free_steps import LastingContacts
 from dalembert.sensitivity.nonsmooth.gap_matrices import NAMES, MatrixGaps
@@ -27,6 +27,7 @@ from dalembert.sensitivity.nonsmooth.proximal_factors import (
     ScaledMatrix,
     diagonal_block,
 )
+from dalembert.sensitivity.nonsmooth.residual_terms import SOLVED, terms_of
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.source_slopes import StepState
 from dalembert.sensitivity.nonsmooth.triplets import DiagonalBlocks
@@ -242,7 +243,7 @@ class StackedMaps:
         across = self._block(whole.gaps.directions, width * ends, k)
         values, size = whole.gaps.values.some(rows), momentum.shape[1]
         part = MatrixGaps(np.arange(rows.size), values, across, slopes, momentum, size)
-        gaps = Gaps([part], values, across)
+        gaps = Gaps(values, across, [part])
         own = whole.own[rows], whole.coupled[rows], whole.slopes.some(rows)
         limits = whole.limit[rows], whole.column[rows], whole.factors[rows]
         residual = whole.residual.reshape(total, width)[rows].ravel()

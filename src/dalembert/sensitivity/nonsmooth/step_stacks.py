@@ -11,7 +11,7 @@ from dalembert.sensitivity.nonsmooth.recorded_contacts import RecordedContacts
 from dalembert.sensitivity.nonsmooth.stacked_impacts import StackedImpacts
 from dalembert.sensitivity.nonsmooth.stacked_maps import StackedMaps, StepColumns
 
-STACK, ENTRIES = 128, 800_000
+STACK, ENTRIES = 256, 800_000
 """Upper limits of the steps whose maps are evaluated together, and of the entries of their states,
 which bound the memory."""
 UNMOVED = 0.1
