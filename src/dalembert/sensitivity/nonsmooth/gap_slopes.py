@@ -29,7 +29,7 @@ class KindSlopes:
 
     Attributes
     ----------
-    kind, entries : the gaps, (n, m) all arguments
+    kind, entries : the gaps with the velocities that are not zero, (n, m) arguments that vary
     values : of the gaps
     wrench : (n, w) ``Bᵀ P``
     start, blocks : (n, k, w) ``B`` at the start and in the middle

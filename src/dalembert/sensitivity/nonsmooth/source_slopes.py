@@ -6,9 +6,8 @@ on the pattern of contacts.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
@@ -17,8 +16,8 @@ from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapFormulas, GapKind, GapSource
 from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.model import Model
-from dalembert.sensitivity.nonsmooth.blocked_kernel import BlockedKernel
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
+from dalembert.sensitivity.nonsmooth.gap_kernels import GapKernels, GapVariables
 from dalembert.sensitivity.nonsmooth.gap_slopes import (
     KindSlopes,
     PlaceSlopes,
@@ -28,11 +27,6 @@ from dalembert.sensitivity.nonsmooth.gap_slopes import (
 from dalembert.sensitivity.nonsmooth.gap_values import GapValues, directions_of
 from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction
 from dalembert.symbolic.once import once
-
-CACHED = 64
-"""Upper limit of the number of functions whose derivatives are cached."""
-GapFunctions = Callable[[ca.Function, int], tuple[ca.Function, ...]]
-"""Functions of gaps with a number of components, by the function of their kind."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +111,10 @@ class SourceSlopes:
             ca.substitute(part, here, there) for part in (formulas.geometry, formulas.velocities)
         )
         self._middle = PlaceFunctions(e, GapFormulas(geometry, velocities), start, lead)
-        self._kernels: dict[tuple[GapFunctions, ca.Function, int], list[BlockedKernel]] = {}
+        self._kernels, places = GapKernels(), (self._start, self._middle)
+        self._varying = np.any([place.geometry.rows(0) for place in places], axis=0)
+        twists = ca.vertsplit(formulas.velocities)
+        self._moving = np.array([not component.is_zero() for component in twists])
 
     def at(
         self,
@@ -149,14 +146,12 @@ class SourceSlopes:
         both, slopes = middle.velocities(
             *place, state.after + end * state.before, (1 + end) * share, count=count
         )
-        features = self.source.kinds(keys)
-        if owner is not None:
-            sizes = geometry.size // count, before.size // count
-            features = [_in_columns(kind, owner[kind.row], *sizes) for kind in features]
-        kinds = [
-            self._evaluate(kind, (geometry, ahead), (before, both), impulses[kind.row], end)
-            for kind in features
-        ]
+        sizes = geometry.size // count, before.size // count
+        column, kinds = np.zeros(keys.size, dtype=int) if owner is None else owner, []
+        for kind in self.source.kinds(keys):
+            gaps = self._changing(kind, impulses.shape[1], column[kind.row], *sizes)
+            own = (geometry, ahead), (before, both), impulses[kind.row]
+            kinds.append(self._evaluate(*gaps, *own, end))
         wrench = np.zeros((before.size, 1))
         for part in kinds:
             scatter(wrench, part.kind.velocities, part.wrench[..., None])
@@ -192,9 +187,10 @@ class SourceSlopes:
         speeds = state.after + end * state.before, (1 + end) * share
         both, (moving,) = middle.moving(*place, *speeds, count=count)
         values, parts = GapChanges.zero(keys.size, width, laws), []
+        lengths = sizes.size // count, before.size // count
         for one in self.source.kinds(keys):
-            kind = _in_columns(one, owner[one.row], sizes.size // count, before.size // count)
-            (kernel,) = self._kernels_of(_gap_values, kind.function, width)
+            kind, variables = self._changing(one, width, owner[one.row], *lengths)
+            kernel = self._kernels.values(kind.function, variables)
             distance, blocks = kernel(*(sizes[entries] for entries in kind.arguments))
             turned = blocks
             if middle is not self._start:
@@ -205,27 +201,31 @@ class SourceSlopes:
             parts.append((kind, turned))
         return GapValues(values, directions_of(parts, keys.size * width, moving, zeros=True))
 
-    def _kernels_of(
-        self, functions: GapFunctions, function: ca.Function, width: int
-    ) -> list[BlockedKernel]:
-        """Kernels of functions of the gaps of one kind."""
-        key = functions, function, width
-        if key not in self._kernels:
-            self._kernels[key] = [BlockedKernel(own) for own in functions(function, width)]
-        return self._kernels[key]
+    def _changing(
+        self, kind: GapKind, width: int, owner: np.ndarray, geometry: int, velocities: int
+    ) -> tuple[GapKind, GapVariables]:
+        """Gaps in the columns ``owner`` of states with a number of entries each, without the
+        velocities that are zero, and their variables."""
+        variables, own = GapVariables.of(kind, width, self._varying, self._moving), owner[:, None]
+        changing = replace(
+            kind,
+            arguments=[entries + geometry * own for entries in kind.arguments],
+            velocities=kind.velocities[:, list(variables.velocities)] + velocities * own,
+            laws=kind.laws + geometry * own,
+        )
+        return changing, variables
 
     def _evaluate(
         self,
         kind: GapKind,
+        variables: GapVariables,
         geometry: tuple[np.ndarray, np.ndarray],
         velocities: tuple[np.ndarray, np.ndarray],
         impulses: np.ndarray,
         end: float,
     ) -> KindSlopes:
         """Gaps of a kind, by the geometry and the velocities at the start and in the middle."""
-        width = impulses.shape[1]
-        results = []
-        kernels = self._kernels_of(_gap_slopes, kind.function, width)
+        kernels, results = self._kernels.slopes(kind.function, variables), []
         for kernel, place, speeds, rest in zip(
             kernels, geometry, velocities, ([], [impulses]), strict=True
         ):
@@ -237,59 +237,11 @@ class SourceSlopes:
         laws = geometry[0][kind.laws]
         values = GapChanges(distance[:, 0, 0], before, both[..., 0] - end * before, laws)
         slopes = by_distance[:, 0], by_start, by_both, by_wrench
-        entries = np.hstack(kind.arguments)
+        entries = np.hstack(kind.arguments)[:, list(variables.arguments)]
         return KindSlopes(kind, entries, values, wrench[..., 0], blocks, ahead, *slopes)
-
-
-def _in_columns(kind: GapKind, owner: np.ndarray, geometry: int, velocities: int) -> GapKind:
-    """Gaps in the columns ``owner`` of states with a number of entries each."""
-    own = owner[:, None]
-    return replace(
-        kind,
-        arguments=[entries + geometry * own for entries in kind.arguments],
-        velocities=kind.velocities + velocities * own,
-        laws=kind.laws + geometry * own,
-    )
 
 
 @once
 def source_slopes(model: Model) -> list[SourceSlopes]:
     """Derivatives of the gaps of all sources of a model."""
     return [SourceSlopes(source, model.equations) for source in gap_sources(model)]
-
-
-def _formulas(function: ca.Function, width: int) -> tuple[list[ca.SX], ca.SX, ca.SX]:
-    """Arguments, ``g`` and ``B`` with ``width`` rows."""
-    arguments = [ca.SX.sym("s", function.numel_in(k)) for k in range(function.n_in())]
-    distance, blocks, *_ = function.call(arguments)
-    rows = min(width, blocks.shape[0])
-    zeros = ca.SX.zeros(width - rows, blocks.shape[1])
-    return arguments, distance, ca.vertcat(blocks[:rows, :], zeros)
-
-
-@lru_cache(CACHED)
-def _gap_values(function: ca.Function, width: int) -> tuple[ca.Function]:
-    """``arguments → g, B``."""
-    arguments, *results = _formulas(function, width)
-    results = [ca.densify(part) for part in results]
-    return (ca.Function("gap_values", arguments, results, {"cse": True}),)
-
-
-@lru_cache(CACHED)
-def _gap_slopes(function: ca.Function, width: int) -> tuple[ca.Function, ca.Function]:
-    """``(arguments, τ) → g, B τ, B`` and derivatives of ``g`` and ``B τ`` by the arguments; and
-    ``(arguments, τ, P) → B τ, f, B`` and derivatives of ``B τ`` and ``f``."""
-    arguments, distance, blocks = _formulas(function, width)
-    twist, impulse = ca.SX.sym("twist", blocks.shape[1]), ca.SX.sym("P", width)
-    speeds, wrench = ca.mtimes(blocks, twist), ca.mtimes(blocks.T, impulse)
-    geometry = ca.vertcat(*arguments)
-    by_distance, by_speeds, by_wrench = (
-        ca.jacobian(value, geometry) for value in (distance, speeds, wrench)
-    )
-    start = [*arguments, twist], [distance, speeds, blocks, by_distance, by_speeds]
-    middle = [*arguments, twist, impulse], [speeds, wrench, blocks, by_speeds, by_wrench]
-    first, second = (
-        ca.Function("gap_slopes", inputs, [ca.densify(part) for part in outputs], {"cse": True})
-        for inputs, outputs in (start, middle)
-    )
-    return first, second
