@@ -96,7 +96,7 @@ class ContactMaps:
         """Gaps with some keys, in their order, without derivatives; arguments as in ``gaps``."""
         numbers, shape = keys // APART, (1 + sum(self.contact_step.groups), self.laws)
         still = np.zeros(keys.size, dtype=bool) if kept is None else kept
-        parts = []
+        parts: list[tuple[np.ndarray, GapValues]] = []
         for number, source in enumerate(self._sources):
             for mask, at in ((~still, state), (still, replace(state, lead=0.0))):
                 rows = np.flatnonzero((numbers == number) & mask)

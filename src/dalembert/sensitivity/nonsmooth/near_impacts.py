@@ -46,14 +46,19 @@ def _impacts(
     maps: ContactMaps, record: ContactRecord, contacts: RecordedContacts
 ) -> Iterator[tuple[int, GroupImpacts]]:
     """Steps, each with the impacts of one group of connected bodies."""
-    step = maps.contact_step
-    begin = np.unique(contacts.owner[contacts.follows < 0])
+    step, numbers = maps.contact_step, np.unique(contacts.owner[contacts.follows < 0])
     joined = step.smooth.has_joints or step.smooth.coupling.coupled.size
-    if not (joined or step.force_laws.elements):
-        yield from impacts_of_free_bodies(maps, record, contacts, begin)
-        return
-    y, v, t = record.ends.y, record.ends.v, record.t
-    for k in map(int, begin):
+    if joined or step.force_laws.elements:
+        return impacts_one_by_one(maps, record, contacts, numbers)
+    return impacts_of_free_bodies(maps, record, contacts, numbers)
+
+
+def impacts_one_by_one(
+    maps: ContactMaps, record: ContactRecord, contacts: RecordedContacts, numbers: np.ndarray
+) -> Iterator[tuple[int, GroupImpacts]]:
+    """Steps of some ``numbers``, each with the impacts of one group of connected bodies."""
+    step, y, v, t = maps.contact_step, record.ends.y, record.ends.v, record.t
+    for k in map(int, numbers):
         active, last = contacts.of(k), contacts.of(k - 1)
         pressed = PressedContacts.of(active.keys, active.impulses, last.keys)
         start = step.begin(float(t[k]), float(t[k + 1] - t[k]), y[:, k], v[:, k], k == 0)

@@ -104,11 +104,11 @@ class ScaledMatrix:
 
     def block(self, begin: int, end: int) -> ScaledMatrix:
         """A diagonal block that no other entries couple to the rest."""
-        diagonals = (part[begin:end] for part in (self.rows, self.columns, self.shift))
         starts, size, whole = self.starts[begin : end + 1], end - begin, self.entries
-        own = slice(starts[0], starts[-1])
+        inside, own = slice(begin, end), slice(starts[0], starts[-1])
         row, column = whole.row[own] - begin, whole.column[own] - begin
         entries = Triplets(row, column, whole.value[own], (size, size))
+        diagonals = self.rows[inside], self.columns[inside], self.shift[inside]
         return ScaledMatrix(*diagonals, entries, starts - starts[0])
 
     @property

@@ -149,9 +149,9 @@ class SourceSlopes:
         sizes = geometry.size // count, before.size // count
         column, kinds = np.zeros(keys.size, dtype=int) if owner is None else owner, []
         for kind in self.source.kinds(keys):
-            gaps = self._changing(kind, impulses.shape[1], column[kind.row], *sizes)
-            own = (geometry, ahead), (before, both), impulses[kind.row]
-            kinds.append(self._evaluate(*gaps, *own, end))
+            own, variables = self._changing(kind, impulses.shape[1], column[kind.row], *sizes)
+            at = (geometry, ahead), (before, both), impulses[kind.row], end
+            kinds.append(self._evaluate(own, variables, *at))
         wrench = np.zeros((before.size, 1))
         for part in kinds:
             scatter(wrench, part.kind.velocities, part.wrench[..., None])

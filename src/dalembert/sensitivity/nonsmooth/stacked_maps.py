@@ -175,10 +175,11 @@ class StackedMaps:
         return DiagonalBlocks(self._by_all, self._bounds)
 
     @cached_property
-    def _next_blocks(self) -> list[DiagonalBlocks]:
+    def _next_blocks(self) -> tuple[DiagonalBlocks, DiagonalBlocks]:
         """Derivatives of the states after each step by the unknowns and by ``q``."""
         first = self.following.shape[0] * np.arange(self.steps.count + 1)
-        return [DiagonalBlocks(matrix, first) for matrix in self._next]
+        by_z, by_q = self._next
+        return DiagonalBlocks(by_z, first), DiagonalBlocks(by_q, first)
 
     def at(self, k: int, whole: bool) -> MapAt:
         """Map of a step.
@@ -198,13 +199,14 @@ class StackedMaps:
         forced = None
         if self.forced[k] and not whole:
             forced = self._block(self._forced, np.arange(k, k + 2), k)
-        z, own = self._z[self._order[begin:end]], (blocks.at(k) for blocks in self._next_blocks)
-        return MapAt(z, self.following[:, k], self.factors(k), by_q, *own, contacts, forced)
+        by_z, next_by_q = self._next_blocks
+        matrices, z = (by_q, by_z.at(k), next_by_q.at(k)), self._z[self._order[begin:end]]
+        return MapAt(z, self.following[:, k], self.factors(k), *matrices, contacts, forced)
 
     def _block(self, matrix: Sparse, rows: np.ndarray, k: int) -> Sparse:
         """Block of step ``k``, from the first of two rows to the second one."""
-        width = matrix.shape[1] // self.steps.count
-        return diagonal_block(matrix, *rows, width * k, width)
+        width, (begin, end) = matrix.shape[1] // self.steps.count, rows
+        return diagonal_block(matrix, begin, end, width * k, width)
 
     @cached_property
     def _forced(self) -> Sparse:
