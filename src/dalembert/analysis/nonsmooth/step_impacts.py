@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -11,9 +12,10 @@ from dalembert.analysis.contact.gap_checks import ROUNDED
 from dalembert.analysis.nonsmooth.checks.missing_rebounds import effective_masses
 from dalembert.analysis.nonsmooth.connected_contacts import connections
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.mobility import Mobility
 from dalembert.analysis.nonsmooth.step_forces import states_moved_by_speeds
 from dalembert.analysis.nonsmooth.step_state import StepStart
-from dalembert.integrators.contact.approach import SLOW
+from dalembert.integrators.contact.approach import SLOW, Approach
 from dalembert.integrators.contact.contacts import Contacts
 
 
@@ -108,6 +110,102 @@ class LastImpacts:
         self.lengths[group.speeds], self.rebounds[group.speeds] = h, group.rebounds
 
 
+@dataclass(frozen=True, eq=False)
+class PressedGaps:
+    """Gaps of pressing contacts of one step, or of several whose speeds follow one another.
+
+    A gap closes by an impact if it is faster than forces change speeds in the longest step of the
+    run; slower contacts come to rest.
+
+    Attributes
+    ----------
+    approach : their contacts, with the lengths of the steps
+    begins : (n,) mask of the rigid contacts that do not press in the step before
+    keys, impulses : (n,), normal impulses
+    t : start of the step, of each contact if they act in different ones [s]
+    after : (n_v,) speeds at the end
+    mobility : Mobility of the speeds
+    by_states : (n_v, n_x) nonzero where a speed changes a state of first order
+    longest : longest step of the run [s]
+    """
+
+    approach: Approach
+    begins: np.ndarray
+    keys: np.ndarray
+    impulses: np.ndarray
+    t: float | np.ndarray
+    after: np.ndarray
+    mobility: Mobility
+    by_states: scipy.sparse.csr_array
+    longest: float
+
+    @cached_property
+    def _acceleration(self) -> np.ndarray:
+        return np.asarray(self.approach.nearby / self.approach.h)
+
+    @property
+    def _limit(self) -> np.ndarray:
+        """(n,) speeds that an impact exceeds."""
+        return np.asarray(SLOW * self._acceleration * self.longest)
+
+    @cached_property
+    def closes(self) -> np.ndarray:
+        """(n,) mask of the gaps that close by an impact."""
+        contacts, u = self.approach.contacts, self.approach.before[:, 0]
+        fall = 2 * self._acceleration * np.maximum(contacts.distance, 0.0)
+        return np.asarray(self.begins & (u < 0) & (np.sqrt(u**2 + fall) > self._limit))
+
+    def _drives(self, smallest: float, shortest: float) -> np.ndarray:
+        """(n,) mask of open gaps that an impact elsewhere closes."""
+        contacts = self.approach.contacts
+        reached = contacts.at_end(self.after)[:, 0]
+        masses = effective_masses(contacts, self.mobility)
+        pushed = np.divide(self.impulses, masses, out=np.zeros_like(masses), where=masses > 0)
+        driven = pushed - reached
+        least = np.maximum(smallest, 2 * shortest * driven)
+        drives = self.begins & ~self.closes & (contacts.laws.restitution > 0)
+        return np.asarray(drives & (driven > self._limit) & (contacts.distance > least))
+
+    def groups(
+        self, distance: np.ndarray, smallest: float, shortest: float
+    ) -> list[tuple[int, GroupImpacts]]:
+        """Impacts by groups of connected bodies, each with the number of one of its contacts.
+
+        Parameters
+        ----------
+        distance : (n,) gaps at the start, before the correction of positions
+        smallest : gap that counts as closed [m]
+        shortest : difference of instants that counts as none [s]
+        """
+        contacts, u, closes = self.approach.contacts, self.approach.before[:, 0], self.closes
+        instants = self.t + np.divide(-distance, u, out=np.zeros_like(u), where=u < 0)
+        across = scipy.sparse.csr_array(contacts.directions)
+        own = across, contacts.laws, contacts.groups, self.by_states
+        labels, speeds = connections(self.mobility, *own)
+        count = labels.max() + 1
+        drives = np.bincount(labels, self._drives(smallest, shortest), count) > 0
+        rebounds = np.bincount(labels, closes & (contacts.laws.restitution > 0), count) > 0
+        moved = np.repeat(labels, np.diff(speeds.indptr)) * speeds.shape[1] + speeds.indices
+        moved = np.divmod(np.unique(moved), speeds.shape[1])
+        rows = np.flatnonzero(closes)
+        rows = rows[np.argsort(labels[rows], kind="stable")]
+        used = np.unique(labels[rows])
+        limits = used, used + 1
+        ends = np.stack([np.searchsorted(labels[rows], limits), np.searchsorted(moved[0], limits)])
+        groups = []
+        for label, (begin, end), (first, last) in zip(used, *ends.swapaxes(1, 2), strict=True):
+            own_rows = rows[begin:end]
+            impacts = self.keys[own_rows], instants[own_rows], moved[1][first:last]
+            flags = bool(rebounds[label]), bool(drives[label])
+            groups.append((int(own_rows[0]), GroupImpacts(*impacts, *flags)))
+        return groups
+
+
+def smallest_gap(step: ContactStep) -> float:
+    """Gap that counts as closed [m]."""
+    return ROUNDED * step.model.scales.length
+
+
 def step_impacts(
     step: ContactStep,
     start: StepStart,
@@ -117,9 +215,6 @@ def step_impacts(
     shortest: float,
 ) -> list[GroupImpacts]:
     """Impacts of a step by groups of connected bodies.
-
-    A gap closes by an impact if it is faster than forces change speeds in the longest step of the
-    run; slower contacts come to rest.
 
     Parameters
     ----------
@@ -131,33 +226,14 @@ def step_impacts(
     if not pressed.begins.any():
         return []
     contacts = step.starting(start, pressed.keys)
+    approach = start.approach(contacts, step.rounding)
     begins = pressed.begins & ~step.force_laws.compliant(contacts)
-    approach = replace(start.approach(contacts, step.rounding), rest=step.longest)
-    u, acceleration = approach.before[:, 0], approach.nearby / start.h
-    fall = 2 * acceleration * np.maximum(contacts.distance, 0.0)
-    limit = SLOW * acceleration * step.longest
-    closes = begins & (u < 0) & (np.sqrt(u**2 + fall) > limit)
-    if not closes.any():
+    own = approach, begins, pressed.keys, pressed.impulses, start.t, after
+    gaps = PressedGaps(*own, start.motion.mobility, _by_states(step), step.longest)
+    if not gaps.closes.any():
         return []
-    gaps = step.selected(step.at(start.t, before), pressed.keys).distance
-    instants = start.t + np.divide(-gaps, u, out=np.zeros_like(u), where=u < 0)
-    reached = contacts.at_end(after)[:, 0]
-    masses = effective_masses(contacts, start.motion.mobility)
-    pushed = np.divide(pressed.impulses, masses, out=np.zeros_like(masses), where=masses > 0)
-    driven = pushed - reached  # speeds of open gaps that an impact elsewhere closes
-    least = np.maximum(ROUNDED * step.model.scales.length, 2 * shortest * driven)
-    drives = begins & ~closes & (contacts.laws.restitution > 0)
-    drives &= (driven > limit) & (contacts.distance > least)
-    labels, speeds = connected(step, start, contacts)
-    groups = []
-    for label in np.unique(labels[closes]):
-        own = labels == label
-        moved = np.unique(speeds[np.flatnonzero(own)].indices)
-        rows = own & closes
-        rebounds = bool((contacts.laws.restitution[rows] > 0).any())
-        impacts = pressed.keys[rows], instants[rows], moved, rebounds
-        groups.append(GroupImpacts(*impacts, bool((own & drives).any())))
-    return groups
+    distance = step.selected(step.at(start.t, before), pressed.keys).distance
+    return [group for _, group in gaps.groups(distance, smallest_gap(step), shortest)]
 
 
 def connected(
@@ -165,10 +241,13 @@ def connected(
 ) -> tuple[np.ndarray, scipy.sparse.csr_array]:
     """(n,) numbers of the groups of contacts on connected bodies, and (n, n_v) masks of the speeds
     that each contact changes."""
+    own = scipy.sparse.csr_array(contacts.directions), contacts.laws, contacts.groups
+    return connections(start.motion.mobility, *own, _by_states(step))
+
+
+def _by_states(step: ContactStep) -> scipy.sparse.csr_array:
+    """(n_v, n_x) ones where a speed changes a state of first order."""
     e = step.model.equations
     rows, columns = states_moved_by_speeds(e).get_triplet() if e.states else ([], [])
-    by_states = scipy.sparse.csr_array(
-        (np.ones(len(rows)), (columns, rows)), shape=(e.speed_count, len(e.states))
-    )
-    own = scipy.sparse.csr_array(contacts.directions), contacts.laws, contacts.groups
-    return connections(start.motion.mobility, *own, by_states)
+    places = columns, rows
+    return scipy.sparse.csr_array((np.ones(len(rows)), places), (e.speed_count, len(e.states)))

@@ -23,16 +23,18 @@ from dalembert.sensitivity.nonsmooth.force_slopes import ForceSlopes
 from dalembert.sensitivity.nonsmooth.forced_changes import ForcedSteps
 from dalembert.sensitivity.nonsmooth.gap_matrices import joined_matrices
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps, Part
+from dalembert.sensitivity.nonsmooth.gap_values import GapValues
 from dalembert.sensitivity.nonsmooth.impact_slopes import ImpactSlopes, Motions
 from dalembert.sensitivity.nonsmooth.linear_map import MapAt
 from dalembert.sensitivity.nonsmooth.path_slopes import Path, path_gaps, path_points
 from dalembert.sensitivity.nonsmooth.proximal_factors import Block, ProximalFactors
+from dalembert.sensitivity.nonsmooth.residual_terms import is_solved
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.source_slopes import StepState, source_slopes
 from dalembert.sensitivity.nonsmooth.step_equations import step_equations
 
-MAX_ITERATIONS, SOLVED = 20, 1e-8
-"""Newton iterations; tolerance of the residual relative to its terms [-]."""
+MAX_ITERATIONS = 20
+"""Newton iterations."""
 
 
 class ContactMaps:
@@ -69,7 +71,7 @@ class ContactMaps:
         owner : (n,) column of the state of each gap; the first one by default
         kept : (n,) mask of directions at the start of the step, none by default
         """
-        numbers, laws = keys // APART, FIRST + len(self.contact_step.groups)
+        numbers, laws = keys // APART, self.laws
         none = np.zeros(keys.size, dtype=bool)
         means, still = (none if mask is None else mask for mask in (curved, kept))
         parts: list[Part] = []
@@ -87,6 +89,25 @@ class ContactMaps:
                 arguments = own, keys[own] % APART, impulses[own], laws
                 parts.append(path_gaps(source, state, path, *arguments, still[own]))
         return Gaps.of(parts)
+
+    def values(
+        self, state: StepState, keys: np.ndarray, owner: np.ndarray, kept: np.ndarray | None = None
+    ) -> GapValues:
+        """Gaps with some keys, in their order, without derivatives; arguments as in ``gaps``."""
+        numbers, shape = keys // APART, (1 + sum(self.contact_step.groups), self.laws)
+        still = np.zeros(keys.size, dtype=bool) if kept is None else kept
+        parts: list[tuple[np.ndarray, GapValues]] = []
+        for number, source in enumerate(self._sources):
+            for mask, at in ((~still, state), (still, replace(state, lead=0.0))):
+                rows = np.flatnonzero((numbers == number) & mask)
+                if rows.size or not (keys.size or parts):
+                    parts.append((rows, source.values(at, keys[rows] % APART, shape, owner[rows])))
+        return GapValues.joined(parts)
+
+    @property
+    def laws(self) -> int:
+        """Number of coefficients of each gap."""
+        return FIRST + len(self.contact_step.groups)
 
     def lead(self, h: float | np.ndarray) -> float | np.ndarray:
         """``(1−θ) h`` of steps."""
@@ -140,7 +161,7 @@ class ContactMaps:
                 right, below = self.joined(value, contacts, impulses)
                 matrix += below
             factors = ProximalFactors.of(matrix, self._weight(impulses.size))
-            if _negligible(right, matrix, z):
+            if is_solved(right, matrix, z):
                 break
             z = z - factors.solve(right)
         forced = None
@@ -287,18 +308,3 @@ class ContactMaps:
     def _weight(self, rows: int) -> np.ndarray:
         counts = [self.speeds, self.smooth - self.speeds, rows]
         return np.repeat([0.0, -1.0, 1.0], counts)
-
-
-def terms_of(right: np.ndarray, matrix: list[Block], z: np.ndarray) -> np.ndarray:
-    """Sums of the magnitudes of the terms of equations, and of their residuals."""
-    terms = np.abs(right)
-    for first, left, block in matrix:
-        rows, columns = block.shape
-        terms[first : first + rows] += abs(block) @ np.abs(z[left : left + columns])
-    return np.asarray(terms)
-
-
-def _negligible(right: np.ndarray, matrix: list[Block], z: np.ndarray) -> bool:
-    """Whether a residual is small, relative to the largest of its terms."""
-    largest = terms_of(right, matrix, z).max(initial=1.0)
-    return bool(np.abs(right).max(initial=0.0) <= SOLVED * largest)

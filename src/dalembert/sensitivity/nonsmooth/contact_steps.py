@@ -78,7 +78,7 @@ class ContactSteps:
     def times_between(self) -> np.ndarray:
         """(K,) time since the last impact of another gap on the bodies of the impacts of each
         step, in steps; infinite without any."""
-        return times_between_impacts(self.step, self.record)
+        return times_between_impacts(self.maps, self.record, self.contacts)
 
     @cached_property
     def breaks(self) -> dict[int, np.ndarray]:
@@ -159,7 +159,9 @@ class ContactSteps:
         AnalysisError
             The maps do not reproduce the recorded step.
         """
-        maps = self._maps(k, whole)
+        if (stacked := self.stacks.at(k)) is not None:
+            return [stacked[0].at(stacked[1], whole=whole)]
+        maps = self._maps(k)
         end, recorded = maps[-1].following, self.x[:, k + 1]
         scale = np.abs(self.x[:, k : k + 2]).max(initial=0.0) + self.step.model.scales.length
         if not np.abs(end - recorded).max(initial=0.0) <= SAME * scale:
@@ -175,11 +177,10 @@ class ContactSteps:
             )
         return maps
 
-    def _maps(self, k: int, whole: bool) -> list[MapAt]:
+    def _maps(self, k: int) -> list[MapAt]:
+        """Sequence of maps of a step outside of stacks."""
         (t, h), active, x = self.span(k), self.active(k), self.x[:, k]
         after = self.x[self.size :, k + 1]
-        if (stacked := self.stacks.at(k)) is not None:
-            return [stacked[0].at(stacked[1], whole=whole)]
         if self._are_repeated[k]:
             maps = [self._repeated(k)]
         else:

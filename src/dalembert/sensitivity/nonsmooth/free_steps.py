@@ -15,7 +15,7 @@ from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
 from dalembert.integrators.contact.semismooth_newton import semismooth_newton
 from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
-from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
+from dalembert.sensitivity.nonsmooth.gap_values import GapValues
 from dalembert.sensitivity.nonsmooth.proximal_factors import diagonal_block
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.source_slopes import StepState
@@ -51,21 +51,26 @@ class FreeSteps:
     maps : ContactMaps of a model of free bodies
     state : states at the starts in columns
     h : (K,) lengths
+
+    Attributes
+    ----------
+    mobility : of the speeds of all steps
+    change : of these without impulses, one step after the other
     """
 
     def __init__(self, maps: ContactMaps, state: StepState, h: np.ndarray):
         self._maps, self._h, self._state = maps, h, state
         arguments = state.before, state.y, state.before, state.t, state.p, h[None]
         value, (matrix, _), *_ = maps.equations.linear(*arguments)
-        self._mobility = mobility_of(maps, matrix, h.size)
-        self._change = self._mobility(-value)[0]
+        self.mobility = mobility_of(maps, matrix, h.size)
+        self.change = self.mobility(-value)[0]
 
     @cached_property
     def accelerations(self) -> np.ndarray:
         """(n_v, K) without contacts."""
-        return np.asarray(self._change.reshape(self._h.size, -1).T / self._h)
+        return np.asarray(self.change.reshape(self._h.size, -1).T / self._h)
 
-    def with_contacts(self, gaps: Gaps, lasting: LastingContacts) -> np.ndarray:
+    def with_contacts(self, gaps: GapValues, lasting: LastingContacts) -> np.ndarray:
         """(n_v, K) accelerations with contacts.
 
         Parameters
@@ -74,31 +79,31 @@ class FreeSteps:
         """
         if not lasting.rows.size:
             return self.accelerations
-        step, width = self._maps.contact_step, gaps.values.before.shape[1]
-        rows = (lasting.rows[:, None] * width + np.arange(width)).ravel()
-        directions, values = gaps.directions[rows], gaps.values.some(lasting.rows)
+        step, some = self._maps.contact_step, gaps.some(lasting.rows)
+        directions, values = some.directions, some.values
+        directions.eliminate_zeros()
         laws, linear = ContactLaws.of(values.laws.T, step.groups), 1 + sum(step.groups[:1])
         offsets = np.zeros_like(values.before)
         offsets[:, 0] = -values.before[:, 0]
         offsets[:, 1:linear] = laws.tangential[:, None] * values.before[:, 1:linear]
-        change = (directions @ self._change).reshape(values.before.shape)
-        change += self.turning(gaps)[lasting.rows]
+        change = (directions @ self.change).reshape(values.before.shape)
+        change += self.turning(some)
         speeds, friction = values.before + change + offsets, laws.friction.copy()
         static = laws.higher_at_rest & lasting.sticks
         friction[static, :1] = laws.static_friction[static, None]
         first = np.searchsorted(lasting.owner, np.arange(self._h.size + 1))
         problem = FrictionProblem(self._delassus(directions), speeds, friction, step.groups)
         impulses = self._impulses(problem, lasting, first)
-        total = self._change + self._mobility(directions.T @ impulses.ravel())[0]
+        total = self.change + self.mobility(directions.T @ impulses.ravel())[0]
         return np.asarray(total.reshape(self._h.size, -1).T / self._h)
 
-    def turning(self, gaps: Gaps) -> np.ndarray:
+    def turning(self, gaps: GapValues) -> np.ndarray:
         """(n, k) changes of the velocities of gaps of the same states at constant speeds."""
         return gaps.turning((self._state.after - self._state.before).T.ravel())
 
     def _delassus(self, directions: Sparse) -> Delassus:
         """Operator of contacts of all steps."""
-        operator = delassus(directions, self._mobility)
+        operator = delassus(directions, self.mobility)
         assert isinstance(operator, Delassus)
         return operator
 

@@ -16,10 +16,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-import scipy
 
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapKind
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
+from dalembert.sensitivity.nonsmooth.gap_values import GapValues, directions_of
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 
 
@@ -29,7 +29,7 @@ class KindSlopes:
 
     Attributes
     ----------
-    kind, entries : the gaps, (n, m) all arguments
+    kind, entries : the gaps with the velocities that are not zero, (n, m) arguments that vary
     values : of the gaps
     wrench : (n, w) ``Bᵀ P``
     start, blocks : (n, k, w) ``B`` at the start and in the middle
@@ -172,59 +172,27 @@ class SourceGaps:
 
     def directions(self) -> Sparse:
         """``W_m`` (n k, n_v) of the gaps of the source."""
-        parts, width, moving = [], self.shape[0], self.middle.moving
-        for part in self.kinds:
-            row = part.kind.row[:, None, None] * width + np.arange(width)[:, None]
-            place = np.broadcast_to(part.kind.velocities[:, None], part.blocks.shape)
-            used = part.blocks != 0
-            row = np.broadcast_to(row, part.blocks.shape)
-            parts.append((part.blocks[used], row[used], place[used]))
-        shape = self.rows.size * width, moving.shape[0]
-        if not parts:
-            return scipy.sparse.csr_array((shape[0], moving.shape[1]))
-        values, row, column = (np.concatenate(entries) for entries in zip(*parts, strict=True))
-        across = scipy.sparse.coo_array((values, (row, column)), shape=shape)
-        return scipy.sparse.csr_array(across) @ moving
+        kinds = [(part.kind, part.blocks) for part in self.kinds]
+        return directions_of(kinds, self.rows.size * self.shape[0], self.middle.moving)
 
 
 @dataclass(frozen=True, eq=False)
-class Gaps:
-    """Gaps of all sources at a state.
+class Gaps(GapValues):
+    """Gaps of all sources at a state, and their derivatives.
 
     Attributes
     ----------
     parts : gaps of each source
-    values : GapChanges
-    directions : (n k, n_v) ``W``
     """
 
     parts: list[Part]
-    values: GapChanges
-    directions: Sparse
 
     @classmethod
     def of(cls, parts: Sequence[Part]) -> Gaps:
         """Gaps of several sources, in the order of their rows."""
-        count = sum(part.rows.size for part in parts)
-        own = [part.values for part in parts]
-        values = GapChanges.zero(count, own[0].before.shape[1], own[0].laws.shape[1])
-        for part, gaps in zip(parts, own, strict=True):
-            values.add(part.rows, gaps)
-        directions = [part.directions() for part in parts]
-        joined = directions[0] if len(parts) == 1 else scipy.sparse.vstack(directions)
-        across = scipy.sparse.csr_array(joined)
-        order = np.argsort(np.concatenate([part.rows for part in parts]))
-        if (np.diff(order) != 1).any():
-            width = values.before.shape[1]
-            across = across[(order[:, None] * width + np.arange(width)).ravel()]
-        across.sort_indices()
-        return cls(list(parts), values, across)
-
-    def turning(self, change: np.ndarray) -> np.ndarray:
-        """(n, k) changes ``2 b`` of the velocities at constant speeds, for the change (n_v,) of
-        these between the velocities before and after."""
-        by_speeds = (self.directions @ change).reshape(self.values.before.shape)
-        return np.asarray(self.values.after - self.values.before - by_speeds)
+        own = [(part.rows, GapValues(part.values, part.directions())) for part in parts]
+        joined = GapValues.joined(own)
+        return cls(joined.values, joined.directions, list(parts))
 
     def push(self, dq: np.ndarray, path: np.ndarray | None = None) -> tuple[GapChanges, np.ndarray]:
         """Changes of the gaps and of ``Wᵀ P`` by those of ``q`` (n_q, c), and of the speeds

@@ -36,9 +36,9 @@ def closed_after(steps: ContactSteps, k: int, contacts: ContactEquations) -> np.
 def connected(steps: ContactSteps, k: int, contacts: ContactEquations) -> tuple[np.ndarray, Sparse]:
     """Connections of the contacts of a step."""
     (t, _), (y, _), gaps, groups = steps.span(k), steps.split(k), contacts.gaps, steps.step.groups
-    states = steps.maps.equations.reach[list(steps.step.model.equations.states)]
+    by_states = steps.maps.equations.states_of_speeds(1)
     own = gaps.directions, ContactLaws.of(gaps.values.laws.T, groups), groups
-    return connections(steps.step.smooth.at(t, y, steps.p)[0], *own, states.T)
+    return connections(steps.step.smooth.at(t, y, steps.p)[0], *own, by_states)
 
 
 def moving_parts(

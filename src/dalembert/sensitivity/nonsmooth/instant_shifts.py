@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
+from dalembert.sensitivity.nonsmooth.triplets import Triplets
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +19,7 @@ class InstantShifts:
     jumps : (m, n_x) derivatives of the state at the end of the step by the instants
     """
 
-    instants: Sparse
+    instants: Triplets
     jumps: np.ndarray
 
     def push(self, dq: np.ndarray) -> np.ndarray:

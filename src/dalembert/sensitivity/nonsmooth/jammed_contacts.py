@@ -13,12 +13,13 @@ the smallest ones among these, which are bounded.
 from __future__ import annotations
 
 import numpy as np
-import scipy
 
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
+from dalembert.sensitivity.nonsmooth.smallest_solution import SmallestSolution
+from dalembert.sparse.factorise import SuperLUFactors
 
-RANK = 1e-7
-"""Threshold of singular values, relative to the largest one [-]."""
+LARGEST = 1e12
+"""Upper limit of the speeds by impulses, both scaled, where the equations of speeds are regular."""
 
 
 class SmallestImpulses:
@@ -26,7 +27,7 @@ class SmallestImpulses:
 
     Parameters
     ----------
-    matrix : with rows and columns of comparable size
+    matrix : with rows and columns of comparable size, compressed by columns
     impulses : (n,) mask of the impulses and of their conditions
 
     Raises
@@ -36,25 +37,25 @@ class SmallestImpulses:
     """
 
     def __init__(self, matrix: Sparse, impulses: np.ndarray):
-        dense, own, rest = matrix.toarray(), np.flatnonzero(impulses), np.flatnonzero(~impulses)
+        own, rest = np.flatnonzero(impulses), np.flatnonzero(~impulses)
         self._own, self._rest = own, rest
-        speeds = dense[np.ix_(rest, rest)]
-        if np.linalg.matrix_rank(speeds) < rest.size:
+        of_speeds, of_impulses = matrix[:, rest], matrix[:, own]
+        self._factors = SuperLUFactors(of_speeds[rest])
+        self._right, self._left = of_impulses[rest], of_speeds[own]
+        moved = self._factors.solve(self._right.toarray())
+        if not np.abs(moved).max(initial=0.0) <= LARGEST:
             raise np.linalg.LinAlgError("singular equations of speeds")
-        self._factors = scipy.linalg.lu_factor(speeds)
-        self._right, self._left = dense[np.ix_(rest, own)], dense[np.ix_(own, rest)]
-        moved = scipy.linalg.lu_solve(self._factors, self._right)
-        schur = dense[np.ix_(own, own)] - self._left @ moved
-        self._inverse = scipy.linalg.pinv(schur, rtol=RANK)
+        schur = of_impulses[own].toarray() - self._left @ moved
+        self._impulses = SmallestSolution(schur)
 
     def solve(self, right: np.ndarray, transposed: bool) -> np.ndarray:
         """Solution (n, c), the same linear map and its transpose."""
-        inverse, left, over, trans = self._inverse, self._left, self._right, 0
+        left, over, trans = self._left, self._right, "N"
         if transposed:
-            inverse, left, over, trans = inverse.T, over.T, left.T, 1
+            left, over, trans = over.T, left.T, "T"
         solution = np.zeros_like(right)
-        rest = scipy.linalg.lu_solve(self._factors, right[self._rest], trans)
-        impulses = inverse @ (right[self._own] - left @ rest)
+        rest = self._factors.solve(right[self._rest], trans)
+        impulses = self._impulses(right[self._own] - left @ rest, transposed)
         solution[self._own] = impulses
-        solution[self._rest] = rest - scipy.linalg.lu_solve(self._factors, over @ impulses, trans)
+        solution[self._rest] = rest - self._factors.solve(over @ impulses, trans)
         return solution

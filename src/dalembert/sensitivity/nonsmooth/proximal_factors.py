@@ -16,7 +16,9 @@ import scipy
 from dalembert.errors import SingularityError
 from dalembert.sensitivity.nonsmooth.jammed_contacts import SmallestImpulses
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
-from dalembert.sparse.factorise import SuperLUFactors
+from dalembert.sensitivity.nonsmooth.triplets import Triplets
+from dalembert.sparse.factorise import DenseFactors, SuperLUFactors
+from dalembert.sparse.solver import Factors
 
 WEIGHT, ITERATIONS = 1e-9, 3
 """``ε``, relative to the entries of a row; number of proximal iterations."""
@@ -28,6 +30,8 @@ REMAINDER = 1e-6
 UNLIMITED, LARGEST = 1e4, 2000
 """Scaled speeds by an arbitrary right-hand side that count as unlimited; upper limit of the
 impulses of a step whose equations are then solved by least squares."""
+DENSE = 200
+"""Upper limit of the equations whose factors are dense; sparse ones have a longer start."""
 Block = tuple[int, int, Sparse]
 """First row, first column and entries of a block of a matrix."""
 
@@ -57,13 +61,14 @@ class ScaledMatrix:
     ----------
     rows, columns : (n,) factors of the rows and columns of ``G``
     shift : (n,) diagonal ``ε D``
-    shifted : scaled ``G``, plus ``ε D``, compressed by columns
+    entries, starts : scaled ``G``, plus ``ε D``, by columns, and their first entries (n + 1,)
     """
 
     rows: np.ndarray
     columns: np.ndarray
     shift: np.ndarray
-    shifted: Sparse
+    entries: Triplets
+    starts: np.ndarray
 
     @classmethod
     def of(
@@ -94,12 +99,37 @@ class ScaledMatrix:
         diagonal, shift = np.arange(n), WEIGHT * weight
         row, column = (np.concatenate([part, diagonal]) for part in (row, column))
         entries = np.concatenate([value, shift]), (row, column)
-        return cls(rows, columns, shift, scipy.sparse.csc_array(entries, shape=(n, n)))
+        shifted = scipy.sparse.csc_array(entries, shape=(n, n))
+        return cls(rows, columns, shift, Triplets.of(shifted), shifted.indptr)
 
     def block(self, begin: int, end: int) -> ScaledMatrix:
         """A diagonal block that no other entries couple to the rest."""
-        rows, columns, shift = (part[begin:end] for part in (self.rows, self.columns, self.shift))
-        return ScaledMatrix(rows, columns, shift, diagonal_block(self.shifted, begin, end, begin))
+        starts, size, whole = self.starts[begin : end + 1], end - begin, self.entries
+        inside, own = slice(begin, end), slice(starts[0], starts[-1])
+        row, column = whole.row[own] - begin, whole.column[own] - begin
+        entries = Triplets(row, column, whole.value[own], (size, size))
+        diagonals = self.rows[inside], self.columns[inside], self.shift[inside]
+        return ScaledMatrix(*diagonals, entries, starts - starts[0])
+
+    @property
+    def shifted(self) -> Sparse:
+        """Scaled ``G``, plus ``ε D``, compressed by columns."""
+        parts = self.entries.value, self.entries.row, self.starts
+        return scipy.sparse.csc_array(parts, shape=self.entries.shape)
+
+    def factors(self) -> Factors:
+        """Factors of ``shifted``, dense ones if it is small.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+            A pivot vanishes, or an entry is not finite.
+        """
+        if self.shift.size > DENSE:
+            return SuperLUFactors(self.shifted)
+        dense = np.zeros(self.entries.shape, order="F")
+        dense[self.entries.row, self.entries.column] = self.entries.value
+        return DenseFactors(dense)
 
 
 class ProximalFactors:
@@ -122,7 +152,7 @@ class ProximalFactors:
     def __init__(self, scaled: ScaledMatrix):
         self._scaled = scaled
         try:
-            self._factors = SuperLUFactors(scaled.shifted)
+            self._factors = scaled.factors()
         except np.linalg.LinAlgError:
             text = "a step with contacts has no derivative: its equations are singular"
             raise SingularityError(text) from None
@@ -187,12 +217,9 @@ class ProximalFactors:
 
     def _product(self, columns: np.ndarray, transposed: bool = False) -> np.ndarray:
         """The scaled matrix, or its transpose, times columns (n, c)."""
-        matrix = self._transposed if transposed else self._scaled.shifted
-        return np.asarray(matrix @ columns - self._scaled.shift[:, None] * columns)
-
-    @cached_property
-    def _transposed(self) -> Sparse:
-        return self._scaled.shifted.T
+        entries = self._scaled.entries
+        matrix = entries.T if transposed else entries
+        return matrix @ columns - self._scaled.shift[:, None] * columns
 
 
 @lru_cache

@@ -46,6 +46,10 @@ class SlopeFunction:
         self._function = ca.Function(name, list(inputs), outputs, {"cse": True})
         self._calls = {1: Kernel(self._function)}
 
+    def rows(self, number: int) -> np.ndarray:
+        """(m,) mask of the entries of the value that a derivative may change."""
+        return self._patterns[number].rows
+
     def __call__(self, *arguments, count: int = 1) -> tuple[np.ndarray, list[Sparse]]:
         """The value, and its derivatives compressed by rows.
 
@@ -77,7 +81,12 @@ class SlopeFunction:
 
 
 class _Pattern:
-    """Positions of nonzero entries, converted from columns to rows."""
+    """Positions of nonzero entries, converted from columns to rows.
+
+    Attributes
+    ----------
+    rows : (m,) mask of the rows with entries
+    """
 
     def __init__(self, sparsity: ca.Sparsity):
         row, start = np.array(sparsity.row(), dtype=np.int32), np.array(sparsity.colind())
@@ -85,6 +94,7 @@ class _Pattern:
         self._order = np.lexsort((column, row))
         self._columns, self._shape = column[self._order], sparsity.shape
         counts = np.bincount(row, minlength=sparsity.size1())
+        self.rows = counts > 0
         self._starts = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
 
     def matrix(self, entries: np.ndarray) -> Sparse:

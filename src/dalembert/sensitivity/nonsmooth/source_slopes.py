@@ -7,7 +7,7 @@ on the pattern of contacts.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
@@ -17,21 +17,16 @@ from dalembert.analysis.nonsmooth.gaps.gap_source import GapFormulas, GapKind, G
 from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.model import Model
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
+from dalembert.sensitivity.nonsmooth.gap_kernels import GapKernels, GapVariables
 from dalembert.sensitivity.nonsmooth.gap_slopes import (
     KindSlopes,
     PlaceSlopes,
     SourceGaps,
     scatter,
 )
+from dalembert.sensitivity.nonsmooth.gap_values import GapValues, directions_of
 from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction
-from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.once import once
-
-SMALLEST, LARGEST = 16, 512
-"""Numbers of columns of the smallest and the largest mapped function; those between have 2, 4, 8 …
-times as many as the smallest."""
-CACHED = 64
-"""Upper limit of the number of functions whose derivatives are cached."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +77,19 @@ class PlaceFunctions:
         self.velocities = SlopeFunction("velocities", [*place, e.v, share], velocities, [q, e.v])
         momenta = ca.mtimes(moving.T, wrench)
         self.momenta = SlopeFunction("momenta", [*place, wrench], momenta, [q])
+        self._place, self._speeds, self._geometry = place, [e.v, share], formulas.geometry
+        self._velocities = velocities
+
+    @cached_property
+    def sizes(self) -> SlopeFunction:
+        """Geometry without derivatives."""
+        return SlopeFunction("sizes", self._place, self._geometry, [])
+
+    @cached_property
+    def moving(self) -> SlopeFunction:
+        """Velocities with derivatives by the speeds."""
+        inputs, by = [*self._place, *self._speeds], self._speeds[:1]
+        return SlopeFunction("moving", inputs, self._velocities, by)
 
 
 class SourceSlopes:
@@ -103,7 +111,10 @@ class SourceSlopes:
             ca.substitute(part, here, there) for part in (formulas.geometry, formulas.velocities)
         )
         self._middle = PlaceFunctions(e, GapFormulas(geometry, velocities), start, lead)
-        self._kernels: dict[tuple[ca.Function, int, int], list[Kernel]] = {}
+        self._kernels, places = GapKernels(), (self._start, self._middle)
+        self._varying = np.any([place.geometry.rows(0) for place in places], axis=0)
+        twists = ca.vertsplit(formulas.velocities)
+        self._moving = np.array([not component.is_zero() for component in twists])
 
     def at(
         self,
@@ -135,14 +146,12 @@ class SourceSlopes:
         both, slopes = middle.velocities(
             *place, state.after + end * state.before, (1 + end) * share, count=count
         )
-        features = self.source.kinds(keys)
-        if owner is not None:
-            sizes = geometry.size // count, before.size // count
-            features = [_in_columns(kind, owner[kind.row], *sizes) for kind in features]
-        kinds = [
-            self._evaluate(kind, (geometry, ahead), (before, both), impulses[kind.row], end)
-            for kind in features
-        ]
+        sizes = geometry.size // count, before.size // count
+        column, kinds = np.zeros(keys.size, dtype=int) if owner is None else owner, []
+        for kind in self.source.kinds(keys):
+            own, variables = self._changing(kind, impulses.shape[1], column[kind.row], *sizes)
+            at = (geometry, ahead), (before, both), impulses[kind.row], end
+            kinds.append(self._evaluate(own, variables, *at))
         wrench = np.zeros((before.size, 1))
         for part in kinds:
             scatter(wrench, part.kind.velocities, part.wrench[..., None])
@@ -154,82 +163,85 @@ class SourceSlopes:
         places = start, PlaceSlopes(ahead_by_q, *slopes)
         return SourceGaps(rows, kinds, *places, momenta, end, speeds, shape)
 
+    def values(
+        self,
+        state: StepState,
+        keys: np.ndarray,
+        shape: tuple[int, int],
+        owner: np.ndarray,
+    ) -> GapValues:
+        """The gaps with some keys, without derivatives; zeros are stored for all speeds of their
+        shapes.
+
+        Parameters
+        ----------
+        shape : components of gap velocities, number of coefficients
+        owner : (n,) column of the state of each gap
+        """
+        place, count = (state.t, state.y, state.p, state.before, state.lead), state.count
+        end, share, (width, laws) = state.end, state.drift, shape
+        middle = self._middle if np.any(state.lead) else self._start
+        sizes, _ = self._start.sizes(*place, count=count)
+        ahead = sizes if middle is self._start else middle.sizes(*place, count=count)[0]
+        before, _ = self._start.moving(*place, state.before, share, count=count)
+        speeds = state.after + end * state.before, (1 + end) * share
+        both, (moving,) = middle.moving(*place, *speeds, count=count)
+        values, parts = GapChanges.zero(keys.size, width, laws), []
+        lengths = sizes.size // count, before.size // count
+        for one in self.source.kinds(keys):
+            kind, variables = self._changing(one, width, owner[one.row], *lengths)
+            kernel = self._kernels.values(kind.function, variables)
+            distance, blocks = kernel(*(sizes[entries] for entries in kind.arguments))
+            turned = blocks
+            if middle is not self._start:
+                turned = kernel(*(ahead[entries] for entries in kind.arguments))[1]
+            first = (blocks @ before[kind.velocities][..., None])[..., 0]
+            last = (turned @ both[kind.velocities][..., None])[..., 0] - end * first
+            values.add(kind.row, GapChanges(distance[:, 0, 0], first, last, sizes[kind.laws]))
+            parts.append((kind, turned))
+        return GapValues(values, directions_of(parts, keys.size * width, moving, zeros=True))
+
+    def _changing(
+        self, kind: GapKind, width: int, owner: np.ndarray, geometry: int, velocities: int
+    ) -> tuple[GapKind, GapVariables]:
+        """Gaps in the columns ``owner`` of states with a number of entries each, without the
+        velocities that are zero, and their variables."""
+        variables, own = GapVariables.of(kind, width, self._varying, self._moving), owner[:, None]
+        changing = replace(
+            kind,
+            arguments=[entries + geometry * own for entries in kind.arguments],
+            velocities=kind.velocities[:, list(variables.velocities)] + velocities * own,
+            laws=kind.laws + geometry * own,
+        )
+        return changing, variables
+
     def _evaluate(
         self,
         kind: GapKind,
+        variables: GapVariables,
         geometry: tuple[np.ndarray, np.ndarray],
         velocities: tuple[np.ndarray, np.ndarray],
         impulses: np.ndarray,
         end: float,
     ) -> KindSlopes:
         """Gaps of a kind, by the geometry and the velocities at the start and in the middle."""
-        count, width = impulses.shape
-        size = SMALLEST << max(0, int(np.ceil(np.log2(count / SMALLEST))))
-        size = min(size, LARGEST)
-        key = kind.function, width, size
-        if key not in self._kernels:
-            self._kernels[key] = [Kernel(f.map(size)) for f in _gap_slopes(kind.function, width)]
-        padded = np.arange(-(-count // size) * size) % count
-        results = []
+        kernels, results = self._kernels.slopes(kind.function, variables), []
         for kernel, place, speeds, rest in zip(
-            self._kernels[key], geometry, velocities, ([], [impulses[padded]]), strict=True
+            kernels, geometry, velocities, ([], [impulses]), strict=True
         ):
-            columns = [place[entries[padded]] for entries in kind.arguments]
-            columns += [speeds[kind.velocities[padded]], *rest]
-            parts = [
-                kernel(*(column[begin : begin + size].T for column in columns))
-                for begin in range(0, padded.size, size)
-            ]
-            outputs = [
-                np.concatenate([part.T.reshape(size, -1, part.shape[0]) for part in output])
-                for output in zip(*parts, strict=True)
-            ]
-            results.append([output[:count].swapaxes(1, 2) for output in outputs])
+            columns = [place[entries] for entries in kind.arguments]
+            results.append(kernel(*columns, speeds[kind.velocities], *rest))
         distance, start, blocks, by_distance, by_start = results[0]
         both, wrench, ahead, by_both, by_wrench = results[1]
         before = start[..., 0]
         laws = geometry[0][kind.laws]
         values = GapChanges(distance[:, 0, 0], before, both[..., 0] - end * before, laws)
         slopes = by_distance[:, 0], by_start, by_both, by_wrench
-        entries = np.hstack(kind.arguments)
+        entries = np.hstack(kind.arguments)[:, list(variables.arguments)]
         return KindSlopes(kind, entries, values, wrench[..., 0], blocks, ahead, *slopes)
-
-
-def _in_columns(kind: GapKind, owner: np.ndarray, geometry: int, velocities: int) -> GapKind:
-    """Gaps in the columns ``owner`` of states with a number of entries each."""
-    own = owner[:, None]
-    return replace(
-        kind,
-        arguments=[entries + geometry * own for entries in kind.arguments],
-        velocities=kind.velocities + velocities * own,
-        laws=kind.laws + geometry * own,
-    )
 
 
 @once
 def source_slopes(model: Model) -> list[SourceSlopes]:
     """Derivatives of the gaps of all sources of a model."""
     return [SourceSlopes(source, model.equations) for source in gap_sources(model)]
-
-
-@lru_cache(CACHED)
-def _gap_slopes(function: ca.Function, width: int) -> tuple[ca.Function, ca.Function]:
-    """``(arguments, τ) → g, B τ, B`` and derivatives of ``g`` and ``B τ`` by the arguments; and
-    ``(arguments, τ, P) → B τ, f, B`` and derivatives of ``B τ`` and ``f``."""
-    arguments = [ca.SX.sym("s", function.numel_in(k)) for k in range(function.n_in())]
-    distance, blocks, *_ = function.call(arguments)
-    rows = min(width, blocks.shape[0])
-    blocks = ca.vertcat(blocks[:rows, :], ca.SX.zeros(width - rows, blocks.shape[1]))
-    twist, impulse = ca.SX.sym("twist", blocks.shape[1]), ca.SX.sym("P", width)
-    speeds, wrench = ca.mtimes(blocks, twist), ca.mtimes(blocks.T, impulse)
-    geometry = ca.vertcat(*arguments)
-    by_distance, by_speeds, by_wrench = (
-        ca.jacobian(value, geometry) for value in (distance, speeds, wrench)
-    )
-    start = [*arguments, twist], [distance, speeds, blocks, by_distance, by_speeds]
-    middle = [*arguments, twist, impulse], [speeds, wrench, blocks, by_speeds, by_wrench]
-    first, second = (
-        ca.Function("gap_slopes", inputs, [ca.densify(part) for part in outputs], {"cse": True})
-        for inputs, outputs in (start, middle)
-    )
-    return first, second

@@ -17,12 +17,12 @@ from dalembert.sensitivity.nonsmooth.connected_contacts import (
 from dalembert.sensitivity.nonsmooth.contact_changes import MARGIN, ContactChanges
 from dalembert.sensitivity.nonsmooth.free_steps import FreeSteps, LastingContacts, mobility_of
 from dalembert.sensitivity.nonsmooth.gap_matrices import distance_slopes
-from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
+from dalembert.sensitivity.nonsmooth.gap_values import GapValues
 from dalembert.sensitivity.nonsmooth.instant_shifts import InstantShifts
-from dalembert.sensitivity.nonsmooth.proximal_factors import diagonal_block
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.source_slopes import StepState
 from dalembert.sensitivity.nonsmooth.stacked_maps import StackedMaps
+from dalembert.sensitivity.nonsmooth.triplets import DiagonalBlocks
 
 SIMULTANEOUS = 1e-6
 """Threshold of the distance of simultaneous impacts, relative to the step [-]."""
@@ -85,16 +85,17 @@ class StackedImpacts:
         self._near = np.bincount(owner, margin <= MARGIN * speed, steps.count) > 0
         return rows[speed > SLOW * forced], before
 
-    def _carrying(self, has: np.ndarray) -> tuple[Gaps, LastingContacts]:
+    def _carrying(self, has: np.ndarray) -> tuple[GapValues, LastingContacts]:
         """Gaps of the contacts that carry bodies before the impacts of some steps, also those that
-        the impacts open."""
-        steps, maps = self._steps, self._maps
-        rows = np.flatnonzero(has[steps.owner] & ~steps.begins)
+        the impacts open, all with directions in the middle of the step."""
+        steps, gaps, kept = self._steps, self._maps.contacts.gaps, self._steps.active.kept
+        lasting = has[steps.owner] & ~steps.begins
+        rows, turned = np.flatnonzero(lasting & ~kept), np.flatnonzero(lasting & kept)
         ended = np.flatnonzero(has[steps.ended_owner])
-        if not ended.size:
-            return maps.contacts.gaps, steps.lasting(rows)
+        if not (turned.size or ended.size):
+            return gaps, steps.lasting(rows)
         owner, keys, impulses, sticks = (
-            np.concatenate([values[rows], others[ended]])
+            np.concatenate([values[rows], values[turned], others[ended]])
             for values, others in (
                 (steps.owner, steps.ended_owner),
                 (steps.active.keys, steps.ended.keys),
@@ -102,10 +103,11 @@ class StackedImpacts:
                 (steps.sticks, steps.ended_sticks),
             )
         )
-        order = np.argsort(owner, kind="stable")
-        owner, keys, impulses = owner[order], keys[order], impulses[order]
-        gaps = maps.maps.gaps(maps.state, keys, impulses, owner=owner)
-        return gaps, LastingContacts(np.arange(keys.size), owner, impulses, sticks[order])
+        own, order = np.arange(rows.size), np.argsort(owner, kind="stable")
+        others = np.arange(rows.size, owner.size)
+        evaluated = self._maps.maps.values(self._maps.state, keys[others], owner[others])
+        joined = GapValues.joined([(own, gaps.some(rows)), (others, evaluated)])
+        return joined, LastingContacts(order, owner[order], impulses[order], sticks[order])
 
     def _parts(self) -> tuple[np.ndarray, np.ndarray]:
         """Contacts of moving impacts, in the order of these, and (m, n_x) masks of the entries of
@@ -142,8 +144,7 @@ class StackedImpacts:
         arguments = still, state.y, still, state.t, state.p, 0.0
         mass = equations.consistent(*arguments)[1][0]
         mobility = mobility_of(maps.maps, mass, steps.count)
-        own = equations.reach[list(maps.maps.e.states)].T
-        by_states = scipy.sparse.kron(scipy.sparse.eye_array(steps.count), own, "csr")
+        by_states = equations.states_of_speeds(steps.count)
         groups, place = maps.maps.contact_step.groups, rows[:, None] * width + np.arange(width)
         directions = maps.contacts.gaps.directions[place.ravel()]
         laws = ContactLaws.of(self._values.laws[rows].T, groups)
@@ -154,8 +155,7 @@ class StackedImpacts:
         steps, maps = self._steps, self._maps.maps
         y, v = np.split(steps.earlier, [maps.size])
         state = StepState(steps.earlier_t[None], y, maps.p, v, v)
-        keys, impulses = steps.active.keys[rows], steps.active.impulses[rows]
-        return closing_times(maps.gaps(state, keys, impulses, owner=self._owner(rows)).values)
+        return closing_times(maps.values(state, steps.active.keys[rows], self._owner(rows)).values)
 
     def _changed(
         self, labels: np.ndarray, moved: Sparse, chosen: np.ndarray, owner: np.ndarray
@@ -187,7 +187,7 @@ class StackedImpacts:
         state = StepState(t, y, maps.maps.p, v, v, lead=maps.maps.lead(steps.h[None]))
         lasting = steps.lasting(np.flatnonzero(has[steps.owner] & self._closed))
         keys, owner = steps.active.keys[lasting.rows], lasting.owner
-        gaps = maps.maps.gaps(state, keys, lasting.impulses, owner=owner)
+        gaps = maps.maps.values(state, keys, owner)
         own = LastingContacts(np.arange(keys.size), owner, lasting.impulses, lasting.sticks)
         after = FreeSteps(maps.maps, state, steps.h).with_contacts(gaps, own)
         start = maps.state
@@ -216,24 +216,19 @@ class StackedImpacts:
         return mean @ distance_slopes(self._maps.contacts.gaps)
 
     @cached_property
-    def _ordered(self) -> tuple[np.ndarray, np.ndarray, Sparse, np.ndarray]:
-        """First impact of each step, and the impacts by steps."""
+    def _ordered(self) -> tuple[np.ndarray, DiagonalBlocks, np.ndarray]:
+        """First impact of each step, and derivatives of the instants and by these, by steps."""
         order = np.argsort(self._step_of, kind="stable")
         first = np.searchsorted(self._step_of[order], np.arange(self._steps.count + 1))
-        return first, order, self._instants[order], self._jumps[order]
+        return first, DiagonalBlocks(self._instants[order], first), self._jumps[order]
 
     def at(self, k: int) -> InstantShifts | None:
         """Contribution of the impacts of a step; None without any."""
         if not self._step_of.size:
             return None
-        first, _, instants, jumps = self._ordered
+        first, instants, jumps = self._ordered
         begin, end = first[k : k + 2]
-        if begin == end:
-            return None
-        width = instants.shape[1] // self._steps.count
-        return InstantShifts(
-            diagonal_block(instants, begin, end, width * k, width), jumps[begin:end]
-        )
+        return InstantShifts(instants.at(k), jumps[begin:end]) if begin < end else None
 
     def changes(self, k: int) -> ContactChanges:
         """Changes of contact states in a step and near it."""

@@ -15,7 +15,7 @@ import scipy
 from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts
 from dalembert.sensitivity.nonsmooth.contact_changes import near_change
 from dalembert.sensitivity.nonsmooth.contact_equations import ContactEquations
-from dalembert.sensitivity.nonsmooth.contact_maps import SOLVED, ContactMaps, terms_of
+from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
 from dalembert.sensitivity.nonsmooth.forced_changes import ForcedSteps
 from dalembert.sensitivity.nonsmooth.free_steps import LastingContacts
 from dalembert.sensitivity.nonsmooth.gap_matrices import NAMES, MatrixGaps
@@ -27,8 +27,10 @@ from dalembert.sensitivity.nonsmooth.proximal_factors import (
     ScaledMatrix,
     diagonal_block,
 )
+from dalembert.sensitivity.nonsmooth.residual_terms import SOLVED, terms_of
 from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.source_slopes import StepState
+from dalembert.sensitivity.nonsmooth.triplets import DiagonalBlocks
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,6 +169,18 @@ class StackedMaps:
         joined = scipy.sparse.csr_array(scipy.sparse.vstack([self._by_q - momentum, rows]))
         return joined[self._order]
 
+    @cached_property
+    def _all_blocks(self) -> DiagonalBlocks:
+        """Derivatives of all equations of each step by ``q``."""
+        return DiagonalBlocks(self._by_all, self._bounds)
+
+    @cached_property
+    def _next_blocks(self) -> tuple[DiagonalBlocks, DiagonalBlocks]:
+        """Derivatives of the states after each step by the unknowns and by ``q``."""
+        first = self.following.shape[0] * np.arange(self.steps.count + 1)
+        by_z, by_q = self._next
+        return DiagonalBlocks(by_z, first), DiagonalBlocks(by_q, first)
+
     def at(self, k: int, whole: bool) -> MapAt:
         """Map of a step.
 
@@ -178,24 +192,20 @@ class StackedMaps:
         begin, end = self._bounds[k : k + 2]
         first, contacts = self.steps.first, None
         if whole:
-            by_q = self._block(self._by_all, self._bounds, k)
+            by_q = self._all_blocks.at(k)
         else:
-            by_q = self._block(self._by_q, self.maps.speeds, k)
+            by_q = self._block(self._by_q, self.maps.speeds * np.arange(k, k + 2), k)
             contacts = self._contacts(k) if first[k] < first[k + 1] else None
-        forced = self._block(self._forced, 1, k) if self.forced[k] and not whole else None
-        factors = self.factors(k)
-        z = self._z[self._order[begin:end]]
-        (by_z, by_state), rows = self._next, self.following.shape[0]
-        own = self._block(by_z, rows, k), self._block(by_state, rows, k)
-        return MapAt(z, self.following[:, k], factors, by_q, *own, contacts, forced)
+        forced = None
+        if self.forced[k] and not whole:
+            forced = self._block(self._forced, np.arange(k, k + 2), k)
+        by_z, next_by_q = self._next_blocks
+        matrices, z = (by_q, by_z.at(k), next_by_q.at(k)), self._z[self._order[begin:end]]
+        return MapAt(z, self.following[:, k], self.factors(k), *matrices, contacts, forced)
 
-    def _block(self, matrix: Sparse, rows: int | np.ndarray, k: int) -> Sparse:
-        """Block of a step, with as many rows in each, or with rows between bounds."""
-        width = matrix.shape[1] // self.steps.count
-        if isinstance(rows, int):
-            begin, end = rows * k, rows * (k + 1)
-        else:
-            begin, end = rows[k : k + 2]
+    def _block(self, matrix: Sparse, rows: np.ndarray, k: int) -> Sparse:
+        """Block of step ``k``, from the first of two rows to the second one."""
+        width, (begin, end) = matrix.shape[1] // self.steps.count, rows
         return diagonal_block(matrix, begin, end, width * k, width)
 
     @cached_property
@@ -225,18 +235,18 @@ class StackedMaps:
 
     def _contacts(self, k: int) -> ContactEquations:
         """Equations of the contacts of a step."""
-        whole, first = self.contacts, self.steps.first
-        rows, (total, width) = np.arange(*first[k : k + 2]), whole.factors.shape
+        whole, ends = self.contacts, self.steps.first[k : k + 2]
+        rows, (total, width) = np.arange(*ends), whole.factors.shape
         matrices = whole.gap_slopes
         slopes = {
-            name: self._block(matrices[name], matrices[name].shape[0] // total * first, k)
+            name: self._block(matrices[name], matrices[name].shape[0] // total * ends, k)
             for name in NAMES
         }
-        momentum = self._block(matrices["momentum"], self.maps.speeds, k)
-        across = self._block(whole.gaps.directions, width * first, k)
+        momentum = self._block(matrices["momentum"], self.maps.speeds * np.arange(k, k + 2), k)
+        across = self._block(whole.gaps.directions, width * ends, k)
         values, size = whole.gaps.values.some(rows), momentum.shape[1]
         part = MatrixGaps(np.arange(rows.size), values, across, slopes, momentum, size)
-        gaps = Gaps([part], values, across)
+        gaps = Gaps(values, across, [part])
         own = whole.own[rows], whole.coupled[rows], whole.slopes.some(rows)
         limits = whole.limit[rows], whole.column[rows], whole.factors[rows]
         residual = whole.residual.reshape(total, width)[rows].ravel()

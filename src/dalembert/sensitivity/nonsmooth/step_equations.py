@@ -185,6 +185,11 @@ class StepEquations:
         shape = e.coordinate_count, e.speed_count
         return scipy.sparse.csr_array((np.ones(len(rows)), (rows, columns)), shape=shape)
 
+    def states_of_speeds(self, count: int) -> Sparse:
+        """(K n, K n_x) ones where a speed moves a state of first order, of several steps."""
+        own = self.reach[list(self.e.states)].T
+        return scipy.sparse.kron(scipy.sparse.eye_array(count), own, "csr")
+
 
 @once
 def step_equations(model: Model, theta: float) -> StepEquations:

@@ -11,12 +11,17 @@ from dalembert.sensitivity.nonsmooth.recorded_contacts import RecordedContacts
 from dalembert.sensitivity.nonsmooth.stacked_impacts import StackedImpacts
 from dalembert.sensitivity.nonsmooth.stacked_maps import StackedMaps, StepColumns
 
-STACK, ENTRIES = 128, 800_000
+STACK, ENTRIES = 256, 800_000
 """Upper limits of the steps whose maps are evaluated together, and of the entries of their states,
 which bound the memory."""
 UNMOVED = 0.1
 """Threshold of a correction of positions, relative to the penetration that counts as rounding
 [-]."""
+
+
+def stack_length(size: int) -> int:
+    """Number of steps whose maps are evaluated together, with states of ``size`` entries."""
+    return int(np.clip(ENTRIES // size, 1, STACK))
 
 
 class StepStacks:
@@ -45,7 +50,7 @@ class StepStacks:
         has_means = step.smooth.takes_means(step.scheme.theta)
         unfit = has_means or step.smooth.has_joints or step.force_laws.elements
         self._fit = np.zeros_like(repeated) if unfit else ~repeated
-        self._length = int(np.clip(ENTRIES // self._x.shape[0], 1, STACK))
+        self._length = stack_length(self._x.shape[0])
         self._number = -1
         self._impacts: StackedImpacts | None = None
         self._last: tuple[dict[int, int], StackedMaps | None] = {}, None
