@@ -17,6 +17,9 @@ SETTINGS = newton.NewtonSettings(tolerance=CLOSED, max_iterations=20, halvings=0
 """Newton's method converges quadratically."""
 SHARE = 0.1
 """Accuracy of a displacement, relative to the penetration that counts as rounding [-]."""
+FARTHEST, CORRECTED = 2.0, 0.1
+"""Upper limits of the correction of a position, relative to the motion in the step and to the
+natural displacements; the larger one applies [-]."""
 ROUNDS = 20
 """Upper limit of the number of times that further gaps join the correction."""
 

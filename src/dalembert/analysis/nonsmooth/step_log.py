@@ -174,14 +174,20 @@ class StepLog:
         self.stored.append(self._stored(t, y))
 
     def extend(
-        self, t: np.ndarray, y: np.ndarray, v: np.ndarray, depths: np.ndarray, part: StepEntries
+        self,
+        t: np.ndarray,
+        y: np.ndarray,
+        v: np.ndarray,
+        depths: np.ndarray,
+        part: StepEntries,
+        uncorrected: np.ndarray,
     ) -> None:
-        """Append K steps without corrections or force laws: times, states by rows and penetrations
-        at their ends."""
+        """Append K steps without joints or force laws: times, states by rows and penetrations at
+        their ends, and positions before their corrections."""
         self.compiled += range(len(self.lengths), len(self.lengths) + t.size)
         self.lengths += list(np.diff(t, prepend=self.t))
         self.times += list(t)
-        self.uncorrected += list(y)
+        self.uncorrected += list(uncorrected)
         self.positions += list(y)
         self.speeds += list(v)
         self.speed_losses += [0.0] * t.size

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
 from dalembert.analysis.nonsmooth.advance import AHEAD
@@ -56,9 +58,9 @@ FILES = (
     "last_impulses.c",
     "leaving_corners.c",
     "shape_contacts.c",
-    "anticipated_step.c",
+    "free_body_step.c",
 )
-"""Files of the machine code of a step."""
+"""Files of the machine code of steps by all schemes."""
 CHUNK, RECORDS = 512, 16_384
 """Steps between transfers of the record, and least number of its contacts."""
 GROWTH = 1.5
@@ -76,7 +78,9 @@ RENEWALS = 4
 
 
 class FreeBodySteps(RecordedContacts):
-    """Arrays of the machine code, and its calls.
+    """Arrays of the machine code of anticipated impacts, and its calls.
+
+    A subclass for another scheme names the file of its step, and appends arrays.
 
     Parameters
     ----------
@@ -90,9 +94,12 @@ class FreeBodySteps(RecordedContacts):
     ahead : the same in the middle of the step
     limits : length of the step, tolerance, rounding of gaps, reach of the list, weight of a
         position on the path, least travel of an impact, change of a gap by its turn that counts as
-        zero, clearance
+        zero, clearance, longest step, least gap in the conditions, steps over the lead of
+        ``ahead``, θ
     lists : number of lists of pairs so far
     """
+
+    file: ClassVar[str] = "anticipated_step.c"
 
     def __init__(self, step: ContactStep, motion: FreeBodyMotion):
         self._motion, self._shapes = motion, motion.shapes
@@ -108,7 +115,7 @@ class FreeBodySteps(RecordedContacts):
         geometry = self.corners, self.references, self.normals, self.velocities
         self.ahead = list(map(np.zeros_like, geometry))
         limits = 0.0, step.solver.tolerance, step.rounding, -1.0, 0.0, step.least_travel
-        self.limits = np.array([*limits, step.rounding, step.clearance, step.longest])
+        self.limits = np.array([*limits, *self._scheme_limits(step)])
         used = [0, 1, *range(FIRST, FIRST + len(step.groups))]
         self.radii, self.body, self._reserved = motion.radii(step.p), motion.body.copy(), 0
         self._laws = np.ascontiguousarray(motion.laws(step.p)[used].T)
@@ -160,7 +167,7 @@ class FreeBodySteps(RecordedContacts):
         }
         fixed = (WIDTH, GROUPS, WIDEST, SIZE, DIMENSION)
         constants = tuple((place, int(counts[place])) for place in fixed)
-        self._code = machine_code(*FILES, constants=constants)
+        self._code = machine_code(*FILES, self.file, constants=constants)
         self.counts = np.zeros(LAST, dtype=np.int64)
         self.counts[list(counts)] = list(counts.values())
         self.numbers = np.zeros((CHUNK, NUMBERS))
@@ -168,6 +175,11 @@ class FreeBodySteps(RecordedContacts):
         if self.available:
             self._allocate(1, 1, 1)
             self._renew_order()
+
+    def _scheme_limits(self, step: ContactStep) -> list[float]:
+        """Limits from the seventh one."""
+        turned = step.rounding, step.clearance, step.longest
+        return [*turned, 0.0, 1 / self._motion.lead, step.scheme.theta]
 
     @property
     def available(self) -> bool:
@@ -286,7 +298,7 @@ class FreeBodySteps(RecordedContacts):
         inputs += [self._described, self._shares_of_path, path[1], path[0], self._means, path[2]]
         inputs += [*before, *self.ahead, real(3 * shapes.axes)]
         self._sizes[SLOTS] = slots
-        self._status, self._pair_of = real(4), whole(contacts)
+        self._status, self._pair_of = real(8), whole(contacts)
         self._solved = real(rows)
         outputs = [self._solved, real(entries), real(n), real(rows), real(rows * k)]
         outputs += [real(rows) for _ in range(5)]
@@ -297,7 +309,9 @@ class FreeBodySteps(RecordedContacts):
         outputs += [self._pair_of, *self._speeds, real(rows), real(rows), self.displacement]
         outputs += [self._last[1], self.numbers, *recorded[:3], real(3 * rows)]
         outputs += [*(real(rows) for _ in range(8)), real(contacts), real(rows * k)]
-        outputs += [whole(contacts), self._kept, real(n), real(rows), real(n)]
+        outputs += [whole(contacts), self._kept, real(n), real(rows), real(n), whole(contacts)]
+        inputs += self._more_inputs()
+        outputs += self._more_outputs(contacts)
         blocks, size = self.counts[[BLOCKS, SIZE]]
         work = 12 * k**2 + 3 * k * (k + 1) + 2 * k + 4 * k * widest + (2 * widest) ** 2
         work = int(max(work, blocks * size + size**2))
@@ -306,3 +320,11 @@ class FreeBodySteps(RecordedContacts):
         memory = work + rows + MEMORY + contacts + 2 + entries
         self._loop = Loop(self._code, inputs, outputs, list(self.counts), memory)
         self.counts = self._loop.counts
+
+    def _more_inputs(self) -> list[np.ndarray]:
+        """Further inputs of the scheme."""
+        return []
+
+    def _more_outputs(self, contacts: int) -> list[np.ndarray]:
+        """Further outputs of the scheme, for a number of contacts."""
+        return []
