@@ -210,7 +210,10 @@ static casadi_int casadi_check_end(const casadi_real** arg, casadi_real** res, c
     if (casadi_closes(arg, res, iw, i)) closes = 1;
   }
   if (closes) casadi_fastest(arg, iw, res[28], reach);
-  for (i=0; i<2; ++i) reach[i] = 2*reach[i];
+  for (i=0; i<2; ++i) {
+    reach[i] = 2*reach[i];
+    if (reach[i]>res[11][3]) res[11][3] = reach[i];
+  }
   if (!casadi_listed(arg, iw, reach[0]>reach[1] ? reach[0] : reach[1])) return 2;
   res[11][4] = casadi_contacts(arg, res, iw, reach);
   if (iw[0]>iw[19]) return 7;

@@ -227,8 +227,7 @@ class FreeBodySteps(RecordedContacts):
 
     def _renew_order(self) -> None:
         """Order of elimination for the contacts of the step."""
-        pairs = self._pair_of[: self.counts[COUNT]]
-        bodies = self.body[self._pairs[:2, pairs]]
+        bodies = self.body[self._pairs[:2, self._ordered_pairs()]]
         order = self._motion.orderings.between(*bodies[:, (bodies >= 0).all(axis=0)])
         parts = order.owner, order.position, order.first, order.row, order.members
         rows = self._order[3]
@@ -239,6 +238,10 @@ class FreeBodySteps(RecordedContacts):
         for array, part in zip(self._order, parts, strict=True):
             array.ravel()[: part.size] = part.ravel()
         self.counts[ENTRIES] = order.entries
+
+    def _ordered_pairs(self) -> np.ndarray:
+        """Listed pairs that an order of elimination covers."""
+        return self._pair_of[: self.counts[COUNT]]
 
     def reorder(self) -> None:
         """Order of elimination without the bodies that take no part."""

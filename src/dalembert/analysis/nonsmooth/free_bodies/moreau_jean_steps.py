@@ -7,7 +7,12 @@ import numpy as np
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import SHARE
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
-from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import FreeBodySteps
+from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import (
+    OUTCOME,
+    PAIRS,
+    RENEWALS,
+    FreeBodySteps,
+)
 from dalembert.analysis.nonsmooth.free_bodies.path_contacts import (
     ADDED,
     AT_END,
@@ -18,6 +23,7 @@ from dalembert.analysis.nonsmooth.free_bodies.path_contacts import (
     OPENS,
     PASSES,
     STEP,
+    STORED,
 )
 from dalembert.analysis.nonsmooth.free_bodies.step_outcome import StepOutcome
 from dalembert.integrators.contact.schemes import ROUNDING, MoreauJean
@@ -54,14 +60,14 @@ class MoreauJeanSteps(FreeBodySteps):
         """The last step with the contacts that are added, from its start; its entry in the record
         replaces the last one."""
         self._sizes[CALL] = JOINED
-        outcome = self._kept_lists()
+        outcome = self._kept_contacts()
         self._sizes[CALL] = STEP
         return outcome
 
     def at_end(self) -> StepOutcome:
         """Gaps at the end of the last step, where the shapes are: ``CLOSED`` if one is."""
         self._sizes[CALL] = AT_END
-        outcome = self._kept_lists()
+        outcome = self._kept_contacts()
         self._sizes[CALL] = STEP
         return outcome
 
@@ -73,16 +79,32 @@ class MoreauJeanSteps(FreeBodySteps):
         self._sizes[CALL] = STEP
         return outcome
 
-    def _kept_lists(self) -> StepOutcome:
-        """A call that refers to the contacts of the call before, and to the list of its pairs."""
-        assert self._loop is not None
-        self._loop()
-        outcome = StepOutcome(int(self.counts[6]))
-        if outcome is StepOutcome.UNORDERED:
-            self._renew_order()
+    def _kept_contacts(self) -> StepOutcome:
+        """A call that refers to the contacts of the call before."""
+        for _ in range(RENEWALS):
+            assert self._loop is not None
             self._loop()
-            outcome = StepOutcome(int(self.counts[6]))
-        return outcome
+            outcome = StepOutcome(int(self.counts[OUTCOME]))
+            if outcome is StepOutcome.OUTDATED and np.isfinite(self._status[3]):
+                if not self._renewed(float(self._status[3])):
+                    break
+            elif outcome is StepOutcome.UNORDERED:
+                self._renew_order()
+            elif outcome is StepOutcome.MORE:
+                self._reserve(int(self.counts[COUNT]))
+                break
+            else:
+                return outcome
+        return StepOutcome.UNSOLVED
+
+    def _renewed(self, reach: float) -> bool:
+        """Whether another list contains the pairs of the stored contacts, which remain where the
+        list fits into its memory."""
+        stored = self._stored
+        super()._renew_list(reach)
+        described = stored[: 6 * self._sizes[STORED]].reshape(-1, 6)
+        listed = self.pair_numbers(self._pairs[:2, : self.counts[PAIRS]], described)
+        return stored is self._stored and bool(listed.all())
 
     @property
     def added(self) -> int:
@@ -106,6 +128,16 @@ class MoreauJeanSteps(FreeBodySteps):
         residual = self._status[1] if self.counts[COUNT] else 0.0
         return float(ROUNDING * self._status[EXCHANGED] + residual * self._status[PUSHES])
 
+    def _ordered_pairs(self) -> np.ndarray:
+        """Those of all contacts near each other at the start of the step, too, as the active ones
+        change within it."""
+        stored = self._stored[: 6 * self._sizes[STORED]].reshape(-1, 6)
+        return np.concatenate([super()._ordered_pairs(), stored[:, 5]])
+
+    def _renew_list(self, reach: float) -> None:
+        self._sizes[STORED] = 0  # their pairs have other numbers
+        super()._renew_list(reach)
+
     def _more_inputs(self) -> list[np.ndarray]:
         return [self.mass]
 
@@ -119,6 +151,6 @@ class MoreauJeanSteps(FreeBodySteps):
         directions = np.zeros(pattern), whole(rows + 1), whole(pattern)
         velocities, gaps = np.zeros((2, rows)), np.zeros(contacts)
         keys = np.zeros(contacts, dtype=np.int64)
-        described = whole(6 * contacts), whole(contacts)
-        states = np.zeros(3 * contacts), whole(contacts), np.zeros(n)
-        return [*directions, *velocities, gaps, keys, *described, *states, *self._mass_inverses]
+        self._sizes[STORED], self._stored = 0, whole(6 * contacts)
+        states = whole(contacts), np.zeros(3 * contacts), whole(contacts), np.zeros(n)
+        return [*directions, *velocities, gaps, keys, self._stored, *states, *self._mass_inverses]

@@ -99,15 +99,22 @@ class PathContacts(ABC):
     def renumber(self, pairs: np.ndarray) -> None:
         """Numbers of the pairs of the contacts before in another list; contacts of shapes that are
         no longer listed are removed."""
-        count, shapes = self._sizes[BEFORE], np.array([self._motion.shapes.count, 1])
+        count = self._sizes[BEFORE]
         keys, described = (part[:count].copy() for part in self._before)
+        listed = self.pair_numbers(pairs, described)
+        self._sizes[BEFORE] = left = int(listed.sum())
+        self._before[0][:left], self._before[1][:left] = keys[listed], described[listed]
+
+    def pair_numbers(self, pairs: np.ndarray, described: np.ndarray) -> np.ndarray:
+        """(n,) mask of the contacts of listed pairs, whose numbers are changed to those of a list
+        (2, m)."""
+        shapes = np.array([self._motion.shapes.count, 1])
         codes: np.ndarray = shapes @ np.sort(pairs, axis=0)
         order, own = np.argsort(codes), np.sort(described[:, [1, 3]], axis=1) @ shapes
         place = np.searchsorted(codes, own, sorter=order)
         listed = np.isin(own, codes)
         described[listed, 5] = order[place[listed]]
-        self._sizes[BEFORE] = left = int(listed.sum())
-        self._before[0][:left], self._before[1][:left] = keys[listed], described[listed]
+        return listed
 
     def set_path(self, keys: np.ndarray, described: np.ndarray) -> None:
         """Contacts of the path, with means that are zero."""
