@@ -99,6 +99,14 @@ static void casadi_gather(const casadi_real** arg, casadi_real** res, casadi_int
     casadi_response_rows(arg, res, iw, n, contact[1], contact[3]);
   }
 }
+/* change a state of stored contacts into another one */
+static void casadi_exchange(casadi_real** res, casadi_int count, int old, int other) {
+  int* state = (int*) res[61];
+  casadi_int i;
+  for (i=0; i<count; ++i) {
+    if (state[i]==old) state[i] = other;
+  }
+}
 /* gather the contacts with those about to be added; without contacts that open faster than forces change
    speeds if one has an impact. The outcome */
 static casadi_int casadi_join(const casadi_real** arg, casadi_real** res, casadi_int* iw) {
@@ -220,6 +228,7 @@ static casadi_int casadi_check_end(const casadi_real** arg, casadi_real** res, c
   sizes[10] = 0;
   sizes[11] = 0;
   sizes[13] = 0;
+  casadi_exchange(res, sizes[9], 3, 2);
   for (i=0; i<sizes[9] && closes; ++i) {
     if (casadi_closes(arg, res, iw, i) && casadi_reversed(arg, res, iw, i)) sizes[11] = 1;
   }
@@ -280,25 +289,29 @@ static casadi_int casadi_correct(const casadi_real** arg, casadi_real** res, cas
   return 6;
 }
 /* a call; iw[6] is its outcome, of a step as of anticipated impacts; 4 a gap is closed at the end; 8 no
-   contact is added. Calls are a step (0), the last step with other forces (3) or with more contacts (4),
-   gaps at its end (5), and a correction (6) */
+   contact is added. Calls are a step (0), the last step with other forces (3), with more contacts (4) or
+   again without these (5), gaps at its end (6), and a correction (7) */
 static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w,
     int mem) {
   const casadi_int* sizes = (const casadi_int*) arg[47];
   const casadi_real* last;
   casadi_real deepest[1];
-  casadi_int i, j, r, rounds = 0, call = sizes[6];
-  if (call>=5) {
-    iw[6] = call==5 ? casadi_check_end(arg, res, iw) : casadi_correct(arg, res, iw, w);
+  casadi_int j, r, rounds = 0, call = sizes[6], joins = call==4 || call==5;
+  if (call>=6) {
+    iw[6] = call==6 ? casadi_check_end(arg, res, iw) : casadi_correct(arg, res, iw, w);
     return 0;
   }
-  last = res[30] + 6*(call==4 ? iw[20] - 1 : iw[20]);
+  last = res[30] + 6*(joins ? iw[20] - 1 : iw[20]);
   iw[6] = 1;
   if (casadi_free_speeds(arg, res, iw, w)) return 0;
   iw[6] = 0;
   deepest[0] = last[0];
   if (call==3) casadi_other_forces(arg, res, iw);
   if (call==4) iw[6] = casadi_join(arg, res, iw);
+  if (call==5) {
+    casadi_exchange(res, sizes[9], 3, 1);
+    casadi_gather(arg, res, iw);
+  }
   if (call==0) {
     iw[6] = casadi_prepare(arg, res, iw, 1.5, deepest);
     if (iw[6]) return 0;
@@ -319,12 +332,9 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     res[11][6] += res[0][r]*(res[5][r] - res[48][r]);
     res[11][7] += fabs(res[0][r]);
   }
-  if (call==4) {
+  if (joins) {
     iw[21] -= last[5];
     --iw[20];
-    for (i=0; i<sizes[9]; ++i) {
-      if (((int*) res[61])[i]==3) ((int*) res[61])[i] = 2;
-    }
   }
   if (casadi_finish(arg, res, iw, deepest[0], rounds)) return 0;
   for (j=0; j<iw[3]; ++j) res[62][j] = res[19][j];

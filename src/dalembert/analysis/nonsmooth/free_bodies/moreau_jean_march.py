@@ -25,8 +25,8 @@ class MoreauJeanMarch(FreeBodyLoop):
     ``advance`` and ``correct_position``.
 
     A step is left to the general one if its impulses or positions do not converge, if it has
-    contacts of features that are not near at its start, if contacts supply energy, or if shapes may
-    have passed through each other.
+    contacts of features that are not near at its start, or if shapes may have passed through each
+    other.
 
     Parameters
     ----------
@@ -109,7 +109,8 @@ class MoreauJeanMarch(FreeBodyLoop):
         return self._opened(end)
 
     def _with_added(self, before: np.ndarray) -> StepOutcome:
-        """The step from the speeds ``before`` with the contacts that are added to its own."""
+        """The step from the speeds ``before`` with the contacts that are added to its own, unless
+        they supply energy."""
         steps, after = self._steps, self._steps.v.copy()
         loss = steps.numbers[steps.counts[STEPS] - 1, LOSS]
         steps.v[:] = before
@@ -119,7 +120,9 @@ class MoreauJeanMarch(FreeBodyLoop):
         elif outcome is StepOutcome.DONE:
             own = steps.numbers[steps.counts[STEPS] - 1, LOSS]
             if own < min(loss, -steps.inexact_work):
-                return StepOutcome.UNSOLVED
+                steps.v[:] = before
+                parted = self._turned_step(steps.parted)
+                outcome = StepOutcome.UNCHANGED if parted is StepOutcome.DONE else parted
         return outcome
 
     def _opened(self, end: float) -> StepOutcome:

@@ -20,7 +20,7 @@ from dalembert.analysis.nonsmooth.free_bodies.path_contacts import (
     CORRECTION,
     COUNT,
     JOINED,
-    OPENS,
+    PARTED,
     PASSES,
     STEP,
     STORED,
@@ -60,6 +60,13 @@ class MoreauJeanSteps(FreeBodySteps):
         """The last step with the contacts that are added, from its start; its entry in the record
         replaces the last one."""
         self._sizes[CALL] = JOINED
+        outcome = self._kept_contacts()
+        self._sizes[CALL] = STEP
+        return outcome
+
+    def parted(self) -> StepOutcome:
+        """The last step again without the contacts that were added last."""
+        self._sizes[CALL] = PARTED
         outcome = self._kept_contacts()
         self._sizes[CALL] = STEP
         return outcome

@@ -20,9 +20,9 @@ those that are added are final; number of all sizes."""
 STEP, ON_PATH, ALL, AGAIN = range(4)
 """Kinds of calls: a step, evaluations of the contacts of the path or of all contacts, and the last
 step with other forces."""
-JOINED, AT_END, CORRECTION = range(4, 7)
-"""Kinds of calls of the scheme of Moreau and Jean: the last step with more contacts, gaps at its end,
-and a correction of positions."""
+JOINED, PARTED, AT_END, CORRECTION = range(4, 8)
+"""Kinds of calls of the scheme of Moreau and Jean: the last step with more contacts, or again without
+these, gaps at its end, and a correction of positions."""
 FEATURES, OFFSET = 1, 3
 """Places of the number of features of all hulls, and of the offset of the keys of their contacts,
 among the sizes of the shapes."""
