@@ -130,6 +130,12 @@ def correct_position(
     return newton.solve(PositionCorrection(step, t, open_gaps, travel), y, SETTINGS)
 
 
+def is_far(shift: float, travel: float) -> bool:
+    """Whether a correction of a position is larger than the motion in a step accounts for; both by
+    the natural displacements."""
+    return not shift <= max(FARTHEST * travel, CORRECTED)
+
+
 @dataclass(frozen=True)
 class ConsistentSpeeds:
     """Speeds that satisfy the joints.

@@ -157,7 +157,7 @@ class FreeBodyLoop(ABC):
         before = y if uncorrected is None else uncorrected[:count].copy()
         depth = self._step.deepest(self._step.at(grid[end], y[-1]))
         depths = np.abs(np.append(steps.numbers[1:count, DEPTH], depth))
-        log.extend(grid[begin + 1 : end + 1], y, v, depths, part, before)
+        log.extend(grid[begin + 1 : end + 1], (y, before, v), depths, part)
         contacts = part.key.size
         own = slice(contacts - int(part.count[-1]), contacts)
         self._last = LastImpulses((part.key[own], part.impulse[own]), part.key[:0])

@@ -8,7 +8,7 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.advance import REPETITIONS
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
-from dalembert.analysis.nonsmooth.correction import CORRECTED, FARTHEST, SETTINGS
+from dalembert.analysis.nonsmooth.correction import SETTINGS, is_far
 from dalembert.analysis.nonsmooth.free_bodies.free_body_loop import REPORTED, FreeBodyLoop
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
 from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import CHUNK
@@ -128,7 +128,7 @@ class MoreauJeanMarch(FreeBodyLoop):
     def _opened(self, end: float) -> StepOutcome:
         """Open the gaps at the end, where the shapes are."""
         steps, self._t[0] = self._steps, end
-        limit, shift = max(FARTHEST * self._size(), CORRECTED), 0.0
+        travel, shift = self._size(), 0.0
         for _ in range(SETTINGS.max_iterations):
             if not self._mass():
                 return StepOutcome.UNSOLVED
@@ -136,7 +136,8 @@ class MoreauJeanMarch(FreeBodyLoop):
             if outcome is StepOutcome.DONE:
                 return outcome
             shift += self._size()
-            if outcome is not StepOutcome.CLOSED or shift > limit or not self._correct():
+            far = is_far(shift, travel)
+            if outcome is not StepOutcome.CLOSED or far or not self._correct():
                 break
             self._next[:] = self._corrected
         return StepOutcome.UNSOLVED

@@ -7,12 +7,8 @@ import numpy as np
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import SHARE
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
-from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import (
-    OUTCOME,
-    PAIRS,
-    RENEWALS,
-    FreeBodySteps,
-)
+from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import FreeBodySteps
+from dalembert.analysis.nonsmooth.free_bodies.pair_lists import OUTCOME, PAIRS, RENEWALS
 from dalembert.analysis.nonsmooth.free_bodies.path_contacts import (
     ADDED,
     AT_END,
@@ -41,7 +37,7 @@ class MoreauJeanSteps(FreeBodySteps):
     mass : entries of the mass matrix where the shapes are
     """
 
-    file = "moreau_jean_step.c"
+    files = "stored_contacts.c", "position_correction.c", "moreau_jean_step.c"
 
     def __init__(self, step: ContactStep, motion: FreeBodyMotion):
         self.mass = np.zeros(motion.columns.size)

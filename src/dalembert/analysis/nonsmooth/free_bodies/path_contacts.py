@@ -14,15 +14,15 @@ CALL, PATH, BEFORE = range(6, 9)
 """Places among the sizes of the shapes: kind of the call, and the numbers of contacts of the path
 and of the step before."""
 STORED, ADDED, PASSES, OPENS, FINAL, SIZES = range(9, 15)
-"""Places among the sizes, for the scheme of Moreau and Jean: numbers of stored contacts and of those
-that are added, whether shapes pass through each other, whether contacts may be added, and whether
-those that are added are final; number of all sizes."""
+"""Places among the sizes, for the scheme of Moreau and Jean: numbers of the stored contacts and of
+those about to be added, whether shapes pass through each other, whether contacts may be added, and
+whether those about to be added are final; number of all sizes."""
 STEP, ON_PATH, ALL, AGAIN = range(4)
 """Kinds of calls: a step, evaluations of the contacts of the path or of all contacts, and the last
 step with other forces."""
 JOINED, PARTED, AT_END, CORRECTION = range(4, 8)
-"""Kinds of calls of the scheme of Moreau and Jean: the last step with more contacts, or again without
-these, gaps at its end, and a correction of positions."""
+"""Kinds of calls of the scheme of Moreau and Jean: the last step with more contacts, or again
+without these, gaps at its end, and a correction of positions."""
 FEATURES, OFFSET = 1, 3
 """Places of the number of features of all hulls, and of the offset of the keys of their contacts,
 among the sizes of the shapes."""
