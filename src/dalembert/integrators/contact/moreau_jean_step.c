@@ -35,27 +35,28 @@ static int casadi_closes(const casadi_real** arg, casadi_real** res, const casad
   casadi_real closing = casadi_closing(arg, res, iw, i);
   return closing>arg[36][2] && closing - res[56][i]>arg[36][2];
 }
-/* whether a contact at the end has the same shapes as a stored one, and the opposite normal */
+/* whether the nearest contact at the end with the shapes of a stored one has the opposite normal */
 static int casadi_reversed(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
     casadi_int i) {
   const int* contact = (const int*) arg[51];
-  casadi_int e;
+  casadi_int e, nearest = -1;
   casadi_real normal[3];
-  for (e=0; e<iw[0]; ++e, contact+=6) {
-    if (contact[5]!=((const int*) res[58])[6*i+5]) continue;
-    casadi_signed_normal(arg, iw, contact, normal);
-    if (casadi_dot(normal, res[60] + 3*i)<0) return 1;
+  for (e=0; e<iw[0]; ++e) {
+    if (contact[6*e+5]!=((const int*) res[58])[6*i+5]) continue;
+    if (nearest<0 || arg[45][e]<arg[45][nearest]) nearest = e;
   }
-  return 0;
+  if (nearest<0) return 0;
+  casadi_signed_normal(arg, iw, contact + 6*nearest, normal);
+  return casadi_dot(normal, res[60] + 3*i)<0;
 }
-/* stored contacts that are added: those that are closed at the end, and those at rest that a correction
-   would open. Their number, or -1 if others are closed */
-static casadi_int casadi_added(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
-  const casadi_int* sizes = (const casadi_int*) arg[47];
+/* select stored contacts to be added: those that are closed at the end, and those at rest that a correction
+   would open; without any, those of other features that are closed */
+static void casadi_select(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
+  casadi_int* sizes = (casadi_int*) arg[47];
   const casadi_int* keys = (const casadi_int*) arg[43];
   const casadi_int* stored = (const casadi_int*) res[57];
   int* state = (int*) res[61];
-  casadi_int i, e, r, added = 0;
+  casadi_int i, e, a, r;
   casadi_real forced = res[11][5], h = arg[36][0];
   for (i=0; i<sizes[9]; ++i) {
     if (state[i]!=1) continue;
@@ -65,14 +66,16 @@ static casadi_int casadi_added(const casadi_real** arg, casadi_real** res, const
     for (e=0; e<iw[0] && state[i]==1; ++e) {
       if (keys[e]==stored[i] && arg[45][e]<-arg[36][2]) state[i] = 3;
     }
-    if (state[i]==3) ++added;
+    if (state[i]==3) ++sizes[10];
   }
-  for (e=0; e<iw[0] && added==0; ++e) {
+  for (e=0; e<iw[0] && sizes[10]==0; ++e) {
     if (!(arg[45][e]<-arg[36][2])) continue;
     for (i=0; i<sizes[9] && !(stored[i]==keys[e] && state[i]==2); ++i) {}
-    if (i==sizes[9]) added = -1;
+    if (i<sizes[9]) continue;
+    ((casadi_int*) res[65])[sizes[14]] = keys[e];
+    for (a=0; a<6; ++a) ((int*) res[66])[6*sizes[14]+a] = ((const int*) arg[51])[6*e+a];
+    ++sizes[14];
   }
-  return added;
 }
 /* gaps at the end of the step, where the shapes are: the smallest one in res[11][4], the contacts that are
    added, and whether shapes pass through each other; the outcome */
@@ -96,12 +99,13 @@ static casadi_int casadi_check_end(const casadi_real** arg, casadi_real** res, c
   sizes[10] = 0;
   sizes[11] = 0;
   sizes[13] = 0;
+  sizes[14] = 0;
   casadi_exchange(res, sizes[9], 3, 2);
   for (i=0; i<sizes[9] && closes; ++i) {
     if (casadi_closes(arg, res, iw, i) && casadi_reversed(arg, res, iw, i)) sizes[11] = 1;
   }
   if (res[11][4]>=-arg[36][2]) return 0;
-  if (sizes[12]) sizes[10] = casadi_added(arg, res, iw);
+  if (sizes[12]) casadi_select(arg, res, iw);
   return 4;
 }
 /* a call; iw[6] is its outcome, of a step as of anticipated impacts; 4 a gap is closed at the end; 8 no
@@ -123,7 +127,8 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   iw[6] = 0;
   deepest[0] = last[0];
   if (call==3) casadi_other_forces(arg, res, iw);
-  if (call==4) iw[6] = casadi_join(arg, res, iw);
+  if (call==4 && sizes[14]>0 && casadi_store_others(arg, res, iw)) iw[6] = 7;
+  if (call==4 && iw[6]==0) iw[6] = casadi_join(arg, res, iw);
   if (call==5) {
     casadi_exchange(res, sizes[9], 3, 1);
     casadi_gather(arg, res, iw);
@@ -132,7 +137,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     iw[6] = casadi_prepare(arg, res, iw, 1.5, deepest);
     if (iw[6]) return 0;
     if (iw[21]+iw[0]>iw[22]) iw[6] = 3;
-    casadi_store(arg, res, iw);
+    casadi_store_all(arg, res, iw);
     casadi_gather(arg, res, iw);
   }
   if (iw[6]) return 0;

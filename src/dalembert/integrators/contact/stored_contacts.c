@@ -3,9 +3,10 @@
    impulses in res[54] and res[55], gaps, keys, descriptions and kept directions in res[56] to res[59],
    normals from the shape with the lower number in res[60], and states in res[61]: whether a contact leaves
    its face (0), is idle (1), active (2), or about to be added (3). The speeds at the end are in res[62].
-   Sizes are, from the tenth one, the numbers of stored contacts and of those about to be added, -1 if others
-   are needed, and whether shapes pass through each other, contacts may be added, and those about to be added
-   are final */
+   Sizes are, from the tenth one, the numbers of stored contacts and of those about to be added, whether
+   shapes pass through each other, contacts may be added, and those about to be added are final, and the
+   number of contacts of other features that are closed at the end, whose keys and descriptions are in
+   res[65] and res[66] */
 /* normal of a contact from the shape with the lower number */
 static void casadi_signed_normal(const casadi_real** arg, const casadi_int* iw,
     const int* contact, casadi_real* normal) {
@@ -14,34 +15,48 @@ static void casadi_signed_normal(const casadi_real** arg, const casadi_int* iw,
   casadi_described_gap(arg, iw, contact, direction, point);
   for (a=0; a<3; ++a) normal[a] = contact[1]<contact[3] ? direction[a] : -direction[a];
 }
-/* store all contacts; active are those whose gaps would close within a part of the step */
-static void casadi_store(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
+/* append all contacts to the stored ones, with a state */
+static void casadi_store(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+    int state) {
   casadi_int* sizes = (casadi_int*) arg[47];
   const int* row = (const int*) arg[9];
   const int* contact = (const int*) arg[51];
-  int* state = (int*) res[61];
-  casadi_int count = iw[0], width = iw[1], rows = iw[0]*iw[1], i, j, a;
-  casadi_real forced = 0, fastest = 0, gap, speed;
-  casadi_int linear = iw[2]>0 ? ((const int*) arg[13])[1] : 1;
-  for (j=0; j<=rows; ++j) ((int*) res[52])[j] = row[j];
+  casadi_int first = sizes[9], rows = iw[0]*iw[1], i, j, a, next;
+  int* stored = (int*) res[52] + first*iw[1];
+  if (first==0) stored[0] = 0;
+  next = stored[0];
+  for (j=0; j<=rows; ++j) stored[j] = next + row[j];
   for (j=0; j<row[rows]; ++j) {
-    res[51][j] = arg[0][j];
-    ((int*) res[53])[j] = ((const int*) arg[10])[j];
+    res[51][next+j] = arg[0][j];
+    ((int*) res[53])[next+j] = ((const int*) arg[10])[j];
   }
   for (j=0; j<rows; ++j) {
-    res[54][j] = res[24][j];
-    res[55][j] = res[25][j];
+    res[54][first*iw[1]+j] = res[24][j];
+    res[55][first*iw[1]+j] = res[25][j];
   }
-  for (i=0; i<count; ++i) {
-    gap = arg[45][i];
-    res[56][i] = gap;
-    ((casadi_int*) res[57])[i] = ((const casadi_int*) arg[43])[i];
-    for (a=0; a<6; ++a) ((int*) res[58])[6*i+a] = contact[6*i+a];
-    ((int*) res[59])[i] = ((const int*) res[45])[i];
-    casadi_signed_normal(arg, iw, contact + 6*i, res[60] + 3*i);
-    state[i] = 0;
-    if (((const int*) res[50])[i]) continue;
-    state[i] = gap + arg[36][12]*arg[36][0]*res[24][i*width]<=arg[36][2] ? 2 : 1;
+  for (i=0; i<iw[0]; ++i, contact+=6) {
+    next = first + i;
+    res[56][next] = arg[45][i];
+    ((casadi_int*) res[57])[next] = ((const casadi_int*) arg[43])[i];
+    for (a=0; a<6; ++a) ((int*) res[58])[6*next+a] = contact[a];
+    ((int*) res[59])[next] = ((const int*) res[45])[i];
+    casadi_signed_normal(arg, iw, contact, res[60] + 3*next);
+    ((int*) res[61])[next] = state;
+  }
+  sizes[9] = first + iw[0];
+}
+/* store all contacts; active are those whose gaps would close within a part of the step */
+static void casadi_store_all(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
+  casadi_int* sizes = (casadi_int*) arg[47];
+  int* state = (int*) res[61];
+  casadi_int i, a, width = iw[1], linear = iw[2]>0 ? ((const int*) arg[13])[1] : 1;
+  casadi_real forced = 0, fastest = 0, speed;
+  sizes[9] = 0;
+  casadi_store(arg, res, iw, 1);
+  for (i=0; i<iw[0]; ++i) {
+    if (((const int*) res[50])[i]) state[i] = 0;
+    if (state[i]==0) continue;
+    if (res[56][i] + arg[36][12]*arg[36][0]*res[24][i*width]<=arg[36][2]) state[i] = 2;
     speed = fabs(res[25][i*width] - res[24][i*width]);
     if (!(speed<=forced)) forced = speed;
     for (a=i*width; a<i*width+linear; ++a) {
@@ -49,9 +64,30 @@ static void casadi_store(const casadi_real** arg, casadi_real** res, const casad
       if (!(fabs(res[25][a])<=fastest)) fastest = fabs(res[25][a]);
     }
   }
-  sizes[9] = count;
   sizes[12] = arg[36][13]>0 && forced>arg[37][16]*arg[36][1]*fastest;
   res[11][5] = forced;
+}
+/* store the contacts of other features, where the shapes are at the start of the step; 1 if there are more
+   contacts than memory */
+static int casadi_store_others(const casadi_real** arg, casadi_real** res, casadi_int* iw) {
+  casadi_int* sizes = (casadi_int*) arg[47];
+  const int* contact = (const int*) res[66];
+  casadi_real gap, direction[9], point[3];
+  casadi_int i, count = sizes[14];
+  sizes[14] = 0;
+  if (sizes[9]+count>iw[19]) return 1;
+  iw[0] = 0;
+  ((int*) arg[9])[0] = 0;
+  casadi_all_axes(arg, iw);
+  for (i=0; i<count; ++i, contact+=6) {
+    gap = casadi_described_gap(arg, iw, contact, direction, point);
+    casadi_add_contact(arg, res, iw, contact, ((const casadi_int*) res[65])[i], gap, direction,
+      point);
+  }
+  casadi_take_middle(arg, res, iw);
+  casadi_store(arg, res, iw, 3);
+  sizes[10] = count;
+  return 0;
 }
 /* the stored contacts that are active or about to be added, with initial impulses by their keys */
 static void casadi_gather(const casadi_real** arg, casadi_real** res, casadi_int* iw) {

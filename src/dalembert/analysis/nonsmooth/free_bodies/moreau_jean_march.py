@@ -24,9 +24,8 @@ class MoreauJeanMarch(FreeBodyLoop):
     """Steps with the contacts that a correction of positions would open, and this correction, as in
     ``advance`` and ``correct_position``.
 
-    A step is left to the general one if its impulses or positions do not converge, if it has
-    contacts of features that are not near at its start, or if shapes may have passed through each
-    other.
+    A step is left to the general one if its impulses or positions do not converge, or if shapes may
+    have passed through each other.
 
     Parameters
     ----------
@@ -93,13 +92,15 @@ class MoreauJeanMarch(FreeBodyLoop):
             if outcome is not StepOutcome.DONE or not self._move():
                 return outcome if outcome is not StepOutcome.DONE else StepOutcome.UNSOLVED
             at_end = steps.at_end()
-            if at_end not in (StepOutcome.DONE, StepOutcome.CLOSED) or steps.added < 0:
+            if at_end not in (StepOutcome.DONE, StepOutcome.CLOSED):
                 return StepOutcome.UNSOLVED
-            if steps.added == 0 or repetition == REPETITIONS:
+            if not steps.adds or repetition == REPETITIONS:
                 break
             self._t[0] = start
             outcome = self._with_added(before)
             if outcome is StepOutcome.UNCHANGED:
+                self._t[0] = end
+                self._move()
                 break
         if steps.passes:
             return StepOutcome.UNSOLVED
@@ -114,6 +115,8 @@ class MoreauJeanMarch(FreeBodyLoop):
         steps, after = self._steps, self._steps.v.copy()
         loss = steps.numbers[steps.counts[STEPS] - 1, LOSS]
         steps.v[:] = before
+        if steps.adds_others:
+            self._place()
         outcome = self._turned_step(steps.joined)
         if outcome is StepOutcome.UNCHANGED:
             steps.v[:] = after

@@ -16,6 +16,7 @@ from dalembert.analysis.nonsmooth.free_bodies.path_contacts import (
     CORRECTION,
     COUNT,
     JOINED,
+    OTHERS,
     PARTED,
     PASSES,
     STEP,
@@ -83,36 +84,37 @@ class MoreauJeanSteps(FreeBodySteps):
         return outcome
 
     def _kept_contacts(self) -> StepOutcome:
-        """A call that refers to the contacts of the call before."""
+        """A call that refers to the contacts of the call before, which new memory does not hold."""
+        stored = self._stored
         for _ in range(RENEWALS):
             assert self._loop is not None
             self._loop()
             outcome = StepOutcome(int(self.counts[OUTCOME]))
             if outcome is StepOutcome.OUTDATED and np.isfinite(self._status[3]):
-                if not self._renewed(float(self._status[3])):
+                super()._renew_list(float(self._status[3]))
+                described = stored[: 6 * self._sizes[STORED]].reshape(-1, 6)
+                if not self.pair_numbers(self._pairs[:2, : self.counts[PAIRS]], described).all():
                     break
             elif outcome is StepOutcome.UNORDERED:
                 self._renew_order()
             elif outcome is StepOutcome.MORE:
                 self._reserve(int(self.counts[COUNT]))
-                break
             else:
                 return outcome
+            if self._stored is not stored:
+                break
         return StepOutcome.UNSOLVED
 
-    def _renewed(self, reach: float) -> bool:
-        """Whether another list contains the pairs of the stored contacts, which remain where the
-        list fits into its memory."""
-        stored = self._stored
-        super()._renew_list(reach)
-        described = stored[: 6 * self._sizes[STORED]].reshape(-1, 6)
-        listed = self.pair_numbers(self._pairs[:2, : self.counts[PAIRS]], described)
-        return stored is self._stored and bool(listed.all())
+    @property
+    def adds(self) -> bool:
+        """Whether contacts are added."""
+        return bool(self._sizes[ADDED]) or self.adds_others
 
     @property
-    def added(self) -> int:
-        """Number of the contacts that are added, -1 if others are needed."""
-        return int(self._sizes[ADDED])
+    def adds_others(self) -> bool:
+        """Whether these are of features that are not near each other at the start of the step,
+        where the shapes have to be in the next call."""
+        return bool(self._sizes[OTHERS])
 
     @property
     def passes(self) -> bool:
@@ -156,4 +158,6 @@ class MoreauJeanSteps(FreeBodySteps):
         keys = np.zeros(contacts, dtype=np.int64)
         self._sizes[STORED], self._stored = 0, whole(6 * contacts)
         states = whole(contacts), np.zeros(3 * contacts), whole(contacts), np.zeros(n)
-        return [*directions, *velocities, gaps, keys, self._stored, *states, *self._mass_inverses]
+        stored = [*directions, *velocities, gaps, keys, self._stored, *states]
+        others = np.zeros(contacts, dtype=np.int64), whole(6 * contacts)
+        return [*stored, *self._mass_inverses, *others]
