@@ -17,6 +17,9 @@ SETTINGS = newton.NewtonSettings(tolerance=CLOSED, max_iterations=20, halvings=0
 """Newton's method converges quadratically."""
 SHARE = 0.1
 """Accuracy of a displacement, relative to the penetration that counts as rounding [-]."""
+FARTHEST, CORRECTED = 2.0, 0.1
+"""Upper limits of the correction of a position, relative to the motion in the step and to the
+natural displacements; the larger one applies [-]."""
 ROUNDS = 20
 """Upper limit of the number of times that further gaps join the correction."""
 
@@ -125,6 +128,12 @@ def correct_position(
     Speeds do not change, so that impulses do no work here; lifted weights gain potential energy.
     """
     return newton.solve(PositionCorrection(step, t, open_gaps, travel), y, SETTINGS)
+
+
+def is_far(shift: float, travel: float) -> bool:
+    """Whether a correction of a position is larger than the motion in a step accounts for; both by
+    the natural displacements."""
+    return not shift <= max(FARTHEST * travel, CORRECTED)
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from dalembert.analysis.nonsmooth.checks.missing_impacts import (
 from dalembert.analysis.nonsmooth.checks.passages import passage_warnings
 from dalembert.analysis.nonsmooth.checks.run_accuracy import RunAccuracy
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
-from dalembert.analysis.nonsmooth.correction import ConsistentSpeeds, correct_position
+from dalembert.analysis.nonsmooth.correction import ConsistentSpeeds, correct_position, is_far
 from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
 from dalembert.analysis.nonsmooth.free_bodies.sleeping_bodies import SleepRule
 from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
@@ -55,9 +55,6 @@ from dalembert.symbolic.equations.newton import Solution
 DIVISIONS = 6
 """Upper limit of the divisions of a step in halves, where its impulses do not converge or its
 positions cannot be corrected."""
-FARTHEST, CORRECTED = 2.0, 0.1
-"""Upper limits of the correction of a position, relative to the motion in the step and to the
-natural displacements; the larger one applies [-]."""
 
 
 class NonsmoothRun:
@@ -226,7 +223,7 @@ class NonsmoothRun:
         The start is a position with open gaps, and near. A correction is linear in the gaps, and
         moves bodies without bounds where their directions turn normal to the motion.
         """
-        if self.moved_by(end, corrected) <= max(FARTHEST * self.moved_by(start, end), CORRECTED):
+        if not is_far(self.moved_by(end, corrected), self.moved_by(start, end)):
             return False
         return self.step.deepest(self.step.at(t, end)) < -self.step.rounding
 

@@ -102,14 +102,15 @@ class ImpactSequence:
         entries = StepEntries.joined(log.parts[first:], 0, log.parts[first].impulse.shape[1])
         bounds, keys = np.cumsum([0, *entries.count]), last.pressing[0]
         for number in range(count):
-            own, place = (
-                slice(*bounds[number : number + 2]),
-                len(log.positions) - 1 - count + number,
-            )
+            own, place = slice(*bounds[number : number + 2]), len(log.lengths) - count + number
             pressed = PressedContacts.of(entries.key[own], entries.impulse[own], keys)
-            states = [(log.positions[i], log.speeds[i]) for i in (place, place + 1)]
+            states = [
+                (log.positions[place], log.speeds[place]),
+                (log.uncorrected[place], log.speeds[place + 1]),
+            ]
+            before = log.uncorrected[place - 1] if place else log.positions[0]
             span = log.times[place], log.lengths[place]
-            if pressed.begins.any() and self._divides(*span, states, log.positions[place], pressed):
+            if pressed.begins.any() and self._divides(*span, states, before, pressed):
                 return number
             keys = entries.key[own]
         return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import casadi as ca
@@ -174,20 +175,20 @@ class StepLog:
         self.stored.append(self._stored(t, y))
 
     def extend(
-        self, t: np.ndarray, y: np.ndarray, v: np.ndarray, depths: np.ndarray, part: StepEntries
+        self, t: np.ndarray, states: Sequence[np.ndarray], depths: np.ndarray, part: StepEntries
     ) -> None:
-        """Append K steps without corrections or force laws: times, states by rows and penetrations
-        at their ends."""
+        """Append K steps without joints or force laws: times, positions by rows, those before
+        corrections, speeds, and penetrations at their ends."""
+        y, uncorrected, v = states
         self.compiled += range(len(self.lengths), len(self.lengths) + t.size)
         self.lengths += list(np.diff(t, prepend=self.t))
         self.times += list(t)
-        self.uncorrected += list(y)
+        self.uncorrected += list(uncorrected)
         self.positions += list(y)
         self.speeds += list(v)
-        self.speed_losses += [0.0] * t.size
-        self.speed_inputs += [0.0] * t.size
         self.depths += list(depths)
-        self.stored += [0.0] * t.size
+        for zeros in (self.speed_losses, self.speed_inputs, self.stored):
+            zeros.extend([0.0] * t.size)
         self.parts.append(part)
 
     def _depth(self, t: float, y: np.ndarray) -> float:

@@ -184,7 +184,7 @@ static void casadi_add_contact(const casadi_real** arg, casadi_real** res, casad
   if (count>=iw[19]) return;
   casadi_direction_rows(arg, iw, count, contact[1], contact[3], direction, place, gap);
   ((casadi_real*) arg[45])[count] = gap;
-  res[22][count] = gap>0 ? gap : 0.0;
+  res[22][count] = gap>arg[36][9] ? gap : arg[36][9];
   ((int*) res[23])[count] = pair;
   ((casadi_int*) arg[43])[count] = key;
   for (a=0; a<6; ++a) ((int*) arg[51])[6*count+a] = contact[a];
@@ -362,8 +362,8 @@ static int casadi_strikes(const casadi_real** arg, casadi_real** res, const casa
     arg[37][22]);
 }
 /* directions of the contacts: those in the middle of the step, means over its path, or, of impacts, those
-   at its start; with them the velocities at the end of the step, the clearance of gaps that turn, and
-   the rows of X */
+   at its start, as all of implicit steps; with them the velocities at the end of the step, the clearance
+   of gaps that turn, the rows of X, and a mask of the contacts that leave their faces */
 static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
   const casadi_real* ahead[64];
   const casadi_int* key = (const casadi_int*) arg[43];
@@ -371,6 +371,7 @@ static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const
   const int* row = (const int*) arg[9];
   const int* column = (const int*) arg[10];
   int* kept = (int*) res[45];
+  int* leaves = (int*) res[50];
   casadi_int i, r, slot, width = iw[1];
   casadi_real gap, direction[9], normal[9], point[3], middle, end, clearance, h = arg[36][0];
   for (i=0; i<64; ++i) ahead[i] = arg[i];
@@ -385,6 +386,13 @@ static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const
     r = i*width;
     kept[i] = res[24][r]<0 && -h*res[24][r]>arg[36][5] && casadi_strikes(arg, res, iw, i);
     slot = casadi_on_path(arg, key[i]);
+    leaves[i] = slot<0 && contact[0]==1 && !(res[0][r]>0)
+      && casadi_leaves(arg, ahead, contact, iw[18]);
+    if (arg[36][11]==1) {
+      kept[i] = 0;
+      casadi_response_rows(arg, res, iw, i, contact[1], contact[3]);
+      continue;
+    }
     gap = casadi_described_gap(ahead, iw, contact, direction, point);
     casadi_direction_rows(ahead, iw, i, contact[1], contact[3], direction, point, gap);
     middle = casadi_row(arg[0], column, row[r], row[r+1], arg[22]);
@@ -397,7 +405,7 @@ static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const
     if (slot>=0) {
       casadi_take_means(arg, iw, i, slot);
       res[22][i] = arg[56][slot];
-    } else if (contact[0]==1 && !(res[0][r]>0) && casadi_leaves(arg, ahead, contact, iw[18])) {
+    } else if (leaves[i]) {
       kept[i] = 0;
       res[22][i] += 10*res[11][3];
     } else if (kept[i]) {

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
 from dalembert.analysis.nonsmooth.advance import REPETITIONS, inexact_depth
-from dalembert.analysis.nonsmooth.contact_step import PATHS, SAME_MEANS, ContactStep
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.free_bodies.free_body_loop import REPORTED, FreeBodyLoop
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import (
     FreeBodyMotion,
     free_body_motion,
 )
 from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import CHUNK, FreeBodySteps
+from dalembert.analysis.nonsmooth.free_bodies.moreau_jean_march import MoreauJeanMarch
 from dalembert.analysis.nonsmooth.free_bodies.path_repeats import PathRepeats
 from dalembert.analysis.nonsmooth.free_bodies.recorded_contacts import PRESSING, STEPS
 from dalembert.analysis.nonsmooth.free_bodies.sleeping_bodies import (
@@ -20,23 +22,14 @@ from dalembert.analysis.nonsmooth.free_bodies.sleeping_bodies import (
     SleepingBodies,
     SleepRule,
 )
-from dalembert.analysis.nonsmooth.free_bodies.step_outcome import DEPTH, StepOutcome
-from dalembert.analysis.nonsmooth.gyroscopic import turn_error
+from dalembert.analysis.nonsmooth.free_bodies.step_outcome import StepOutcome
 from dalembert.analysis.nonsmooth.step_log import StepLog
-from dalembert.analysis.nonsmooth.step_state import (
-    PATH_CHANGE,
-    LastImpulses,
-    convergence_rate,
-)
+from dalembert.analysis.nonsmooth.step_state import LastImpulses
 from dalembert.errors import UnsupportedError
-from dalembert.symbolic.evaluation.fixed_call import FixedCalls
-
-REPORTED = 16
-"""Number of steps between reports of the progress."""
 
 
-class FreeBodyMarch:
-    """Steps of free bodies with balls, hulls and walls.
+class FreeBodyMarch(FreeBodyLoop):
+    """Steps of free bodies with balls, hulls and walls by the scheme of anticipated impacts.
 
     A step with a gap that is closed at its end is repeated with means over its path. It is left to
     the general step if the impulses do not converge, or the gap remains closed.
@@ -53,6 +46,8 @@ class FreeBodyMarch:
     sleeping : SleepingBodies
     """
 
+    sleeping: SleepingBodies
+
     def __init__(
         self,
         step: ContactStep,
@@ -60,52 +55,39 @@ class FreeBodyMarch:
         steps: FreeBodySteps,
         rule: SleepRule | None = None,
     ):
-        self._step, self._motion, self._steps = step, motion, steps
-        self.sleeping = SleepingBodies(rule, motion, steps)
-        self._t, self._h = np.zeros(1), np.zeros(1)
-        self._y = np.zeros(step.model.equations.coordinate_count)
-        self._next, self._still = np.zeros_like(self._y), np.zeros_like(steps.v)
-        self._ys, self._vs = np.zeros((CHUNK, self._y.size)), np.zeros((CHUNK, steps.v.size))
-        places, t, v, p = FixedCalls(motion.places, compiled=False), self._t, steps.v, step.p
-        geometry = steps.corners, steps.references, steps.normals, steps.velocities
-        forces = FixedCalls(motion.forces, compiled=False)
-        state, mean = [t, self._y, v, p, self._h], np.zeros(step.smooth.turning.size)
-        self._forces = forces.on(state, [steps.force, steps.inertia, mean])
-        turned = FixedCalls(motion.turned, compiled=False)
-        self._turned = turned.on([*state, mean], [steps.force, steps.inertia])
-        self._mean = mean
+        super().__init__(step, motion, steps)
+        self._own, self.sleeping = steps, SleepingBodies(rule, motion, steps)
         self._manifold = step.model.equations.manifold
         self._part = np.zeros_like(steps.v)
-
-        def placed(t: np.ndarray, displacement: np.ndarray, geometry: Sequence[np.ndarray]):
-            arrays = [t, self._y, displacement, p], [self._next, *geometry]
-            return places.on(*([flat(a) for a in part] for part in arrays))
-
-        self._move = placed(t, steps.displacement, geometry)
-        self._place_part = placed(t, self._part, geometry)
-        self._place = placed(t, self._still, geometry)
-        ahead = FixedCalls(motion.ahead, compiled=False)
-        self._place_middle = ahead.on(state, [flat(part) for part in steps.ahead])
+        self._place_part = self._placed(self._y, self._part, self._next)
         self._repeats = PathRepeats(steps, self._manifold, step.rounding)
         self._curved: dict[int, np.ndarray] = {}
         self._inexact: dict[int, float] = {}
 
+    @property
+    def _steps(self) -> FreeBodySteps:
+        return self._own
+
     @classmethod
-    def of(cls, step: ContactStep, rule: SleepRule | None = None) -> FreeBodyMarch | None:
-        """The loop, if the steps run in machine code.
+    def of(cls, step: ContactStep, rule: SleepRule | None = None) -> FreeBodyLoop | None:
+        """The loop of the scheme, if its steps run in machine code.
 
         Raises
         ------
         UnsupportedError
-            They do not, and bodies are to sleep.
+            They do not, or are not those of anticipated impacts, and bodies are to sleep.
         """
         motion = free_body_motion(step)
-        steps = None if motion is None else FreeBodySteps(step, motion)
-        if motion is not None and steps is not None and steps.available:
-            return cls(step, motion, steps, rule)
+        if motion is not None and step.scheme.anticipates:
+            steps = FreeBodySteps(step, motion)
+            if steps.available:
+                return cls(step, motion, steps, rule)
         if rule is not None:
             raise UnsupportedError(NO_SLEEP)
-        return None
+        if motion is None or step.scheme.anticipates:
+            return None
+        march = MoreauJeanMarch(step, motion)
+        return march if march.available else None
 
     def march(
         self,
@@ -115,14 +97,10 @@ class FreeBodyMarch:
         last: LastImpulses,
         report: Callable[[float], None],
     ) -> tuple[int, LastImpulses]:
-        """Steps from instant ``k`` of the grid until the end, or until one needs the general step.
-
-        Returns the number of the instant reached, and the last impulses.
-        """
-        steps, span, self._last = self._steps, grid[-1] - grid[0], last
-        self._load(log)
+        steps, span, begin = self._steps, grid[-1] - grid[0], k
+        self._load(log, last)
+        self.sleeping.begin(steps.v)
         self._look_ahead(grid, k)
-        begin = k
         try:
             while k < grid.size - 1:
                 self._t[0], self._h[0] = grid[k], grid[k + 1] - grid[k]
@@ -158,12 +136,6 @@ class FreeBodyMarch:
             self._transfer(grid, begin, k, log)
             steps.counts[[STEPS, PRESSING]] = 0
         return k, self._last
-
-    def _look_ahead(self, grid: np.ndarray, k: int) -> None:
-        """Place the shapes in the middle of the step that begins at instant ``k``."""
-        if k < grid.size - 1:
-            self._t[0], self._h[0] = grid[k], grid[k + 1] - grid[k]
-            self._place_middle()
 
     def _settled(self, k: int) -> bool:
         """Whether the step that ended at instant ``k`` is not repeated for its gaps, which are as
@@ -219,15 +191,6 @@ class FreeBodyMarch:
         self._curved[k] = repeats.keys
         return True
 
-    def _load(self, log: StepLog) -> None:
-        """Take over the state at the end of the log, and the last impulses."""
-        steps = self._steps
-        self._t[0], self._y[:], steps.v[:] = log.t, log.y, log.v
-        self._place()
-        steps.arms[:] = self._motion.shapes.arms(steps.corners, steps.references)
-        steps.warm(*self._last.pressing)
-        self.sleeping.begin(steps.v)
-
     def _attempt(self) -> StepOutcome:
         """The step, repeated where it wakes bodies that sleep."""
         steps, before = self._steps, self._steps.v.copy()
@@ -245,53 +208,12 @@ class FreeBodyMarch:
         finite = bool(forces())
         return finite and not (self.sleeping.remove_forces() and self._steps.on_path)
 
-    def _turned_step(self) -> StepOutcome:
-        """The step, repeated with the mean speeds of its solution in the gyroscopic forces."""
-        steps, before, last = self._steps, self._steps.v.copy(), np.inf
-        rows, scales = self._step.smooth.turning, self._step.model.scales.displacements
-        finite = self._applied(self._forces)
-        if finite and self.sleeping.all_asleep:
-            return steps.rest()
-        outcome = steps() if finite else StepOutcome.UNSOLVED
-        for _ in range(PATHS if rows.size else 0):
-            if outcome is not StepOutcome.DONE:
-                break
-            mean = ((before + steps.v) / 2)[rows]
-            error = turn_error(mean, self._mean, scales[rows] / self._h)
-            if error * convergence_rate(error, last) <= SAME_MEANS:
-                break
-            if not error < last:
-                if error <= PATH_CHANGE:
-                    break
-                steps.remove_last()
-                steps.v[:] = before
-                return StepOutcome.UNSOLVED
-            self._mean[:], last, steps.v[:] = mean, error, before
-            outcome = steps.again() if self._applied(self._turned) else StepOutcome.UNSOLVED
-        return outcome
+    def _turned_step(self, first: Callable[[], StepOutcome] | None = None) -> StepOutcome:
+        asleep = self.sleeping.all_asleep
+        if asleep and self._applied(self._forces) and self.sleeping.all_asleep:
+            return self._steps.rest()
+        return super()._turned_step(first)
 
-    def _transfer(self, grid: np.ndarray, begin: int, end: int, log: StepLog) -> int:
-        """Append the recorded steps from ``begin`` to ``end`` to the log; the end."""
-        steps = self._steps
-        count = min(end - begin, int(steps.counts[STEPS]))  # a repetition may be interrupted
-        if count <= 0:
-            return begin
-        end = begin + count
-        curved = {k - 1 - begin: self._curved.pop(k) for k in [*self._curved] if begin < k <= end}
-        part = steps.entries(count, self._step.longest, curved)
-        y, v = self._ys[:count].copy(), self._vs[:count].copy()
-        depth = self._step.deepest(self._step.at(grid[end], y[-1]))
-        depths = np.abs(np.append(steps.numbers[1:count, DEPTH], depth))
-        log.extend(grid[begin + 1 : end + 1], y, v, depths, part)
-        contacts = part.key.size
-        own = slice(contacts - int(part.count[-1]), contacts)
-        self._last = LastImpulses((part.key[own], part.impulse[own]), part.key[:0])
-        rest = int(steps.counts[STEPS]) - count
-        self._ys[:rest], self._vs[:rest] = self._ys[count:][:rest], self._vs[count:][:rest]
-        steps.forget(count, contacts)
-        return end
-
-
-def flat(array: np.ndarray) -> np.ndarray:
-    """The same memory as one column."""
-    return array.reshape(-1)
+    def _curved_keys(self, begin: int, end: int) -> Mapping[int, np.ndarray]:
+        numbers = [k for k in self._curved if begin < k <= end]
+        return {k - 1 - begin: self._curved.pop(k) for k in numbers}

@@ -17,7 +17,7 @@ from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.elements.contact.pairs import COEFFICIENTS
 from dalembert.integrators.contact.block_ordering import BlockOrderings
 from dalembert.integrators.contact.contact_laws import ContactLaws
-from dalembert.integrators.contact.schemes import AnticipatedImpacts
+from dalembert.integrators.contact.schemes import AnticipatedImpacts, MoreauJean
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel, condensed
 from dalembert.symbolic.formulas.expression import stack
@@ -34,7 +34,9 @@ class FreeBodyMotion:
         mean speeds of gyroscopic forces
     turned : ``(t, y, v, p, h, v̄) → F, A`` with other mean speeds
     places : ``(t, y, δ, p) → y ⊕ δ, corners, references, normals, J`` of shapes there
-    ahead : ``(t, y, v, p, h) → corners, references, normals, J`` in the middle of the step
+    ahead : ``(t, y, v, p, h) → corners, references, normals, J`` after ``lead`` of the step
+    lead : share of the step by which these are ahead [-]
+    mass : ``(y, p) → `` entries of the mass matrix with the pattern of ``A``
     shapes : StepShapes
     starts, columns : pattern of ``A`` by rows
     body : (shapes,) body of each shape, -1 for the ground
@@ -47,6 +49,8 @@ class FreeBodyMotion:
     turned: ca.Function
     places: ca.Function
     ahead: ca.Function
+    lead: float
+    mass: ca.Function
     shapes: StepShapes
     starts: np.ndarray
     columns: np.ndarray
@@ -72,11 +76,10 @@ class FreeBodyMotion:
 
 def free_body_motion(step: ContactStep) -> FreeBodyMotion | None:
     """Functions of the steps if these run in machine code: free bodies, all of whose shapes are
-    balls, rigid hulls and walls with Newton's law of impact, and the scheme of anticipated
-    impacts."""
-    if type(step.scheme) is not AnticipatedImpacts or step.force_laws.elements:
+    balls, rigid hulls and walls with Newton's law of impact, and one of the two schemes."""
+    if type(step.scheme) not in (AnticipatedImpacts, MoreauJean) or step.force_laws.elements:
         return None
-    motion = _functions(step.model)
+    motion = _functions(step.model, step.scheme.theta)
     if motion is None:
         return None
     laws = ContactLaws.of(motion.laws(step.p), step.groups)
@@ -86,7 +89,7 @@ def free_body_motion(step: ContactStep) -> FreeBodyMotion | None:
 
 
 @once
-def _functions(model: Model) -> FreeBodyMotion | None:
+def _functions(model: Model, theta: float) -> FreeBodyMotion | None:
     sources, e = gap_sources(model), model.equations
     bodies = [group.twist.numel() for group in model.coordinates]
     shapes = step_shapes(sources[0]) if len(sources) == 1 else None
@@ -96,7 +99,7 @@ def _functions(model: Model) -> FreeBodyMotion | None:
         return None
     n = e.speed_count
     first, body_of = np.cumsum([0, *bodies]), np.repeat(np.arange(len(bodies)), bodies)
-    forces, turned, pattern = _step_formulas(model)
+    forces, turned, pattern = _step_formulas(model, theta)
     column, row = np.array(pattern.row(), dtype=np.int32), _columns(pattern)
     jacobian = ca.jacobian(shapes.twists, e.v)
     body, velocities = _shape_velocities(shapes, jacobian, body_of, first)
@@ -111,15 +114,17 @@ def _functions(model: Model) -> FreeBodyMotion | None:
     parts = [placed[i:j] for i, j in pairwise(cuts.tolist())]
     inputs = [e.t, e.y, e.manifold.delta, e.p]
     places = condensed("places", inputs, [ca.densify(part) for part in parts])
-    h = ca.SX.sym("h")
-    lead = (1 - AnticipatedImpacts.theta) * h
-    half = e.manifold.halfway_formula(2 * lead * e.v)
-    ahead = places.call([e.t + lead, e.y, half, e.p])[1:]
+    h, share = ca.SX.sym("h"), 1 - theta if theta < 1 else 0.5
+    half = e.manifold.halfway_formula(2 * share * h * e.v)
+    ahead = places.call([e.t + share * h, e.y, half, e.p])[1:]
+    mass = stack(ca.project(e.mass.T, pattern).nonzeros())  # type: ignore[arg-type]
     return FreeBodyMotion(
         forces=forces,
         turned=turned,
         places=places,
         ahead=condensed("ahead", [e.t, e.y, e.v, e.p, h], ahead),
+        lead=share,
+        mass=condensed("mass", [e.y, e.p], [ca.densify(mass)]),
         shapes=shapes,
         constants=Kernel(ca.Function("constants", [e.p], [ca.densify(shapes.constants)])),
         starts=np.searchsorted(row, np.arange(n + 1)).astype(np.int32),
@@ -130,11 +135,11 @@ def _functions(model: Model) -> FreeBodyMotion | None:
     )
 
 
-def _step_formulas(model: Model) -> tuple[ca.Function, ca.Function, ca.Sparsity]:
-    """Functions ``forces`` and ``turned`` of a step by the midpoint rule, from its start, and the
+def _step_formulas(model: Model, theta: float) -> tuple[ca.Function, ca.Function, ca.Sparsity]:
+    """Functions ``forces`` and ``turned`` of a step by the θ-method, from its start, and the
     pattern of ``Aᵀ``."""
     e, smooth, h = model.equations, smooth_motion(model), ca.SX.sym("h")
-    half, formulas = AnticipatedImpacts.theta * h, smooth.forces
+    half, formulas = theta * h, smooth.forces
     inputs = [e.t, e.y, e.v, e.p, h]
     symbols = ca.vertcat(e.t, e.y, smooth.lead)
     middle = ca.vertcat(e.t + half, e.manifold.retract(e.y, half * e.v), half)

@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
 from dalembert.analysis.nonsmooth.advance import AHEAD
 from dalembert.analysis.nonsmooth.contact_step import JAMMED, ROUNDS, ContactStep
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
+from dalembert.analysis.nonsmooth.free_bodies.pair_lists import GROWTH, PairLists
 from dalembert.analysis.nonsmooth.free_bodies.path_contacts import (
-    AGAIN,
-    CALL,
-    COUNT,
     FEATURES,
     OFFSET,
     SIZES,
-    STEP,
     contact_arrays,
 )
-from dalembert.analysis.nonsmooth.free_bodies.recorded_contacts import (
-    PRESSING,
-    RECORDED,
-    RecordedContacts,
-)
-from dalembert.analysis.nonsmooth.free_bodies.step_outcome import NUMBERS, StepOutcome
+from dalembert.analysis.nonsmooth.free_bodies.recorded_contacts import PRESSING, RECORDED
+from dalembert.analysis.nonsmooth.free_bodies.step_outcome import NUMBERS
 from dalembert.analysis.nonsmooth.gaps.corners_over_faces import LIMITS
 from dalembert.analysis.nonsmooth.gaps.hulls.compiled_features import GEOMETRY
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
@@ -56,27 +51,26 @@ FILES = (
     "last_impulses.c",
     "leaving_corners.c",
     "shape_contacts.c",
-    "anticipated_step.c",
+    "free_body_step.c",
 )
-"""Files of the machine code of a step."""
+"""Files of the machine code of steps by all schemes."""
 CHUNK, RECORDS = 512, 16_384
 """Steps between transfers of the record, and least number of its contacts."""
-GROWTH = 1.5
-"""Ratio of new memory for pairs or contacts to the number that first exceeded it [-]."""
-WIDTH, GROUPS, SPEEDS, ENTRIES, UNKNOWNS, OUTCOME, WIDEST, BLOCKS, SIZE = range(1, 10)
-ITERATIONS, MERITS, JUMPING, WORK, SHAPES, BALLS, BODIES, PAIRS, DIMENSION = range(10, 19)
-CONTACTS = 19
+WIDTH, GROUPS, SPEEDS = range(1, 4)
+UNKNOWNS = 5
+WIDEST, BLOCKS, SIZE, ITERATIONS, MERITS, JUMPING, WORK, SHAPES, BALLS, BODIES = range(7, 17)
+DIMENSION, CONTACTS = 18, 19
 INERTIA, PROXIMAL, REPEATS = range(23, 26)
 CENTRAL, POLISH, STALLED, FEW, LAST = range(26, 31)
 """Places among the counts of the loop, and their number."""
 NUMBERED, SLOTS, HULLS = 2, 4, 5
 """Places among the sizes of the shapes."""
-RENEWALS = 4
-"""Upper limit of the repetitions of a call with other lists and orders."""
 
 
-class FreeBodySteps(RecordedContacts):
-    """Arrays of the machine code, and its calls.
+class FreeBodySteps(PairLists):
+    """Arrays of the machine code of anticipated impacts, and its calls.
+
+    A subclass for another scheme names the files of its step, and appends arrays.
 
     Parameters
     ----------
@@ -90,9 +84,12 @@ class FreeBodySteps(RecordedContacts):
     ahead : the same in the middle of the step
     limits : length of the step, tolerance, rounding of gaps, reach of the list, weight of a
         position on the path, least travel of an impact, change of a gap by its turn that counts as
-        zero, clearance
+        zero, clearance, longest step, least gap in the conditions, steps over the lead of
+        ``ahead``, θ
     lists : number of lists of pairs so far
     """
+
+    files: ClassVar[tuple[str, ...]] = ("anticipated_step.c",)
 
     def __init__(self, step: ContactStep, motion: FreeBodyMotion):
         self._motion, self._shapes = motion, motion.shapes
@@ -108,7 +105,7 @@ class FreeBodySteps(RecordedContacts):
         geometry = self.corners, self.references, self.normals, self.velocities
         self.ahead = list(map(np.zeros_like, geometry))
         limits = 0.0, step.solver.tolerance, step.rounding, -1.0, 0.0, step.least_travel
-        self.limits = np.array([*limits, step.rounding, step.clearance, step.longest])
+        self.limits = np.array([*limits, *self._scheme_limits(step)])
         used = [0, 1, *range(FIRST, FIRST + len(step.groups))]
         self.radii, self.body, self._reserved = motion.radii(step.p), motion.body.copy(), 0
         self._laws = np.ascontiguousarray(motion.laws(step.p)[used].T)
@@ -160,7 +157,7 @@ class FreeBodySteps(RecordedContacts):
         }
         fixed = (WIDTH, GROUPS, WIDEST, SIZE, DIMENSION)
         constants = tuple((place, int(counts[place])) for place in fixed)
-        self._code = machine_code(*FILES, constants=constants)
+        self._code = machine_code(*FILES, *self.files, constants=constants)
         self.counts = np.zeros(LAST, dtype=np.int64)
         self.counts[list(counts)] = list(counts.values())
         self.numbers = np.zeros((CHUNK, NUMBERS))
@@ -169,69 +166,15 @@ class FreeBodySteps(RecordedContacts):
             self._allocate(1, 1, 1)
             self._renew_order()
 
+    def _scheme_limits(self, step: ContactStep) -> list[float]:
+        """Limits from the seventh one."""
+        turned = step.rounding, step.clearance, step.longest
+        return [*turned, 0.0, 1 / self._motion.lead, step.scheme.theta]
+
     @property
     def available(self) -> bool:
         """Whether there is machine code."""
         return self._code is not None
-
-    def __call__(self) -> StepOutcome:
-        """A step from the state and the forces in the arrays; other lists of pairs and orders of
-        elimination are made where these are needed."""
-        for _ in range(RENEWALS):
-            assert self._loop is not None
-            self._loop()
-            outcome = StepOutcome(int(self.counts[OUTCOME]))
-            if outcome is StepOutcome.OUTDATED and np.isfinite(self._status[3]):
-                self._renew_list(float(self._status[3]))
-            elif outcome is StepOutcome.UNORDERED:
-                self._renew_order()
-            elif outcome is StepOutcome.MORE:
-                self._reserve(int(self.counts[COUNT]))
-            else:
-                return outcome
-        return StepOutcome.UNSOLVED
-
-    def again(self) -> StepOutcome:
-        """The last step, whose entry in the record is removed, with the forces in the arrays."""
-        self.remove_last()
-        self._sizes[CALL] = AGAIN
-        outcome = self()
-        self._sizes[CALL] = STEP
-        return outcome
-
-    def _renew_list(self, reach: float) -> None:
-        """Pairs within reach and a margin."""
-        centers, radii = self._shapes.sizes(self.corners, self.radii)
-        near = self._neighbours.listed(centers, self.normals.copy(), radii, reach)
-        pairs, laws = self._shapes.touching(near)
-        self.renumber(pairs)
-        if pairs.shape[1] > self._pairs.shape[1]:
-            self._allocate(int(GROWTH * pairs.shape[1]), self._contacts, self._entries)
-        self.counts[PAIRS] = count = pairs.shape[1]
-        self._pairs[:2, :count], self._pairs[2, :count] = pairs, laws
-        self._old[0][:], self._old[1][:] = near.positions, near.normals
-        self.lists += 1
-        self.limits[3] = near.reach
-
-    def _renew_order(self) -> None:
-        """Order of elimination for the contacts of the step."""
-        pairs = self._pair_of[: self.counts[COUNT]]
-        bodies = self.body[self._pairs[:2, pairs]]
-        order = self._motion.orderings.between(*bodies[:, (bodies >= 0).all(axis=0)])
-        parts = order.owner, order.position, order.first, order.row, order.members
-        rows = self._order[3]
-        if order.row.size > rows.size or order.entries > self._entries:
-            self._order[3] = np.zeros(int(GROWTH * order.row.size) + 1, dtype=np.int32)
-            entries = int(GROWTH * order.entries)
-            self._allocate(self._pairs.shape[1], self._contacts, entries)
-        for array, part in zip(self._order, parts, strict=True):
-            array.ravel()[: part.size] = part.ravel()
-        self.counts[ENTRIES] = order.entries
-
-    def reorder(self) -> None:
-        """Order of elimination without the bodies that take no part."""
-        self._motion.orderings.forget()
-        self._renew_order()
 
     def reserve_record(self, contacts: int) -> None:
         """Room in the record for a number of contacts that are appended after each step."""
@@ -286,7 +229,7 @@ class FreeBodySteps(RecordedContacts):
         inputs += [self._described, self._shares_of_path, path[1], path[0], self._means, path[2]]
         inputs += [*before, *self.ahead, real(3 * shapes.axes)]
         self._sizes[SLOTS] = slots
-        self._status, self._pair_of = real(4), whole(contacts)
+        self._status, self._pair_of = real(8), whole(contacts)
         self._solved = real(rows)
         outputs = [self._solved, real(entries), real(n), real(rows), real(rows * k)]
         outputs += [real(rows) for _ in range(5)]
@@ -297,7 +240,9 @@ class FreeBodySteps(RecordedContacts):
         outputs += [self._pair_of, *self._speeds, real(rows), real(rows), self.displacement]
         outputs += [self._last[1], self.numbers, *recorded[:3], real(3 * rows)]
         outputs += [*(real(rows) for _ in range(8)), real(contacts), real(rows * k)]
-        outputs += [whole(contacts), self._kept, real(n), real(rows), real(n)]
+        outputs += [whole(contacts), self._kept, real(n), real(rows), real(n), whole(contacts)]
+        inputs += self._more_inputs()
+        outputs += self._more_outputs(contacts)
         blocks, size = self.counts[[BLOCKS, SIZE]]
         work = 12 * k**2 + 3 * k * (k + 1) + 2 * k + 4 * k * widest + (2 * widest) ** 2
         work = int(max(work, blocks * size + size**2))
@@ -306,3 +251,11 @@ class FreeBodySteps(RecordedContacts):
         memory = work + rows + MEMORY + contacts + 2 + entries
         self._loop = Loop(self._code, inputs, outputs, list(self.counts), memory)
         self.counts = self._loop.counts
+
+    def _more_inputs(self) -> list[np.ndarray]:
+        """Further inputs of the scheme."""
+        return []
+
+    def _more_outputs(self, contacts: int) -> list[np.ndarray]:
+        """Further outputs of the scheme, for a number of contacts."""
+        return []

@@ -10,12 +10,20 @@ from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMo
 from dalembert.analysis.nonsmooth.free_bodies.step_outcome import StepOutcome
 from dalembert.integrators.contact.machine_code import Loop
 
-CALL, PATH, BEFORE, SIZES = range(6, 10)
+CALL, PATH, BEFORE = range(6, 9)
 """Places among the sizes of the shapes: kind of the call, and the numbers of contacts of the path
-and of the step before; number of all sizes."""
+and of the step before."""
+STORED, ADDED, PASSES, OPENS, FINAL, OTHERS, SIZES = range(9, 16)
+"""Places among the sizes, for the scheme of Moreau and Jean: numbers of the stored contacts and of
+those about to be added, whether shapes pass through each other, whether contacts may be added,
+whether those about to be added are final, and the number of contacts of other features that are
+closed at the end; number of all sizes."""
 STEP, ON_PATH, ALL, AGAIN = range(4)
 """Kinds of calls: a step, evaluations of the contacts of the path or of all contacts, and the last
 step with other forces."""
+JOINED, PARTED, AT_END, CORRECTION = range(4, 8)
+"""Kinds of calls of the scheme of Moreau and Jean: the last step with more contacts, or again
+without these, gaps at its end, and a correction of positions."""
 FEATURES, OFFSET = 1, 3
 """Places of the number of features of all hulls, and of the offset of the keys of their contacts,
 among the sizes of the shapes."""
@@ -92,15 +100,22 @@ class PathContacts(ABC):
     def renumber(self, pairs: np.ndarray) -> None:
         """Numbers of the pairs of the contacts before in another list; contacts of shapes that are
         no longer listed are removed."""
-        count, shapes = self._sizes[BEFORE], np.array([self._motion.shapes.count, 1])
+        count = self._sizes[BEFORE]
         keys, described = (part[:count].copy() for part in self._before)
+        listed = self.pair_numbers(pairs, described)
+        self._sizes[BEFORE] = left = int(listed.sum())
+        self._before[0][:left], self._before[1][:left] = keys[listed], described[listed]
+
+    def pair_numbers(self, pairs: np.ndarray, described: np.ndarray) -> np.ndarray:
+        """(n,) mask of the contacts of listed pairs, whose numbers are changed to those of a list
+        (2, m)."""
+        shapes = np.array([self._motion.shapes.count, 1])
         codes: np.ndarray = shapes @ np.sort(pairs, axis=0)
         order, own = np.argsort(codes), np.sort(described[:, [1, 3]], axis=1) @ shapes
         place = np.searchsorted(codes, own, sorter=order)
         listed = np.isin(own, codes)
         described[listed, 5] = order[place[listed]]
-        self._sizes[BEFORE] = left = int(listed.sum())
-        self._before[0][:left], self._before[1][:left] = keys[listed], described[listed]
+        return listed
 
     def set_path(self, keys: np.ndarray, described: np.ndarray) -> None:
         """Contacts of the path, with means that are zero."""

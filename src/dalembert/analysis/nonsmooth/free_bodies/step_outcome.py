@@ -20,3 +20,4 @@ class StepOutcome(IntEnum):
     UNORDERED = 5
     UNSOLVED = 6
     MORE = 7
+    UNCHANGED = 8

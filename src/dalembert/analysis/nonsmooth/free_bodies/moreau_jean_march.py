@@ -1,0 +1,150 @@
+"""Time loop of steps in machine code by the scheme of Moreau and Jean."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from dalembert.analysis.nonsmooth.advance import REPETITIONS
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.correction import SETTINGS, is_far
+from dalembert.analysis.nonsmooth.free_bodies.free_body_loop import REPORTED, FreeBodyLoop
+from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
+from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import CHUNK
+from dalembert.analysis.nonsmooth.free_bodies.moreau_jean_steps import MoreauJeanSteps
+from dalembert.analysis.nonsmooth.free_bodies.recorded_contacts import PRESSING, STEPS
+from dalembert.analysis.nonsmooth.free_bodies.step_outcome import LOSS, StepOutcome
+from dalembert.analysis.nonsmooth.step_log import StepLog
+from dalembert.analysis.nonsmooth.step_state import LastImpulses
+from dalembert.symbolic.evaluation.fixed_call import FixedCalls
+
+
+class MoreauJeanMarch(FreeBodyLoop):
+    """Steps with the contacts that a correction of positions would open, and this correction, as in
+    ``advance`` and ``correct_position``.
+
+    A step is left to the general one if its impulses or positions do not converge, or if shapes may
+    have passed through each other.
+
+    Parameters
+    ----------
+    step : ContactStep
+    motion : functions of the step
+    """
+
+    def __init__(self, step: ContactStep, motion: FreeBodyMotion):
+        self._own = MoreauJeanSteps(step, motion)
+        super().__init__(step, motion, self._own)
+        self._scales, self._projects = step.model.scales.displacements, step.scheme.projection
+        self._uncorrected, self._corrected = np.zeros_like(self._ys), np.zeros_like(self._y)
+        self._correct = self._placed(self._next, self._own.displacement, self._corrected)
+        mass = FixedCalls(motion.mass, compiled=False)
+        self._mass = mass.on([self._next, step.p], [self._own.mass])
+
+    @property
+    def _steps(self) -> MoreauJeanSteps:
+        return self._own
+
+    @property
+    def available(self) -> bool:
+        """Whether there is machine code."""
+        return self._own.available
+
+    def march(
+        self,
+        grid: np.ndarray,
+        k: int,
+        log: StepLog,
+        last: LastImpulses,
+        report: Callable[[float], None],
+    ) -> tuple[int, LastImpulses]:
+        steps, span, begin = self._steps, grid[-1] - grid[0], k
+        self._load(log, last)
+        try:
+            while k < grid.size - 1:
+                self._look_ahead(grid, k)
+                steps.limits[0] = self._h[0]
+                outcome = self._attempt(float(grid[k]), float(grid[k + 1]), k - begin)
+                if outcome is StepOutcome.FULL and k > begin:
+                    begin = self._transfer(grid, begin, k, log, self._uncorrected)
+                    continue
+                if outcome is not StepOutcome.DONE:
+                    break
+                self._y[:] = self._next
+                self._ys[k - begin], self._vs[k - begin] = self._y, steps.v
+                k += 1
+                if k - begin == CHUNK:
+                    begin = self._transfer(grid, begin, k, log, self._uncorrected)
+                if k % REPORTED == 0:
+                    report((grid[k] - grid[0]) / span)
+        finally:
+            self._transfer(grid, begin, k, log, self._uncorrected)
+            steps.counts[[STEPS, PRESSING]] = 0
+        return k, self._last
+
+    def _attempt(self, start: float, end: float, row: int) -> StepOutcome:
+        """A step, and the correction of its end, which is written with the uncorrected one."""
+        steps, before = self._steps, self._steps.v.copy()
+        outcome = self._turned_step()
+        for repetition in range(REPETITIONS + 1):
+            self._t[0] = end
+            if outcome is not StepOutcome.DONE or not self._move():
+                return outcome if outcome is not StepOutcome.DONE else StepOutcome.UNSOLVED
+            at_end = steps.at_end()
+            if at_end not in (StepOutcome.DONE, StepOutcome.CLOSED):
+                return StepOutcome.UNSOLVED
+            if not steps.adds or repetition == REPETITIONS:
+                break
+            self._t[0] = start
+            outcome = self._with_added(before)
+            if outcome is StepOutcome.UNCHANGED:
+                self._t[0] = end
+                self._move()
+                break
+        if steps.passes:
+            return StepOutcome.UNSOLVED
+        self._uncorrected[row] = self._next
+        if at_end is StepOutcome.DONE or not self._projects:
+            return StepOutcome.DONE
+        return self._opened(end)
+
+    def _with_added(self, before: np.ndarray) -> StepOutcome:
+        """The step from the speeds ``before`` with the contacts that are added to its own, unless
+        they supply energy."""
+        steps, after = self._steps, self._steps.v.copy()
+        loss = steps.numbers[steps.counts[STEPS] - 1, LOSS]
+        steps.v[:] = before
+        if steps.adds_others:
+            self._place()
+        outcome = self._turned_step(steps.joined)
+        if outcome is StepOutcome.UNCHANGED:
+            steps.v[:] = after
+        elif outcome is StepOutcome.DONE:
+            own = steps.numbers[steps.counts[STEPS] - 1, LOSS]
+            if own < min(loss, -steps.inexact_work):
+                steps.v[:] = before
+                parted = self._turned_step(steps.parted)
+                outcome = StepOutcome.UNCHANGED if parted is StepOutcome.DONE else parted
+        return outcome
+
+    def _opened(self, end: float) -> StepOutcome:
+        """Open the gaps at the end, where the shapes are."""
+        steps, self._t[0] = self._steps, end
+        travel, shift = self._size(), 0.0
+        for _ in range(SETTINGS.max_iterations):
+            if not self._mass():
+                return StepOutcome.UNSOLVED
+            outcome = steps.correction()
+            if outcome is StepOutcome.DONE:
+                return outcome
+            shift += self._size()
+            far = is_far(shift, travel)
+            if outcome is not StepOutcome.CLOSED or far or not self._correct():
+                break
+            self._next[:] = self._corrected
+        return StepOutcome.UNSOLVED
+
+    def _size(self) -> float:
+        """The largest displacement in the arrays, by the natural ones [-]."""
+        return float(np.abs(self._steps.displacement / self._scales).max(initial=0.0))

@@ -1,0 +1,163 @@
+"""Steps of free bodies by the scheme of Moreau and Jean, and corrections of their positions."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.correction import SHARE
+from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
+from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import FreeBodySteps
+from dalembert.analysis.nonsmooth.free_bodies.pair_lists import OUTCOME, PAIRS, RENEWALS
+from dalembert.analysis.nonsmooth.free_bodies.path_contacts import (
+    ADDED,
+    AT_END,
+    CALL,
+    CORRECTION,
+    COUNT,
+    JOINED,
+    OTHERS,
+    PARTED,
+    PASSES,
+    STEP,
+    STORED,
+)
+from dalembert.analysis.nonsmooth.free_bodies.step_outcome import StepOutcome
+from dalembert.integrators.contact.schemes import ROUNDING, MoreauJean
+
+DEEPEST, EXCHANGED, PUSHES = 4, 6, 7
+"""Places in the status: the smallest gap where the shapes are, the work of the impulses by the
+changes of speed that they cause, and the sum of their magnitudes."""
+
+
+class MoreauJeanSteps(FreeBodySteps):
+    """Arrays of the machine code, and its calls.
+
+    Attributes
+    ----------
+    mass : entries of the mass matrix where the shapes are
+    """
+
+    files = "stored_contacts.c", "position_correction.c", "moreau_jean_step.c"
+
+    def __init__(self, step: ContactStep, motion: FreeBodyMotion):
+        self.mass = np.zeros(motion.columns.size)
+        bodies, widest = motion.first.size - 1, motion.widest
+        self._mass_inverses = np.zeros(bodies * widest**2), np.full(self.mass.size, np.nan)
+        super().__init__(step, motion)
+
+    def _scheme_limits(self, step: ContactStep) -> list[float]:
+        scheme = step.scheme
+        assert isinstance(scheme, MoreauJean)
+        fine = SHARE * step.rounding / step.solver.tolerance
+        own = -np.inf, 1 / self._motion.lead, scheme.theta, scheme.gamma, scheme.projection, fine
+        return [np.inf, 0.0, step.longest, *own]
+
+    def joined(self) -> StepOutcome:
+        """The last step with the contacts that are added, from its start; its entry in the record
+        replaces the last one."""
+        self._sizes[CALL] = JOINED
+        outcome = self._kept_contacts()
+        self._sizes[CALL] = STEP
+        return outcome
+
+    def parted(self) -> StepOutcome:
+        """The last step again without the contacts that were added last."""
+        self._sizes[CALL] = PARTED
+        outcome = self._kept_contacts()
+        self._sizes[CALL] = STEP
+        return outcome
+
+    def at_end(self) -> StepOutcome:
+        """Gaps at the end of the last step, where the shapes are: ``CLOSED`` if one is."""
+        self._sizes[CALL] = AT_END
+        outcome = self._kept_contacts()
+        self._sizes[CALL] = STEP
+        return outcome
+
+    def correction(self) -> StepOutcome:
+        """``CLOSED`` if a gap is closed where the shapes are, with the displacement that opens it;
+        other lists of pairs and orders of elimination are made where these are needed."""
+        self._sizes[CALL] = CORRECTION
+        outcome = self()
+        self._sizes[CALL] = STEP
+        return outcome
+
+    def _kept_contacts(self) -> StepOutcome:
+        """A call that refers to the contacts of the call before, which new memory does not hold."""
+        stored = self._stored
+        for _ in range(RENEWALS):
+            assert self._loop is not None
+            self._loop()
+            outcome = StepOutcome(int(self.counts[OUTCOME]))
+            if outcome is StepOutcome.OUTDATED and np.isfinite(self._status[3]):
+                super()._renew_list(float(self._status[3]))
+                described = stored[: 6 * self._sizes[STORED]].reshape(-1, 6)
+                if not self.pair_numbers(self._pairs[:2, : self.counts[PAIRS]], described).all():
+                    break
+            elif outcome is StepOutcome.UNORDERED:
+                self._renew_order()
+            elif outcome is StepOutcome.MORE:
+                self._reserve(int(self.counts[COUNT]))
+            else:
+                return outcome
+            if self._stored is not stored:
+                break
+        return StepOutcome.UNSOLVED
+
+    @property
+    def adds(self) -> bool:
+        """Whether contacts are added."""
+        return bool(self._sizes[ADDED]) or self.adds_others
+
+    @property
+    def adds_others(self) -> bool:
+        """Whether these are of features that are not near each other at the start of the step,
+        where the shapes have to be in the next call."""
+        return bool(self._sizes[OTHERS])
+
+    @property
+    def passes(self) -> bool:
+        """Whether shapes may have passed through each other."""
+        return bool(self._sizes[PASSES])
+
+    @property
+    def deepest(self) -> float:
+        """The smallest gap where the shapes are [m]."""
+        return float(self._status[DEEPEST])
+
+    @property
+    def inexact_work(self) -> float:
+        """Work of contacts that may result from rounding and from the residual of the impulses of
+        the last step [J]."""
+        residual = self._status[1] if self.counts[COUNT] else 0.0
+        return float(ROUNDING * self._status[EXCHANGED] + residual * self._status[PUSHES])
+
+    def _ordered_pairs(self) -> np.ndarray:
+        """Those of all contacts near each other at the start of the step, too, as the active ones
+        change within it."""
+        stored = self._stored[: 6 * self._sizes[STORED]].reshape(-1, 6)
+        return np.concatenate([super()._ordered_pairs(), stored[:, 5]])
+
+    def _renew_list(self, reach: float) -> None:
+        self._sizes[STORED] = 0  # their pairs have other numbers
+        super()._renew_list(reach)
+
+    def _more_inputs(self) -> list[np.ndarray]:
+        return [self.mass]
+
+    def _more_outputs(self, contacts: int) -> list[np.ndarray]:
+        n, rows = self.v.size, contacts * self.width
+        pattern = rows * 2 * self._motion.widest
+
+        def whole(size: int) -> np.ndarray:
+            return np.zeros(size, dtype=np.int32)
+
+        directions = np.zeros(pattern), whole(rows + 1), whole(pattern)
+        velocities, gaps = np.zeros((2, rows)), np.zeros(contacts)
+        keys = np.zeros(contacts, dtype=np.int64)
+        self._sizes[STORED], self._stored = 0, whole(6 * contacts)
+        states = whole(contacts), np.zeros(3 * contacts), whole(contacts), np.zeros(n)
+        stored = [*directions, *velocities, gaps, keys, self._stored, *states]
+        others = np.zeros(contacts, dtype=np.int64), whole(6 * contacts)
+        return [*stored, *self._mass_inverses, *others]

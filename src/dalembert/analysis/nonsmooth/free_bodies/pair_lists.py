@@ -1,0 +1,110 @@
+"""Calls of the machine code of a step, with lists of near pairs and orders of elimination."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+
+import numpy as np
+
+from dalembert.analysis.nonsmooth.free_bodies.path_contacts import AGAIN, CALL, COUNT, STEP
+from dalembert.analysis.nonsmooth.free_bodies.recorded_contacts import RecordedContacts
+from dalembert.analysis.nonsmooth.free_bodies.step_outcome import StepOutcome
+from dalembert.analysis.nonsmooth.free_bodies.step_shapes import StepShapes
+from dalembert.analysis.nonsmooth.gaps.neighbours import Neighbours
+
+ENTRIES, OUTCOME, PAIRS = 4, 6, 17
+"""Places among the counts of the loop: entries of the blocks, outcome, and listed pairs."""
+GROWTH = 1.5
+"""Ratio of new memory for pairs or contacts to the number that first exceeded it [-]."""
+RENEWALS = 4
+"""Upper limit of the repetitions of a call with other lists and orders."""
+
+
+class PairLists(RecordedContacts):
+    """Calls for which lists of pairs and orders of elimination are renewed.
+
+    A subclass allocates the arrays.
+
+    Attributes
+    ----------
+    corners, normals : of the shapes
+    lists : number of lists of pairs so far
+    """
+
+    corners: np.ndarray
+    normals: np.ndarray
+    radii: np.ndarray
+    lists: int
+    _shapes: StepShapes
+    _neighbours: Neighbours
+    _status: np.ndarray
+    _old: tuple[np.ndarray, np.ndarray]
+    _order: list[np.ndarray]
+    _contacts: int
+    _entries: int
+
+    @abstractmethod
+    def _allocate(self, pairs: int, contacts: int, entries: int) -> None:
+        """Arrays for numbers of listed pairs, of contacts and of matrix entries."""
+
+    def __call__(self) -> StepOutcome:
+        """A step from the state and the forces in the arrays; other lists of pairs and orders of
+        elimination are made where these are needed."""
+        for _ in range(RENEWALS):
+            assert self._loop is not None
+            self._loop()
+            outcome = StepOutcome(int(self.counts[OUTCOME]))
+            if outcome is StepOutcome.OUTDATED and np.isfinite(self._status[3]):
+                self._renew_list(float(self._status[3]))
+            elif outcome is StepOutcome.UNORDERED:
+                self._renew_order()
+            elif outcome is StepOutcome.MORE:
+                self._reserve(int(self.counts[COUNT]))
+            else:
+                return outcome
+        return StepOutcome.UNSOLVED
+
+    def again(self) -> StepOutcome:
+        """The last step, whose entry in the record is removed, with the forces in the arrays."""
+        self.remove_last()
+        self._sizes[CALL] = AGAIN
+        outcome = self()
+        self._sizes[CALL] = STEP
+        return outcome
+
+    def _renew_list(self, reach: float) -> None:
+        """Pairs within reach and a margin."""
+        centers, radii = self._shapes.sizes(self.corners, self.radii)
+        near = self._neighbours.listed(centers, self.normals.copy(), radii, reach)
+        pairs, laws = self._shapes.touching(near)
+        self.renumber(pairs)
+        if pairs.shape[1] > self._pairs.shape[1]:
+            self._allocate(int(GROWTH * pairs.shape[1]), self._contacts, self._entries)
+        self.counts[PAIRS] = count = pairs.shape[1]
+        self._pairs[:2, :count], self._pairs[2, :count] = pairs, laws
+        self._old[0][:], self._old[1][:] = near.positions, near.normals
+        self.lists += 1
+        self.limits[3] = near.reach
+
+    def _renew_order(self) -> None:
+        """Order of elimination for the contacts of the step."""
+        bodies = self.body[self._pairs[:2, self._ordered_pairs()]]
+        order = self._motion.orderings.between(*bodies[:, (bodies >= 0).all(axis=0)])
+        parts = order.owner, order.position, order.first, order.row, order.members
+        rows = self._order[3]
+        if order.row.size > rows.size or order.entries > self._entries:
+            self._order[3] = np.zeros(int(GROWTH * order.row.size) + 1, dtype=np.int32)
+            entries = int(GROWTH * order.entries)
+            self._allocate(self._pairs.shape[1], self._contacts, entries)
+        for array, part in zip(self._order, parts, strict=True):
+            array.ravel()[: part.size] = part.ravel()
+        self.counts[ENTRIES] = order.entries
+
+    def _ordered_pairs(self) -> np.ndarray:
+        """Listed pairs that an order of elimination covers."""
+        return self._pair_of[: self.counts[COUNT]]
+
+    def reorder(self) -> None:
+        """Order of elimination without the bodies that take no part."""
+        self._motion.orderings.forget()
+        self._renew_order()

@@ -1,0 +1,148 @@
+/* Parts of a step of free bodies that do not depend on the scheme */
+/* the largest change of a normal speed by forces, and the largest speed, of the contacts in limits */
+static void casadi_largest(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+    casadi_real* limits) {
+  const casadi_real* before = res[24];
+  const casadi_real* free = res[25];
+  casadi_int i, a, r, linear = iw[2]>0 ? ((const int*) arg[13])[1] : 1;
+  limits[0] = 0;
+  limits[1] = 0;
+  for (i=0; i<iw[0]; ++i) {
+    r = i*iw[1];
+    if (!(fabs(free[r] - before[r])<=limits[0])) limits[0] = fabs(free[r] - before[r]);
+    for (a=0; a<linear; ++a) {
+      if (!(fabs(before[r+a])<=limits[1])) limits[1] = fabs(before[r+a]);
+      if (!(fabs(free[r+a])<=limits[1])) limits[1] = fabs(free[r+a]);
+    }
+  }
+}
+/* begin to solve for the impulses of the contacts */
+static void casadi_begin_impulses(const casadi_real** arg, casadi_real** res,
+    const casadi_int* iw, casadi_real* w) {
+  casadi_int rows = iw[0]*iw[1], r;
+  for (r=0; r<rows; ++r) ((casadi_real*) arg[7])[r] = 0;
+  casadi_mobilities(arg, res, iw);
+  casadi_inertia_blocks(arg, res, iw);
+  casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
+}
+/* impulses of all contacts with the offsets in res[26], and velocities without offsets in res[5]; the
+   number of proximal problems, or -1 if they did not converge */
+static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    casadi_real* w, casadi_real scale) {
+  casadi_int rows = iw[0]*iw[1], r, rounds;
+  casadi_real allowed;
+  for (r=0; r<rows; ++r) ((casadi_real*) arg[2])[r] = res[48][r] + res[26][r];
+  rounds = casadi_solution(arg, res, iw, w, arg[36][1], scale);
+  allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
+  if (!(res[11][1]<=allowed) || res[11][1]>arg[37][21]*scale) return -1;
+  casadi_shorten(arg, res[0], iw);
+  casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], res[0], rows, iw[3], res[10]);
+  for (r=0; r<rows; ++r) {
+    res[5][r] = res[48][r] + casadi_row(arg[0], (const int*) arg[10], ((const int*) arg[9])[r],
+      ((const int*) arg[9])[r+1], res[10]);
+  }
+  return rounds;
+}
+/* record of the step: losses, residual, and keys, impulses and offsets of pressing contacts */
+static void casadi_record(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    casadi_real deepest, casadi_int rounds) {
+  const casadi_int* key = (const casadi_int*) arg[43];
+  casadi_int* last = (casadi_int*) arg[44];
+  casadi_int* sizes = (casadi_int*) arg[47];
+  casadi_int* keys = (casadi_int*) res[31];
+  casadi_real* impulse = res[0];
+  casadi_real* numbers = res[30] + 6*iw[20];
+  casadi_int i, a, r, width = iw[1], rows = iw[0]*iw[1], pressing = 0;
+  casadi_real loss = 0, friction = 0;
+  for (i=0; i<iw[0]; ++i) {
+    r = i*width;
+    for (a=0; a<width; ++a) {
+      loss -= 0.5*impulse[r+a]*(res[5][r+a] + res[24][r+a]);
+      if (a>0) friction -= 0.5*impulse[r+a]*(res[5][r+a] + res[24][r+a]);
+    }
+    if (!(impulse[r]>0)) continue;
+    last[pressing] = key[i];
+    keys[iw[21]+pressing] = key[i];
+    ((int*) res[46])[iw[21]+pressing] = ((const int*) res[45])[i];
+    for (a=0; a<width; ++a) {
+      res[29][pressing*width+a] = impulse[r+a];
+      res[32][(iw[21]+pressing)*width+a] = impulse[r+a];
+      res[33][(iw[21]+pressing)*width+a] = res[26][r+a];
+    }
+    ++pressing;
+  }
+  numbers[0] = deepest;
+  numbers[1] = loss;
+  numbers[2] = friction;
+  numbers[3] = rows>0 ? res[11][1] : 0.0;
+  numbers[4] = rounds;
+  numbers[5] = pressing;
+  sizes[0] = pressing;
+  sizes[8] = iw[0];
+  for (i=0; i<iw[0]; ++i) {
+    ((casadi_int*) arg[57])[i] = key[i];
+    for (a=0; a<6; ++a) ((int*) arg[58])[6*i+a] = ((const int*) arg[51])[6*i+a];
+  }
+  iw[21] += pressing;
+  ++iw[20];
+}
+/* other forces of the same step: its responses, and the velocities at its end without impulses */
+static void casadi_other_forces(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
+  const int* contact = (const int*) arg[51];
+  const int* row = (const int*) arg[9];
+  casadi_int i, j, r;
+  for (j=0; j<iw[3]; ++j) res[10][j] = res[19][j] - res[49][j];
+  for (i=0; i<iw[0]; ++i, contact+=6) casadi_response_rows(arg, res, iw, i, contact[1], contact[3]);
+  for (r=0; r<iw[0]*iw[1]; ++r) {
+    res[48][r] = res[25][r]
+      + casadi_row(arg[0], (const int*) arg[10], row[r], row[r+1], res[10]);
+  }
+}
+/* speeds at the end without impulses, in res[19]; 1 if the inertia is singular */
+static int casadi_free_speeds(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+    casadi_real* w) {
+  casadi_int j;
+  if (casadi_invert(arg, res, iw, w)) return 1;
+  for (j=0; j<iw[3]; ++j) res[19][j] = arg[22][j];
+  casadi_accelerate(res[20], (const int*) arg[30], iw[16], iw[9], arg[36][0], arg[23], res[19]);
+  return 0;
+}
+/* contacts of a step, with the velocities that it has without impulses, also in res[48], and the speeds
+   in res[49], if the list contains all within a multiple of the reach; the outcome */
+static casadi_int casadi_prepare(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    casadi_real multiple, casadi_real* deepest) {
+  casadi_real h = arg[36][0], reach[2];
+  casadi_int j, r;
+  reach[0] = 0;
+  reach[1] = 0;
+  casadi_fastest(arg, iw, arg[22], reach);
+  casadi_fastest(arg, iw, res[19], reach);
+  for (j=0; j<2; ++j) reach[j] = arg[37][17]*h*reach[j];
+  res[11][3] = multiple*(reach[0]>reach[1] ? reach[0] : reach[1]);
+  if (!casadi_listed(arg, iw, res[11][3])) return 2;
+  deepest[0] = casadi_contacts(arg, res, iw, reach);
+  if (iw[0]>iw[19]) return 7;
+  casadi_take_middle(arg, res, iw);
+  for (r=0; r<iw[0]*iw[1]; ++r) res[48][r] = res[25][r];
+  for (j=0; j<iw[3]; ++j) res[49][j] = res[19][j];
+  return 0;
+}
+/* speeds and displacement of a step by its impulses, if they are finite, and its record; 1 if they are
+   not */
+static int casadi_finish(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    casadi_real deepest, casadi_int rounds) {
+  casadi_real* v = (casadi_real*) arg[22];
+  casadi_real* free = res[19];
+  casadi_real theta = arg[36][11];
+  casadi_int j;
+  for (j=0; j<iw[3]; ++j) {
+    free[j] += res[10][j];
+    if (!(fabs(free[j])<1e300)) return 1;
+  }
+  casadi_record(arg, res, iw, deepest, rounds);
+  for (j=0; j<iw[3]; ++j) {
+    res[28][j] = arg[36][0]*(theta*free[j] + (1 - theta)*v[j]);
+    v[j] = free[j];
+  }
+  return 0;
+}

@@ -1,0 +1,164 @@
+/* One step of free bodies with balls, hulls and walls by the scheme of Moreau and Jean, and gaps at its
+   end */
+/* impulses of all contacts by Newton's law of impact; contacts that part do no work if positions are
+   corrected. The number of proximal problems, or -1 if they did not converge */
+static casadi_int casadi_newton_impulses(const casadi_real** arg, casadi_real** res,
+    casadi_int* iw, casadi_real* w) {
+  const casadi_real* before = res[24];
+  const casadi_real* law;
+  casadi_real limits[2];
+  casadi_int i, a, r, width = iw[1], linear = iw[2]>0 ? ((const int*) arg[13])[1] : 1;
+  casadi_largest(arg, res, iw, limits);
+  for (i=0; i<iw[0]; ++i) {
+    r = i*width;
+    law = arg[28] + ((const int*) arg[33])[((const int*) res[23])[i]]*(2 + iw[2]);
+    res[26][r] = law[0]*before[r];
+    if (arg[36][13]>0 && before[r]>res[26][r]) res[26][r] = before[r];
+    for (a=1; a<width; ++a) res[26][r+a] = a<linear ? law[1]*before[r+a] : 0.0;
+  }
+  casadi_begin_impulses(arg, res, iw, w);
+  return casadi_impulses(arg, res, iw, w, limits[1]>0 ? limits[1] : 1.0);
+}
+/* distance by which the linear part of a stored gap closes in the step */
+static casadi_real casadi_closing(const casadi_real** arg, casadi_real** res,
+    const casadi_int* iw, casadi_int i) {
+  const int* row = (const int*) res[52];
+  const int* column = (const int*) res[53];
+  casadi_int r = i*iw[1];
+  casadi_real after = res[55][r] + casadi_row(res[51], column, row[r], row[r+1], res[62])
+    - casadi_row(res[51], column, row[r], row[r+1], res[49]);
+  return -arg[36][0]/2*(res[54][r] + after);
+}
+/* whether the shapes of a contact that closes may pass through each other */
+static int casadi_closes(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+    casadi_int i) {
+  casadi_real closing = casadi_closing(arg, res, iw, i);
+  return closing>arg[36][2] && closing - res[56][i]>arg[36][2];
+}
+/* whether the nearest contact at the end with the shapes of a stored one has the opposite normal */
+static int casadi_reversed(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+    casadi_int i) {
+  const int* contact = (const int*) arg[51];
+  casadi_int e, nearest = -1;
+  casadi_real normal[3];
+  for (e=0; e<iw[0]; ++e) {
+    if (contact[6*e+5]!=((const int*) res[58])[6*i+5]) continue;
+    if (nearest<0 || arg[45][e]<arg[45][nearest]) nearest = e;
+  }
+  if (nearest<0) return 0;
+  casadi_signed_normal(arg, iw, contact + 6*nearest, normal);
+  return casadi_dot(normal, res[60] + 3*i)<0;
+}
+/* select stored contacts to be added: those that are closed at the end, and those at rest that a correction
+   would open; without any, those of other features that are closed */
+static void casadi_select(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
+  casadi_int* sizes = (casadi_int*) arg[47];
+  const casadi_int* keys = (const casadi_int*) arg[43];
+  const casadi_int* stored = (const casadi_int*) res[57];
+  int* state = (int*) res[61];
+  casadi_int i, e, a, r;
+  casadi_real forced = res[11][5], h = arg[36][0];
+  for (i=0; i<sizes[9]; ++i) {
+    if (state[i]!=1) continue;
+    r = i*iw[1];
+    if (res[56][i]<=h*forced/2 && fabs(res[54][r])<=arg[37][19]*forced
+        && -casadi_closing(arg, res, iw, i)<=arg[36][2]) state[i] = 3;
+    for (e=0; e<iw[0] && state[i]==1; ++e) {
+      if (keys[e]==stored[i] && arg[45][e]<-arg[36][2]) state[i] = 3;
+    }
+    if (state[i]==3) ++sizes[10];
+  }
+  for (e=0; e<iw[0] && sizes[10]==0; ++e) {
+    if (!(arg[45][e]<-arg[36][2])) continue;
+    for (i=0; i<sizes[9] && !(stored[i]==keys[e] && state[i]==2); ++i) {}
+    if (i<sizes[9]) continue;
+    ((casadi_int*) res[65])[sizes[14]] = keys[e];
+    for (a=0; a<6; ++a) ((int*) res[66])[6*sizes[14]+a] = ((const int*) arg[51])[6*e+a];
+    ++sizes[14];
+  }
+}
+/* gaps at the end of the step, where the shapes are: the smallest one in res[11][4], the contacts that are
+   added, and whether shapes pass through each other; the outcome */
+static casadi_int casadi_check_end(const casadi_real** arg, casadi_real** res, casadi_int* iw) {
+  casadi_int* sizes = (casadi_int*) arg[47];
+  casadi_int i, closes = 0;
+  casadi_real reach[2];
+  reach[0] = 0;
+  reach[1] = 0;
+  for (i=0; i<sizes[9]; ++i) {
+    if (casadi_closes(arg, res, iw, i)) closes = 1;
+  }
+  if (closes) casadi_fastest(arg, iw, res[28], reach);
+  for (i=0; i<2; ++i) {
+    reach[i] = 2*reach[i];
+    if (reach[i]>res[11][3]) res[11][3] = reach[i];
+  }
+  if (!casadi_listed(arg, iw, reach[0]>reach[1] ? reach[0] : reach[1])) return 2;
+  res[11][4] = casadi_contacts(arg, res, iw, reach);
+  if (iw[0]>iw[19]) return 7;
+  sizes[10] = 0;
+  sizes[11] = 0;
+  sizes[13] = 0;
+  sizes[14] = 0;
+  casadi_exchange(res, sizes[9], 3, 2);
+  for (i=0; i<sizes[9] && closes; ++i) {
+    if (casadi_closes(arg, res, iw, i) && casadi_reversed(arg, res, iw, i)) sizes[11] = 1;
+  }
+  if (res[11][4]>=-arg[36][2]) return 0;
+  if (sizes[12]) casadi_select(arg, res, iw);
+  return 4;
+}
+/* a call; iw[6] is its outcome, of a step as of anticipated impacts; 4 a gap is closed at the end; 8 no
+   contact is added. Calls are a step (0), the last step with other forces (3), with more contacts (4) or
+   again without these (5), gaps at its end (6), and a correction (7) */
+static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w,
+    int mem) {
+  const casadi_int* sizes = (const casadi_int*) arg[47];
+  const casadi_real* last;
+  casadi_real deepest[1];
+  casadi_int j, r, rounds = 0, call = sizes[6], joins = call==4 || call==5;
+  if (call>=6) {
+    iw[6] = call==6 ? casadi_check_end(arg, res, iw) : casadi_correct(arg, res, iw, w);
+    return 0;
+  }
+  last = res[30] + 6*(joins ? iw[20] - 1 : iw[20]);
+  iw[6] = 1;
+  if (casadi_free_speeds(arg, res, iw, w)) return 0;
+  iw[6] = 0;
+  deepest[0] = last[0];
+  if (call==3) casadi_other_forces(arg, res, iw);
+  if (call==4 && sizes[14]>0 && casadi_store_others(arg, res, iw)) iw[6] = 7;
+  if (call==4 && iw[6]==0) iw[6] = casadi_join(arg, res, iw);
+  if (call==5) {
+    casadi_exchange(res, sizes[9], 3, 1);
+    casadi_gather(arg, res, iw);
+  }
+  if (call==0) {
+    iw[6] = casadi_prepare(arg, res, iw, 1.5, deepest);
+    if (iw[6]) return 0;
+    if (iw[21]+iw[0]>iw[22]) iw[6] = 3;
+    casadi_store_all(arg, res, iw);
+    casadi_gather(arg, res, iw);
+  }
+  if (iw[6]) return 0;
+  iw[6] = 5;
+  if (call!=3 && casadi_contact_places(arg, res, iw)) return 0;
+  iw[6] = 6;
+  for (j=0; j<iw[3]; ++j) res[10][j] = 0;
+  if (iw[0]>0) rounds = casadi_newton_impulses(arg, res, iw, w);
+  if (rounds<0) return 0;
+  res[11][6] = 0;
+  res[11][7] = 0;
+  for (r=0; r<iw[0]*iw[1]; ++r) {
+    res[11][6] += res[0][r]*(res[5][r] - res[48][r]);
+    res[11][7] += fabs(res[0][r]);
+  }
+  if (joins) {
+    iw[21] -= last[5];
+    --iw[20];
+  }
+  if (casadi_finish(arg, res, iw, deepest[0], rounds)) return 0;
+  for (j=0; j<iw[3]; ++j) res[62][j] = res[19][j];
+  iw[6] = 0;
+  return 0;
+}
