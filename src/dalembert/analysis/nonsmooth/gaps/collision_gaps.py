@@ -20,7 +20,7 @@ from dalembert.analysis.nonsmooth.gaps.hulls.hull_gaps import HullGaps
 from dalembert.analysis.nonsmooth.gaps.joined_gaps import JoinedGaps
 from dalembert.analysis.nonsmooth.gaps.near_pairs import NearPairs, ShapesAt
 from dalembert.analysis.nonsmooth.gaps.neighbours import Neighbours
-from dalembert.analysis.nonsmooth.gaps.recent_positions import RecentPositions
+from dalembert.analysis.nonsmooth.gaps.recent_positions import AHEAD, RecentPositions
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST, ShapeVelocities
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact_point import contact_at_wall, contact_of_balls
@@ -33,9 +33,6 @@ from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.evaluation.mapped_kernel import MappedKernel
 from dalembert.symbolic.once import once
-
-AHEAD = 1.25
-"""Reach of a search relative to the request; it then suffices for faster bodies in later steps."""
 
 
 class CollisionGaps(GapSource):

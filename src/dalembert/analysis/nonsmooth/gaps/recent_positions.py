@@ -8,6 +8,9 @@ from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 
 COUNT = 3
 """Number of positions: a step evaluates its start, its end and the corrected end in turns."""
+AHEAD = 1.25
+"""Reach of a search relative to the request; it then suffices for the end of a step, the start of
+the next one, and faster bodies in later steps."""
 
 
 class Position(Protocol):

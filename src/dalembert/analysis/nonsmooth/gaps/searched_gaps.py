@@ -16,17 +16,13 @@ from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature, gap_functio
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapKind, GapSource
 from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import HullGeometry
 from dalembert.analysis.nonsmooth.gaps.positions import Positions
-from dalembert.analysis.nonsmooth.gaps.recent_positions import RecentPositions
+from dalembert.analysis.nonsmooth.gaps.recent_positions import AHEAD, RecentPositions
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.mapped_kernel import MappedKernel
-
-AHEAD = 1.25
-"""Reach of a search at a new position, by the largest request at the position before: one search
-suffices for the end of a step and the start of the next one."""
 
 
 class EvaluatedGaps(NamedTuple):
