@@ -166,9 +166,9 @@ class ContactMaps:
             z = z - factors.solve(right)
         forced = None
         if contacts is not None and contacts.slopes.forced.any():
-            own = contacts.slopes.some(contacts.slopes.forced > 0)
-            state = x[:, None], np.array([t]), np.array([h])
-            single = ForcedSteps(*state, [own.change], [own.forced])
+            slopes_of = contacts.slopes.some(contacts.slopes.forced > 0)
+            changes = [slopes_of.change], [slopes_of.forced]
+            single = ForcedSteps(x[:, None], np.array([t]), np.array([h]), *changes)
             forced = self.forced_changes(single)
         next_by_z, next_by_q = slopes
         return MapAt(z, following, factors, by_q, next_by_z, next_by_q, contacts, forced, before)
