@@ -30,7 +30,7 @@ from dalembert.sensitivity.nonsmooth.gap_matrices import (
 )
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
 from dalembert.sensitivity.nonsmooth.impact_slopes import ImpactSlopes
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
+from dalembert.sensitivity.nonsmooth.triplets import Sparse
 
 STICK_MARGIN = 1e-6
 """Excess of a friction force over the sliding one that static friction explains [-]."""

@@ -15,8 +15,7 @@ import scipy
 
 from dalembert.errors import SingularityError
 from dalembert.sensitivity.nonsmooth.jammed_contacts import SmallestImpulses
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
-from dalembert.sensitivity.nonsmooth.triplets import Triplets
+from dalembert.sensitivity.nonsmooth.triplets import Sparse, Triplets
 from dalembert.sparse.factorise import DenseFactors, SuperLUFactors
 from dalembert.sparse.solver import Factors
 
@@ -82,8 +81,10 @@ class ScaledMatrix:
         weight : (n,) diagonal of ``D``: 1 for impulses, −1 for joint multipliers, 0 for speeds
         place : (n,) new numbers of the rows and columns; the same by default
         """
-        parts = [_entries(*block) for block in blocks]
-        row, column, value = (np.concatenate(part) for part in zip(*parts, strict=True))
+        parts = [entries_of(block) for block in blocks]
+        row = np.concatenate([part.row for part in parts])
+        column = np.concatenate([part.column for part in parts])
+        value = np.concatenate([part.value for part in parts])
         n, smallest = weight.size, np.finfo(float).tiny
         if place is not None:
             row, column = place[row], place[column]
@@ -239,6 +240,7 @@ def diagonal_block(matrix: Sparse, begin: int, end: int, left: int, width: int =
     return type(matrix)(parts, shape=shape)
 
 
-def _entries(first: int, left: int, matrix: Sparse) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
-    return first + row, left + matrix.indices, matrix.data
+def entries_of(block: Block) -> Triplets:
+    """Entries of a block in the whole matrix, of the same shape."""
+    first, left, own = block[0], block[1], Triplets.of(block[2])
+    return Triplets(first + own.row, left + own.column, own.value, own.shape)

@@ -12,11 +12,9 @@ import casadi as ca
 import numpy as np
 import scipy
 
+from dalembert.sensitivity.nonsmooth.triplets import Sparse, Triplets
 from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.formulas.expression import stack
-
-Sparse = Any
-"""A SciPy array compressed by rows."""
 
 
 class SlopeFunction:
@@ -51,7 +49,7 @@ class SlopeFunction:
         return self._patterns[number].rows
 
     def __call__(self, *arguments, count: int = 1) -> tuple[np.ndarray, list[Sparse]]:
-        """The value, and its derivatives compressed by rows.
+        """The value, and its derivatives: triplets of one column, else compressed by rows.
 
         Parameters
         ----------
@@ -93,6 +91,7 @@ class _Pattern:
         column = np.repeat(np.arange(sparsity.size2(), dtype=np.int32), np.diff(start))
         self._order = np.lexsort((column, row))
         self._columns, self._shape = column[self._order], sparsity.shape
+        self._rows = row[self._order]
         counts = np.bincount(row, minlength=sparsity.size1())
         self.rows = counts > 0
         self._starts = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
@@ -100,6 +99,8 @@ class _Pattern:
     def matrix(self, entries: np.ndarray) -> Sparse:
         """Diagonal blocks of the columns of ``entries``."""
         size, count = entries.shape
+        if count == 1:
+            return Triplets(self._rows, self._columns, entries[self._order, 0], self._shape)
         block, (rows, columns) = np.arange(count, dtype=np.int32)[:, None], self._shape
         place = (self._columns + columns * block).ravel()
         starts = np.append((self._starts[:-1] + size * block).ravel(), size * count)

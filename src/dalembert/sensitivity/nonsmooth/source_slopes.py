@@ -26,6 +26,7 @@ from dalembert.sensitivity.nonsmooth.gap_slopes import (
 )
 from dalembert.sensitivity.nonsmooth.gap_values import GapValues, directions_of
 from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction
+from dalembert.sensitivity.nonsmooth.triplets import by_rows
 from dalembert.symbolic.once import once
 
 
@@ -199,7 +200,9 @@ class SourceSlopes:
             last = (turned @ both[kind.velocities][..., None])[..., 0] - end * first
             values.add(kind.row, GapChanges(distance[:, 0, 0], first, last, sizes[kind.laws]))
             parts.append((kind, turned))
-        return GapValues(values, directions_of(parts, keys.size * width, moving, zeros=True))
+        return GapValues(
+            values, directions_of(parts, keys.size * width, by_rows(moving), zeros=True)
+        )
 
     def _changing(
         self, kind: GapKind, width: int, owner: np.ndarray, geometry: int, velocities: int

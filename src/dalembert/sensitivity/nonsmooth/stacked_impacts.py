@@ -19,10 +19,9 @@ from dalembert.sensitivity.nonsmooth.free_steps import FreeSteps, LastingContact
 from dalembert.sensitivity.nonsmooth.gap_matrices import distance_slopes
 from dalembert.sensitivity.nonsmooth.gap_values import GapValues
 from dalembert.sensitivity.nonsmooth.instant_shifts import InstantShifts
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.source_slopes import StepState
 from dalembert.sensitivity.nonsmooth.stacked_maps import StackedMaps
-from dalembert.sensitivity.nonsmooth.triplets import DiagonalBlocks
+from dalembert.sensitivity.nonsmooth.triplets import DiagonalBlocks, Sparse
 
 SIMULTANEOUS = 1e-6
 """Threshold of the distance of simultaneous impacts, relative to the step [-]."""

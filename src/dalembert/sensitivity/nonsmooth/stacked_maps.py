@@ -28,9 +28,8 @@ from dalembert.sensitivity.nonsmooth.proximal_factors import (
     diagonal_block,
 )
 from dalembert.sensitivity.nonsmooth.residual_terms import SOLVED, terms_of
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.source_slopes import StepState
-from dalembert.sensitivity.nonsmooth.triplets import DiagonalBlocks
+from dalembert.sensitivity.nonsmooth.triplets import DiagonalBlocks, Sparse
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,7 +23,8 @@ from dalembert.analysis.nonsmooth.step_forces import (
 )
 from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.model import Model
-from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction, Sparse
+from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction
+from dalembert.sensitivity.nonsmooth.triplets import Sparse
 from dalembert.symbolic.once import once
 
 
