@@ -31,7 +31,7 @@ from dalembert.sensitivity.nonsmooth.proximal_factors import Block, ProximalFact
 from dalembert.sensitivity.nonsmooth.residual_terms import is_solved
 from dalembert.sensitivity.nonsmooth.source_slopes import StepState, source_slopes
 from dalembert.sensitivity.nonsmooth.step_equations import step_equations
-from dalembert.sensitivity.nonsmooth.triplets import Sparse, by_rows
+from dalembert.sensitivity.nonsmooth.triplets import Sparse, Triplets, by_rows
 
 MAX_ITERATIONS = 20
 """Newton iterations."""
@@ -294,10 +294,10 @@ class ContactMaps:
     ) -> tuple[np.ndarray, list[Block]]:
         """Residual with contacts, and their blocks of the matrix, of one step or of several that
         follow one another."""
-        across, first = contacts.gaps.directions, value.size
+        across, first = Triplets.of(contacts.gaps.directions), value.size
         right = np.concatenate([value, contacts.residual])
-        right[: across.shape[1]] -= across.T @ impulses + contacts.struck
-        away = scipy.sparse.csr_array(-across.T)
+        right[: across.shape[1]] -= (across.T @ impulses[:, None])[:, 0] + contacts.struck
+        away = replace(across.T, value=-across.value)
         own = [(first, 0, contacts.by_speed), (first, first, contacts.by_impulse)]
         return right, [(0, first, away), *own]
 
