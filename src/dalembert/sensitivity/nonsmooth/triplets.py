@@ -14,6 +14,8 @@ import scipy
 
 Sparse = Any
 """A SciPy array compressed by rows, or ``Triplets``."""
+MOST = 12_000
+"""Upper limit of the multiplications of several columns without SciPy."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -55,7 +57,10 @@ class Triplets:
 
     def __matmul__(self, columns: np.ndarray) -> np.ndarray:
         """Product with columns (n, c)."""
-        product = np.empty((self.shape[0], columns.shape[1]))
+        count = columns.shape[1]
+        if count > 1 and count * self.value.size > MOST:
+            return np.asarray(by_rows(self) @ columns)
+        product = np.empty((self.shape[0], count))
         for k, own in enumerate(columns.T):
             values = self.value * own[self.column]
             product[:, k] = np.bincount(self.row, values, self.shape[0])
