@@ -170,8 +170,8 @@ class SourceGaps:
     @property
     def by_rows(self) -> SourceGaps:
         """The same with matrices compressed by rows."""
-        places = {"start": self.start.by_rows, "middle": self.middle.by_rows}
-        return replace(self, **places, momenta=by_rows(self.momenta))
+        start, middle = self.start.by_rows, self.middle.by_rows
+        return replace(self, start=start, middle=middle, momenta=by_rows(self.momenta))
 
     @property
     def values(self) -> GapChanges:
