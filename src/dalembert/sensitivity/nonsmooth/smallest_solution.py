@@ -27,8 +27,8 @@ class SmallestSolution:
     """
 
     def __init__(self, matrix: np.ndarray):
-        self._room = (matrix.shape[0] + 1) * BLOCK + 2 * matrix.shape[0]
-        factors, order, self._scales, *_ = scipy.linalg.lapack.dgeqp3(matrix, lwork=self._room)
+        room = (matrix.shape[0] + 1) * BLOCK + 2 * matrix.shape[0]
+        factors, order, self._scales, *_ = scipy.linalg.lapack.dgeqp3(matrix, lwork=room)
         diagonal = np.abs(factors.diagonal())
         rank = int(np.count_nonzero(diagonal > RANK * diagonal[0]))
         self._reflectors, self._order = factors, order - 1

@@ -121,7 +121,9 @@ class StackedImpacts:
         order = np.argsort(label, kind="stable")
         rows, label = rows[order], label[order]
         starts = np.flatnonzero(np.diff(label, prepend=-1))
-        sizes, times = np.diff(np.append(starts, label.size)), self._times(rows)
+        sizes, times = np.diff(np.append(starts, label.size)), np.zeros(label.size)
+        if (several := np.repeat(sizes > 1, sizes)).any():
+            times[several] = self._times(rows[several])
         with np.errstate(invalid="ignore"):
             spread = np.maximum.reduceat(times, starts) - np.minimum.reduceat(times, starts)
         owner = self._owner(rows[starts])
