@@ -30,7 +30,7 @@ from dalembert.sensitivity.nonsmooth.gap_matrices import (
 )
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
 from dalembert.sensitivity.nonsmooth.impact_slopes import ImpactSlopes
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
+from dalembert.sensitivity.nonsmooth.triplets import Sparse, Triplets
 
 STICK_MARGIN = 1e-6
 """Excess of a friction force over the sliding one that static friction explains [-]."""
@@ -162,9 +162,13 @@ class ContactEquations:
         return np.asarray((self.coupled[:, :, 0] * self.slopes.forced[:, None]).ravel())
 
     @property
-    def by_impulse(self) -> Sparse:
+    def by_impulse(self) -> Triplets:
         """(n k, n k) derivatives by the impulses."""
-        return scipy.sparse.csr_array(_diagonal(self.own))
+        count, k, _ = self.own.shape
+        row, column = np.broadcast_arrays(np.arange(k)[:, None], np.arange(k))
+        first = k * np.arange(count)[:, None, None]
+        places = (first + row).ravel(), (first + column).ravel()
+        return Triplets(*places, self.own.ravel(), (count * k, count * k))
 
     @property
     def by_speed(self) -> Sparse:

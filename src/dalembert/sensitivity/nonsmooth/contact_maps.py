@@ -29,9 +29,9 @@ from dalembert.sensitivity.nonsmooth.linear_map import MapAt
 from dalembert.sensitivity.nonsmooth.path_slopes import Path, path_gaps, path_points
 from dalembert.sensitivity.nonsmooth.proximal_factors import Block, ProximalFactors
 from dalembert.sensitivity.nonsmooth.residual_terms import is_solved
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.source_slopes import StepState, source_slopes
 from dalembert.sensitivity.nonsmooth.step_equations import step_equations
+from dalembert.sensitivity.nonsmooth.triplets import Sparse, Triplets, by_rows
 
 MAX_ITERATIONS = 20
 """Newton iterations."""
@@ -213,7 +213,7 @@ class ContactMaps:
 
         by_z, by_q = slopes(0 * start)
         factors = ProximalFactors.of([(0, 0, by_z)], self._weight(0))
-        changes = lambda change: slopes(change)[1] - by_q  # noqa: E731
+        changes = lambda change: by_rows(slopes(change)[1]) - by_rows(by_q)  # noqa: E731
         motions = Motions(factors, changes, gaps, means, n, self.size)
         return ImpactSlopes(stage, active.keys, motions)
 
@@ -248,7 +248,7 @@ class ContactMaps:
         weights = factors.solve(by_speeds.ravel(), transposed=True)
         places = np.arange(count * n), n * np.arange(count + 1)
         by_equations = scipy.sparse.csr_array((weights, *places), shape=(count, count * n))
-        changes = slopes["after"][normal] - slopes["before"][normal] - by_equations @ by_q
+        changes = slopes["after"][normal] - slopes["before"][normal] - by_equations @ by_rows(by_q)
         return scipy.sparse.csr_array(scipy.sparse.diags_array(signs) @ changes)
 
     def opening(
@@ -295,10 +295,10 @@ class ContactMaps:
     ) -> tuple[np.ndarray, list[Block]]:
         """Residual with contacts, and their blocks of the matrix, of one step or of several that
         follow one another."""
-        across, first = contacts.gaps.directions, value.size
+        across, first = Triplets.of(contacts.gaps.directions), value.size
         right = np.concatenate([value, contacts.residual])
-        right[: across.shape[1]] -= across.T @ impulses + contacts.struck
-        away = scipy.sparse.csr_array(-across.T)
+        right[: across.shape[1]] -= (across.T @ impulses[:, None])[:, 0] + contacts.struck
+        away = replace(across.T, value=-across.value)
         own = [(first, 0, contacts.by_speed), (first, first, contacts.by_impulse)]
         return right, [(0, first, away), *own]
 

@@ -17,8 +17,8 @@ from dalembert.integrators.contact.semismooth_newton import semismooth_newton
 from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
 from dalembert.sensitivity.nonsmooth.gap_values import GapValues
 from dalembert.sensitivity.nonsmooth.proximal_factors import diagonal_block
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.source_slopes import StepState
+from dalembert.sensitivity.nonsmooth.triplets import Sparse
 
 TOGETHER = 8
 """Upper limit of the Newton iterations for all steps together; the remaining steps, which would

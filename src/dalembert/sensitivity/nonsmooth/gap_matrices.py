@@ -9,7 +9,7 @@ import scipy
 
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps, PlaceSlopes, SourceGaps
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
+from dalembert.sensitivity.nonsmooth.triplets import Sparse
 
 NAMES = "distance", "before", "after", "laws"
 """Fields of ``GapChanges``."""
@@ -88,7 +88,7 @@ class _Blocks:
 
 def gap_matrices(gaps: SourceGaps) -> dict[str, Sparse]:
     """Derivatives by ``q`` of the fields of ``GapChanges``, and of ``momentum``, ``Wᵀ P``."""
-    count, (width, laws) = gaps.rows.size, gaps.shape
+    gaps, count, (width, laws) = gaps.by_rows, gaps.rows.size, gaps.shape
     place, entry = gaps.middle.moving.shape[0], gaps.start.geometry.shape[0]
     rows = {"before": count * width, "laws": count * laws}
     local = {name: _Blocks(number, entry) for name, number in rows.items()}
@@ -194,7 +194,7 @@ def momentum_slopes(gaps: Gaps) -> Sparse:
 
 
 def _of_sources(gaps: Gaps) -> list[SourceGaps]:
-    return [part for part in gaps.parts if isinstance(part, SourceGaps)]
+    return [part.by_rows for part in gaps.parts if isinstance(part, SourceGaps)]
 
 
 def _in_order(rows: list[np.ndarray], matrices: list[Sparse]) -> Sparse:

@@ -12,7 +12,7 @@ Derivatives are applied to changes of ``q`` (``push``), or transposed to weights
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -20,7 +20,7 @@ import numpy as np
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapKind
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
 from dalembert.sensitivity.nonsmooth.gap_values import GapValues, directions_of
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
+from dalembert.sensitivity.nonsmooth.triplets import Sparse, by_rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +63,11 @@ class PlaceSlopes:
     geometry: Sparse
     velocities: Sparse
     moving: Sparse
+
+    @property
+    def by_rows(self) -> PlaceSlopes:
+        """The same compressed by rows."""
+        return PlaceSlopes(by_rows(self.geometry), by_rows(self.velocities), by_rows(self.moving))
 
 
 class Part(Protocol):
@@ -163,6 +168,12 @@ class SourceGaps:
         return np.zeros_like(momentum)
 
     @property
+    def by_rows(self) -> SourceGaps:
+        """The same with matrices compressed by rows."""
+        start, middle = self.start.by_rows, self.middle.by_rows
+        return replace(self, start=start, middle=middle, momenta=by_rows(self.momenta))
+
+    @property
     def values(self) -> GapChanges:
         """Values of the gaps, in the order of ``rows``."""
         values = GapChanges.zero(self.rows.size, *self.shape)
@@ -173,7 +184,7 @@ class SourceGaps:
     def directions(self) -> Sparse:
         """``W_m`` (n k, n_v) of the gaps of the source."""
         kinds = [(part.kind, part.blocks) for part in self.kinds]
-        return directions_of(kinds, self.rows.size * self.shape[0], self.middle.moving)
+        return directions_of(kinds, self.rows.size * self.shape[0], by_rows(self.middle.moving))
 
 
 @dataclass(frozen=True, eq=False)

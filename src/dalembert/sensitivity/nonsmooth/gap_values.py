@@ -10,7 +10,7 @@ import scipy
 
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapKind
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
+from dalembert.sensitivity.nonsmooth.triplets import Sparse
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,8 +15,8 @@ from dalembert.sensitivity.nonsmooth.connected_contacts import (
 from dalembert.sensitivity.nonsmooth.contact_equations import ContactEquations
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
 from dalembert.sensitivity.nonsmooth.near_impacts import unresolved
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.stacked_impacts import SIMULTANEOUS
+from dalembert.sensitivity.nonsmooth.triplets import Sparse
 
 
 def simultaneous(steps: ContactSteps, k: int, keys: np.ndarray) -> bool:

@@ -21,7 +21,7 @@ from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
 from dalembert.sensitivity.nonsmooth.gap_slopes import Gaps
 from dalembert.sensitivity.nonsmooth.impact_system import ImpactSystem
 from dalembert.sensitivity.nonsmooth.proximal_factors import ProximalFactors
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
+from dalembert.sensitivity.nonsmooth.triplets import Sparse
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,8 +14,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.smallest_solution import SmallestSolution
+from dalembert.sensitivity.nonsmooth.triplets import Sparse
 from dalembert.sparse.factorise import SuperLUFactors
 
 LARGEST = 1e12

@@ -16,7 +16,7 @@ import numpy as np
 
 from dalembert.sensitivity.nonsmooth.contact_equations import ContactEquations
 from dalembert.sensitivity.nonsmooth.proximal_factors import ProximalFactors, arbitrary
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
+from dalembert.sensitivity.nonsmooth.triplets import Sparse
 
 
 @dataclass(frozen=True, eq=False)

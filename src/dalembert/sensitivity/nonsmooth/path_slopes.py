@@ -19,8 +19,9 @@ from dalembert.analysis.nonsmooth.mean_gaps import LOBATTO
 from dalembert.model.graph.model import Model
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
 from dalembert.sensitivity.nonsmooth.gap_matrices import NAMES, MatrixGaps, gap_matrices
-from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction, Sparse
+from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction
 from dalembert.sensitivity.nonsmooth.source_slopes import SourceSlopes, StepState
+from dalembert.sensitivity.nonsmooth.triplets import Sparse
 from dalembert.symbolic.once import once
 
 

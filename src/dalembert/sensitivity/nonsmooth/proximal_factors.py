@@ -7,7 +7,7 @@ G z)``; unique quantities do not depend on ``ε``.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -15,8 +15,7 @@ import scipy
 
 from dalembert.errors import SingularityError
 from dalembert.sensitivity.nonsmooth.jammed_contacts import SmallestImpulses
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
-from dalembert.sensitivity.nonsmooth.triplets import Triplets
+from dalembert.sensitivity.nonsmooth.triplets import Sparse, Triplets
 from dalembert.sparse.factorise import DenseFactors, SuperLUFactors
 from dalembert.sparse.solver import Factors
 
@@ -61,14 +60,15 @@ class ScaledMatrix:
     ----------
     rows, columns : (n,) factors of the rows and columns of ``G``
     shift : (n,) diagonal ``ε D``
-    entries, starts : scaled ``G``, plus ``ε D``, by columns, and their first entries (n + 1,)
+    entries : of scaled ``G``, plus ``ε D``
+    starts : (n + 1,) first entries of the columns, if they are ordered by these
     """
 
     rows: np.ndarray
     columns: np.ndarray
     shift: np.ndarray
     entries: Triplets
-    starts: np.ndarray
+    starts: np.ndarray | None = None
 
     @classmethod
     def of(
@@ -82,8 +82,10 @@ class ScaledMatrix:
         weight : (n,) diagonal of ``D``: 1 for impulses, −1 for joint multipliers, 0 for speeds
         place : (n,) new numbers of the rows and columns; the same by default
         """
-        parts = [_entries(*block) for block in blocks]
-        row, column, value = (np.concatenate(part) for part in zip(*parts, strict=True))
+        parts = [entries_of(block) for block in blocks]
+        row = np.concatenate([part.row for part in parts])
+        column = np.concatenate([part.column for part in parts])
+        value = np.concatenate([part.value for part in parts])
         n, smallest = weight.size, np.finfo(float).tiny
         if place is not None:
             row, column = place[row], place[column]
@@ -98,12 +100,18 @@ class ScaledMatrix:
         value = value * columns[column]
         diagonal, shift = np.arange(n), WEIGHT * weight
         row, column = (np.concatenate([part, diagonal]) for part in (row, column))
-        entries = np.concatenate([value, shift]), (row, column)
-        shifted = scipy.sparse.csc_array(entries, shape=(n, n))
-        return cls(rows, columns, shift, Triplets.of(shifted), shifted.indptr)
+        entries = Triplets(row, column, np.concatenate([value, shift]), (n, n))
+        return cls(rows, columns, shift, entries)
+
+    @property
+    def by_columns(self) -> ScaledMatrix:
+        """The same with its entries ordered by columns."""
+        shifted = self.shifted
+        return replace(self, entries=Triplets.of(shifted), starts=shifted.indptr)
 
     def block(self, begin: int, end: int) -> ScaledMatrix:
-        """A diagonal block that no other entries couple to the rest."""
+        """A diagonal block that no other entries couple to the rest, of entries by columns."""
+        assert self.starts is not None
         starts, size, whole = self.starts[begin : end + 1], end - begin, self.entries
         inside, own = slice(begin, end), slice(starts[0], starts[-1])
         row, column = whole.row[own] - begin, whole.column[own] - begin
@@ -114,8 +122,11 @@ class ScaledMatrix:
     @property
     def shifted(self) -> Sparse:
         """Scaled ``G``, plus ``ε D``, compressed by columns."""
-        parts = self.entries.value, self.entries.row, self.starts
-        return scipy.sparse.csc_array(parts, shape=self.entries.shape)
+        own, starts = self.entries, self.starts
+        parts = (
+            (own.value, (own.row, own.column)) if starts is None else (own.value, own.row, starts)
+        )
+        return scipy.sparse.csc_array(parts, shape=own.shape)
 
     def factors(self) -> Factors:
         """Factors of ``shifted``, dense ones if it is small.
@@ -127,9 +138,9 @@ class ScaledMatrix:
         """
         if self.shift.size > DENSE:
             return SuperLUFactors(self.shifted)
-        dense = np.zeros(self.entries.shape, order="F")
-        dense[self.entries.row, self.entries.column] = self.entries.value
-        return DenseFactors(dense)
+        own, n = self.entries, self.shift.size
+        dense = np.bincount(own.row + n * own.column, own.value, n * n)
+        return DenseFactors(dense.reshape(n, n).T)
 
 
 class ProximalFactors:
@@ -239,6 +250,7 @@ def diagonal_block(matrix: Sparse, begin: int, end: int, left: int, width: int =
     return type(matrix)(parts, shape=shape)
 
 
-def _entries(first: int, left: int, matrix: Sparse) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
-    return first + row, left + matrix.indices, matrix.data
+def entries_of(block: Block) -> Triplets:
+    """Entries of a block in the whole matrix, of the same shape."""
+    first, left, own = block[0], block[1], Triplets.of(block[2])
+    return Triplets(first + own.row, left + own.column, own.value, own.shape)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dalembert.sensitivity.nonsmooth.proximal_factors import Block
+from dalembert.sensitivity.nonsmooth.proximal_factors import Block, entries_of
 
 SOLVED = 1e-8
 """Tolerance of a residual relative to its terms [-]."""
@@ -13,10 +13,9 @@ SOLVED = 1e-8
 def terms_of(right: np.ndarray, matrix: list[Block], z: np.ndarray) -> np.ndarray:
     """Sums of the magnitudes of the terms of equations, and of their residuals."""
     terms = np.abs(right)
-    for first, left, block in matrix:
-        rows, columns = block.shape
-        terms[first : first + rows] += abs(block) @ np.abs(z[left : left + columns])
-    return np.asarray(terms)
+    for block in map(entries_of, matrix):
+        terms += np.bincount(block.row, np.abs(block.value * z[block.column]), terms.size)
+    return terms
 
 
 def is_solved(right: np.ndarray, matrix: list[Block], z: np.ndarray) -> bool:

@@ -12,11 +12,9 @@ import casadi as ca
 import numpy as np
 import scipy
 
+from dalembert.sensitivity.nonsmooth.triplets import Sparse, Triplets
 from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.formulas.expression import stack
-
-Sparse = Any
-"""A SciPy array compressed by rows."""
 
 
 class SlopeFunction:
@@ -50,21 +48,22 @@ class SlopeFunction:
         """(m,) mask of the entries of the value that a derivative may change."""
         return self._patterns[number].rows
 
-    def __call__(self, *arguments, count: int = 1) -> tuple[np.ndarray, list[Sparse]]:
-        """The value, and its derivatives compressed by rows.
+    def __call__(self, *arguments, count: int | None = None) -> tuple[np.ndarray, list[Sparse]]:
+        """The value, and its derivatives: compressed by rows, or triplets without ``count``.
 
         Parameters
         ----------
         *arguments : matrices of ``count`` columns, or numbers and vectors of all columns
         count : number of columns, whose values follow one another and whose derivatives are
-            diagonal blocks
+            diagonal blocks; numbers and vectors alone by default
         """
-        value, *entries = (part[:, :count] for part in self._columns(arguments, count))
-        varying = iter(entries)
-        return value.T.ravel(), [
-            pattern.matrix(np.repeat(fixed, count, axis=1) if fixed is not None else next(varying))
-            for pattern, fixed in zip(self._patterns, self._fixed, strict=True)
-        ]
+        number = count or 1
+        value, *entries = (part[:, :number] for part in self._columns(arguments, number))
+        varying, slopes = iter(entries), []
+        for pattern, fixed in zip(self._patterns, self._fixed, strict=True):
+            own = np.repeat(fixed, number, axis=1) if fixed is not None else next(varying)
+            slopes.append(pattern.matrix(own) if count else pattern.triplets(own[:, 0]))
+        return value.T.ravel(), slopes
 
     def _columns(self, arguments: Sequence[Any], count: int) -> list[np.ndarray]:
         """Outputs for all columns, which are repeated up to a power of two."""
@@ -93,9 +92,14 @@ class _Pattern:
         column = np.repeat(np.arange(sparsity.size2(), dtype=np.int32), np.diff(start))
         self._order = np.lexsort((column, row))
         self._columns, self._shape = column[self._order], sparsity.shape
+        self._rows = row[self._order]
         counts = np.bincount(row, minlength=sparsity.size1())
         self.rows = counts > 0
         self._starts = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
+
+    def triplets(self, entries: np.ndarray) -> Triplets:
+        """The matrix with some entries."""
+        return Triplets(self._rows, self._columns, entries[self._order], self._shape)
 
     def matrix(self, entries: np.ndarray) -> Sparse:
         """Diagonal blocks of the columns of ``entries``."""

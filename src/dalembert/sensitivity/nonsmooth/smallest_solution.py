@@ -10,7 +10,7 @@ With ``S P = Q [[R₁₁, R₁₂], [0, 0]]`` and an orthonormal basis ``N`` of 
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import lapack
+import scipy
 
 RANK = 1e-7
 """Threshold of the diagonal entries of ``R``, relative to the largest one [-]."""
@@ -27,8 +27,8 @@ class SmallestSolution:
     """
 
     def __init__(self, matrix: np.ndarray):
-        self._room = (matrix.shape[0] + 1) * BLOCK + 2 * matrix.shape[0]
-        factors, order, self._scales, *_ = lapack.dgeqp3(matrix, lwork=self._room)
+        room = (matrix.shape[0] + 1) * BLOCK + 2 * matrix.shape[0]
+        factors, order, self._scales, *_ = scipy.linalg.lapack.dgeqp3(matrix, lwork=room)
         diagonal = np.abs(factors.diagonal())
         rank = int(np.count_nonzero(diagonal > RANK * diagonal[0]))
         self._reflectors, self._order = factors, order - 1
@@ -53,10 +53,10 @@ class SmallestSolution:
         """``R₁₁⁻¹ b``, or that of the transpose."""
         if not right.size:
             return right
-        return np.asarray(lapack.dtrtrs(self._triangle, right, trans=trans)[0])
+        return np.asarray(scipy.linalg.lapack.dtrtrs(self._triangle, right, trans=trans)[0])
 
     def _rotated(self, right: np.ndarray, trans: str) -> np.ndarray:
         """``Q b``, or ``Qᵀ b``."""
         room = BLOCK * (right.shape[1] + BLOCK + 1)
         parts = self._reflectors, self._scales, right
-        return np.asarray(lapack.dormqr("L", trans, *parts, lwork=room)[0])
+        return np.asarray(scipy.linalg.lapack.dormqr("L", trans, *parts, lwork=room)[0])

@@ -54,7 +54,12 @@ class StepState:
     @property
     def count(self) -> int:
         """Number of steps."""
-        return 1 if self.y.ndim == 1 else self.y.shape[1]
+        return self.columns or 1
+
+    @property
+    def columns(self) -> int | None:
+        """Number of columns; None for the vectors of one step."""
+        return None if self.y.ndim == 1 else self.y.shape[1]
 
 
 class PlaceFunctions:
@@ -137,14 +142,14 @@ class SourceSlopes:
         place = state.t, state.y, state.p, state.before, state.lead
         count, end, share = state.count, state.end, state.drift
         middle = self._middle if np.any(state.lead) else self._start
-        geometry, (by_q,) = self._start.geometry(*place, count=count)
+        geometry, (by_q,) = self._start.geometry(*place, count=state.columns)
         ahead, (ahead_by_q,) = geometry, (by_q,)
         if middle is not self._start:
-            ahead, (ahead_by_q,) = middle.geometry(*place, count=count)
-        before, slopes = self._start.velocities(*place, state.before, share, count=count)
+            ahead, (ahead_by_q,) = middle.geometry(*place, count=state.columns)
+        before, slopes = self._start.velocities(*place, state.before, share, count=state.columns)
         start = PlaceSlopes(by_q, *slopes)
         both, slopes = middle.velocities(
-            *place, state.after + end * state.before, (1 + end) * share, count=count
+            *place, state.after + end * state.before, (1 + end) * share, count=state.columns
         )
         sizes = geometry.size // count, before.size // count
         column, kinds = np.zeros(keys.size, dtype=int) if owner is None else owner, []
@@ -156,7 +161,7 @@ class SourceSlopes:
         for part in kinds:
             scatter(wrench, part.kind.velocities, part.wrench[..., None])
         columns = wrench.reshape(count, -1).T
-        momenta = middle.momenta(*place, columns, count=count)[1][0]
+        momenta = middle.momenta(*place, columns, count=state.columns)[1][0]
         first, n, width = self._e.y.numel(), self._e.v.numel(), by_q.shape[1] // count
         speeds = (width * np.arange(count)[:, None] + first + np.arange(n)).ravel()
         shape = impulses.shape[1], laws

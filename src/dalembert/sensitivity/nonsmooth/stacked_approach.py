@@ -52,9 +52,9 @@ def _pressed_gaps(
     distance = step.cleared(values.distance, turning, h[owner])
     laws, none = ContactLaws.of(values.laws.T, step.groups), np.zeros(owner.size, dtype=int)
     own = distance, across, drift, laws, step.groups, active.keys, none, turning, active.kept
-    here = Contacts(*own)
-    end = here.at_end(speeds + free.change)
-    approach = Approach(here, values.before, end, h[owner], step.longest)
+    pressing = Contacts(*own)
+    end = pressing.at_end(speeds + free.change)
+    approach = Approach(pressing, values.before, end, h[owner], step.longest)
     begins, impulses = contacts.follows[rows] < 0, active.impulses[:, 0]
     after = record.ends.v[:, numbers + 1].T.ravel()
     by_states = maps.equations.states_of_speeds(numbers.size)

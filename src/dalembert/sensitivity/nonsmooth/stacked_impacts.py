@@ -19,10 +19,9 @@ from dalembert.sensitivity.nonsmooth.free_steps import FreeSteps, LastingContact
 from dalembert.sensitivity.nonsmooth.gap_matrices import distance_slopes
 from dalembert.sensitivity.nonsmooth.gap_values import GapValues
 from dalembert.sensitivity.nonsmooth.instant_shifts import InstantShifts
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.source_slopes import StepState
 from dalembert.sensitivity.nonsmooth.stacked_maps import StackedMaps
-from dalembert.sensitivity.nonsmooth.triplets import DiagonalBlocks
+from dalembert.sensitivity.nonsmooth.triplets import DiagonalBlocks, Sparse
 
 SIMULTANEOUS = 1e-6
 """Threshold of the distance of simultaneous impacts, relative to the step [-]."""
@@ -122,7 +121,9 @@ class StackedImpacts:
         order = np.argsort(label, kind="stable")
         rows, label = rows[order], label[order]
         starts = np.flatnonzero(np.diff(label, prepend=-1))
-        sizes, times = np.diff(np.append(starts, label.size)), self._times(rows)
+        sizes, times = np.diff(np.append(starts, label.size)), np.zeros(label.size)
+        if (several := np.repeat(sizes > 1, sizes)).any():
+            times[several] = self._times(rows[several])
         with np.errstate(invalid="ignore"):
             spread = np.maximum.reduceat(times, starts) - np.minimum.reduceat(times, starts)
         owner = self._owner(rows[starts])

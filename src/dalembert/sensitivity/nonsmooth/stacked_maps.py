@@ -28,9 +28,8 @@ from dalembert.sensitivity.nonsmooth.proximal_factors import (
     diagonal_block,
 )
 from dalembert.sensitivity.nonsmooth.residual_terms import SOLVED, terms_of
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
 from dalembert.sensitivity.nonsmooth.source_slopes import StepState
-from dalembert.sensitivity.nonsmooth.triplets import DiagonalBlocks
+from dalembert.sensitivity.nonsmooth.triplets import DiagonalBlocks, Sparse
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +124,7 @@ class StackedMaps:
         self._bounds = np.searchsorted(self._step_of[self._order], np.arange(steps.count + 1))
         place = np.argsort(self._order)
         weight = np.repeat([0.0, 1.0], [value.size, active.impulses.size])
-        self._scaled = ScaledMatrix.of(matrix, weight, place)
+        self._scaled = ScaledMatrix.of(matrix, weight, place).by_columns
         terms = terms_of(right, matrix, self._z)
         residual, largest = np.zeros(steps.count), np.ones(steps.count)
         np.maximum.at(residual, self._step_of, np.abs(right))

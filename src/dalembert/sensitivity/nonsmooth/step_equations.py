@@ -23,7 +23,8 @@ from dalembert.analysis.nonsmooth.step_forces import (
 )
 from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.model import Model
-from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction, Sparse
+from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction
+from dalembert.sensitivity.nonsmooth.triplets import Sparse
 from dalembert.symbolic.once import once
 
 
@@ -53,7 +54,7 @@ class SmoothMap:
     ) -> tuple[np.ndarray, list, np.ndarray, list]:
         """``G`` with ``G_z`` and ``G_q``, ``F`` with ``F_z`` and ``F_q``; of several steps with
         columns of arguments."""
-        arguments, count = (z, y, v, t, p, h), 1 if z.ndim == 1 else z.shape[1]
+        arguments, count = (z, y, v, t, p, h), None if z.ndim == 1 else z.shape[1]
         value, slopes = self._equations(*arguments, count=count)
         return value, slopes, *self._following(*arguments, count=count)
 

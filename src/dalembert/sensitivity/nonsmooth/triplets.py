@@ -7,10 +7,15 @@ one step.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import scipy
 
-from dalembert.sensitivity.nonsmooth.slope_function import Sparse
+Sparse = Any
+"""A SciPy array compressed by rows, or ``Triplets``."""
+MOST = 12_000
+"""Upper limit of the multiplications of several columns without SciPy."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -31,11 +36,19 @@ class Triplets:
     @classmethod
     def of(cls, matrix: Sparse) -> Triplets:
         """Entries of a matrix compressed by rows or by columns."""
+        if isinstance(matrix, Triplets):
+            return matrix
         lines = np.repeat(np.arange(matrix.indptr.size - 1), np.diff(matrix.indptr))
         row, column = lines, matrix.indices
         if matrix.format == "csc":
             row, column = column, row
         return cls(row, column, matrix.data, matrix.shape)
+
+    def diagonal(self) -> np.ndarray:
+        """Entries on the diagonal, each stored once."""
+        diagonal, own = np.zeros(min(self.shape)), self.row == self.column
+        diagonal[self.row[own]] = self.value[own]
+        return diagonal
 
     @property
     def T(self) -> Triplets:
@@ -44,11 +57,21 @@ class Triplets:
 
     def __matmul__(self, columns: np.ndarray) -> np.ndarray:
         """Product with columns (n, c)."""
-        product = np.empty((self.shape[0], columns.shape[1]))
+        count = columns.shape[1]
+        if count > 1 and count * self.value.size > MOST:
+            return np.asarray(by_rows(self) @ columns)
+        product = np.empty((self.shape[0], count))
         for k, own in enumerate(columns.T):
             values = self.value * own[self.column]
             product[:, k] = np.bincount(self.row, values, self.shape[0])
         return product
+
+
+def by_rows(matrix: Sparse) -> Sparse:
+    """A matrix as a SciPy array compressed by rows."""
+    if not isinstance(matrix, Triplets):
+        return matrix
+    return scipy.sparse.csr_array((matrix.value, (matrix.row, matrix.column)), matrix.shape)
 
 
 class DiagonalBlocks:
