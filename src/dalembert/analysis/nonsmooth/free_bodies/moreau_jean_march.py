@@ -24,8 +24,8 @@ class MoreauJeanMarch(FreeBodyLoop):
     """Steps with the contacts that a correction of positions would open, and this correction, as in
     ``advance`` and ``correct_position``.
 
-    A step is left to the general one if its impulses or positions do not converge, or if shapes may
-    have passed through each other.
+    A step is left to the general one, which searches for such impacts, if it may miss one, and if
+    its impulses or positions do not converge.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ class MoreauJeanMarch(FreeBodyLoop):
                 self._t[0] = end
                 self._move()
                 break
-        if steps.passes:
+        if steps.misses:
             return StepOutcome.UNSOLVED
         self._uncorrected[row] = self._next
         if at_end is StepOutcome.DONE or not self._projects:
