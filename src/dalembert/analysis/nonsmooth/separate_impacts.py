@@ -75,7 +75,7 @@ class ImpactSequence:
 
         Parameters
         ----------
-        balls : FreeBodyMarch
+        balls : FreeBodyLoop
 
         Returns the number of the instant reached, and the last impulses.
         """

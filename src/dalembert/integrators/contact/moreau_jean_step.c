@@ -35,9 +35,82 @@ static int casadi_closes(const casadi_real** arg, casadi_real** res, const casad
   casadi_real closing = casadi_closing(arg, res, iw, i);
   return closing>arg[36][2] && closing - res[56][i]>arg[36][2];
 }
-/* whether the nearest contact at the end with the shapes of a stored one has the opposite normal */
-static int casadi_reversed(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+/* whether a stored gap would close by its rate at the start, though it is open there */
+static int casadi_approaches(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
     casadi_int i) {
+  return res[56][i]>arg[36][2] && res[56][i] + arg[36][0]*res[54][i*iw[1]]<-arg[36][2];
+}
+/* whether a contact with the shapes of a stored one presses */
+static int casadi_pair_presses(const casadi_real** arg, casadi_real** res, casadi_int i) {
+  const casadi_int* sizes = (const casadi_int*) arg[47];
+  const casadi_int* last = (const casadi_int*) arg[44];
+  const int* contact = (const int*) res[58];
+  casadi_int j, k;
+  for (j=0; j<sizes[9]; ++j) {
+    if (contact[6*j+5]!=contact[6*i+5]) continue;
+    for (k=0; k<sizes[0]; ++k) {
+      if (last[k]==((const casadi_int*) res[57])[j]) return 1;
+    }
+  }
+  return 0;
+}
+/* whether the cubic by gaps and rates at both ends of the step is negative within it */
+static int casadi_dips(casadi_real gap, casadi_real rate, casadi_real gap_after,
+    casadi_real rate_after) {
+  casadi_real s;
+  for (s=0; s<=1; s+=0.015625) {
+    if ((1 + 2*s)*(1 - s)*(1 - s)*gap + s*(1 - s)*(1 - s)*rate + s*s*(3 - 2*s)*gap_after
+        - s*s*(1 - s)*rate_after<0) return 1;
+  }
+  return 0;
+}
+/* whether an impact along a stored normal at a speed has more than a share of the kinetic energy at the end */
+static int casadi_energetic(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+    casadi_int i, casadi_real speed, casadi_real share) {
+  const int* row = (const int*) arg[15];
+  const int* start = (const int*) arg[30];
+  const int* contact = (const int*) res[58] + 6*i;
+  const casadi_real* v = arg[22];
+  const casadi_real* normal = res[51] + ((const int*) res[52])[i*iw[1]];
+  const casadi_real* inverse;
+  casadi_int j, k, c, s, body, size;
+  casadi_real energy = 0, mobility = 0;
+  for (j=0; j<iw[3]; ++j) {
+    energy += 0.5*v[j]*casadi_row(arg[14], (const int*) arg[16], row[j], row[j+1], v);
+  }
+  for (s=1; s<4; s+=2) {
+    body = ((const int*) arg[29])[contact[s]];
+    if (body<0) continue;
+    size = start[body+1] - start[body];
+    inverse = res[20] + body*iw[9]*iw[9];
+    for (k=0; k<size; ++k) {
+      for (c=0; c<size; ++c) mobility += normal[k]*inverse[k*size+c]*normal[c];
+    }
+    normal += size;
+  }
+  return 0.5*speed*speed>share*energy*mobility;
+}
+/* whether a stored gap closes and opens again within the step, as the contact e at the end does: by the speeds
+   at both ends, and by the displacement, with directions at the start that follow from those in the middle.
+   The energy of the impact is not negligible at twice the speed */
+static int casadi_returns(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+    casadi_int i, casadi_int e) {
+  const int* row = (const int*) res[52];
+  const int* w_row = (const int*) arg[9];
+  casadi_int r = i*iw[1], q = e*iw[1];
+  casadi_real gap = res[56][i], after = arg[45][e], h = arg[36][0], rate, rate_after;
+  if (after<0 || res[24][q]<=0 || !casadi_dips(gap, h*res[54][r], after, h*res[24][q])) return 0;
+  if (((const casadi_int*) arg[43])[e]!=((const casadi_int*) res[57])[i]) return 1;
+  rate = casadi_row(res[51], (const int*) res[53], row[r], row[r+1], res[28]);
+  rate_after = casadi_row(arg[0], (const int*) arg[10], w_row[q], w_row[q+1], res[28]);
+  if (!((const int*) res[59])[i] && arg[36][11]!=1) rate = 2*rate - rate_after;
+  return casadi_dips(gap, rate, after, rate_after)
+    && casadi_energetic(arg, res, iw, i, 2*rate/h, arg[36][15]);
+}
+/* whether the shapes of a stored contact may have an impact within the step that it misses: the normal of
+   the nearest contact at the end is the opposite one, or a gap without impulses returns */
+static int casadi_missed(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+    casadi_int i, int closes, int approaches) {
   const int* contact = (const int*) arg[51];
   casadi_int e, nearest = -1;
   casadi_real normal[3];
@@ -47,7 +120,9 @@ static int casadi_reversed(const casadi_real** arg, casadi_real** res, const cas
   }
   if (nearest<0) return 0;
   casadi_signed_normal(arg, iw, contact + 6*nearest, normal);
-  return casadi_dot(normal, res[60] + 3*i)<0;
+  if (closes && casadi_dot(normal, res[60] + 3*i)<0) return 1;
+  return approaches && casadi_returns(arg, res, iw, i, nearest)
+    && !casadi_pair_presses(arg, res, i);
 }
 /* select stored contacts to be added: those that are closed at the end, and those at rest that a correction
    would open; without any, those of other features that are closed */
@@ -78,15 +153,16 @@ static void casadi_select(const casadi_real** arg, casadi_real** res, const casa
   }
 }
 /* gaps at the end of the step, where the shapes are: the smallest one in res[11][4], the contacts that are
-   added, and whether shapes pass through each other; the outcome */
+   added, and whether shapes may have an impact that the step misses; the outcome */
 static casadi_int casadi_check_end(const casadi_real** arg, casadi_real** res, casadi_int* iw) {
   casadi_int* sizes = (casadi_int*) arg[47];
-  casadi_int i, closes = 0;
+  casadi_int i;
+  int closes = 0, one, other;
   casadi_real reach[2];
   reach[0] = 0;
   reach[1] = 0;
-  for (i=0; i<sizes[9]; ++i) {
-    if (casadi_closes(arg, res, iw, i)) closes = 1;
+  for (i=0; i<sizes[9] && !closes; ++i) {
+    closes = casadi_closes(arg, res, iw, i) || casadi_approaches(arg, res, iw, i);
   }
   if (closes) casadi_fastest(arg, iw, res[28], reach);
   for (i=0; i<2; ++i) {
@@ -101,8 +177,10 @@ static casadi_int casadi_check_end(const casadi_real** arg, casadi_real** res, c
   sizes[13] = 0;
   sizes[14] = 0;
   casadi_exchange(res, sizes[9], 3, 2);
-  for (i=0; i<sizes[9] && closes; ++i) {
-    if (casadi_closes(arg, res, iw, i) && casadi_reversed(arg, res, iw, i)) sizes[11] = 1;
+  for (i=0; i<sizes[9] && closes && !sizes[11]; ++i) {
+    one = casadi_closes(arg, res, iw, i);
+    other = casadi_approaches(arg, res, iw, i);
+    if (one || other) sizes[11] = casadi_missed(arg, res, iw, i, one, other);
   }
   if (res[11][4]>=-arg[36][2]) return 0;
   if (sizes[12]) casadi_select(arg, res, iw);

@@ -4,7 +4,7 @@
    normals from the shape with the lower number in res[60], and states in res[61]: whether a contact leaves
    its face (0), is idle (1), active (2), or about to be added (3). The speeds at the end are in res[62].
    Sizes are, from the tenth one, the numbers of stored contacts and of those about to be added, whether
-   shapes pass through each other, contacts may be added, and those about to be added are final, and the
+   shapes may have an impact that the step misses, contacts may be added, and those about to be added are final, and the
    number of contacts of other features that are closed at the end, whose keys and descriptions are in
    res[65] and res[66] */
 /* normal of a contact from the shape with the lower number */

@@ -24,8 +24,8 @@ class MoreauJeanMarch(FreeBodyLoop):
     """Steps with the contacts that a correction of positions would open, and this correction, as in
     ``advance`` and ``correct_position``.
 
-    A step is left to the general one if its impulses or positions do not converge, or if shapes may
-    have passed through each other.
+    A step is left to the general one, which searches for such impacts, if it may miss one, and if
+    its impulses or positions do not converge.
 
     Parameters
     ----------
@@ -88,10 +88,10 @@ class MoreauJeanMarch(FreeBodyLoop):
         steps, before = self._steps, self._steps.v.copy()
         outcome = self._turned_step()
         for repetition in range(REPETITIONS + 1):
+            if outcome is not StepOutcome.DONE:
+                return outcome
             self._t[0] = end
-            if outcome is not StepOutcome.DONE or not self._move():
-                return outcome if outcome is not StepOutcome.DONE else StepOutcome.UNSOLVED
-            at_end = steps.at_end()
+            at_end = steps.at_end() if self._move() else StepOutcome.UNSOLVED
             if at_end not in (StepOutcome.DONE, StepOutcome.CLOSED):
                 return StepOutcome.UNSOLVED
             if not steps.adds or repetition == REPETITIONS:
@@ -102,12 +102,12 @@ class MoreauJeanMarch(FreeBodyLoop):
                 self._t[0] = end
                 self._move()
                 break
-        if steps.passes:
+        if steps.misses:
             return StepOutcome.UNSOLVED
         self._uncorrected[row] = self._next
         if at_end is StepOutcome.DONE or not self._projects:
             return StepOutcome.DONE
-        return self._opened(end)
+        return self._opened()
 
     def _with_added(self, before: np.ndarray) -> StepOutcome:
         """The step from the speeds ``before`` with the contacts that are added to its own, unless
@@ -128,21 +128,22 @@ class MoreauJeanMarch(FreeBodyLoop):
                 outcome = StepOutcome.UNCHANGED if parted is StepOutcome.DONE else parted
         return outcome
 
-    def _opened(self, end: float) -> StepOutcome:
+    def _opened(self) -> StepOutcome:
         """Open the gaps at the end, where the shapes are."""
-        steps, self._t[0] = self._steps, end
-        travel, shift = self._size(), 0.0
+        steps, travel, shift, last = self._steps, self._size(), 0.0, np.inf
         for _ in range(SETTINGS.max_iterations):
             if not self._mass():
                 return StepOutcome.UNSOLVED
             outcome = steps.correction()
             if outcome is StepOutcome.DONE:
                 return outcome
-            shift += self._size()
-            far = is_far(shift, travel)
-            if outcome is not StepOutcome.CLOSED or far or not self._correct():
+            shift, depth = shift + self._size(), -steps.deepest
+            stalls = depth > last / 2 and SETTINGS.near(last / self._step.rounding)
+            if outcome is not StepOutcome.CLOSED or stalls or is_far(shift, travel):
                 break
-            self._next[:] = self._corrected
+            if not self._correct():
+                break
+            self._next[:], last = self._corrected, depth
         return StepOutcome.UNSOLVED
 
     def _size(self) -> float:

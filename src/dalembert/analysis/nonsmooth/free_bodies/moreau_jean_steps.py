@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from dalembert.analysis.nonsmooth.checks.missing_impacts import SHARE as MISSING
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import SHARE
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
@@ -16,9 +17,9 @@ from dalembert.analysis.nonsmooth.free_bodies.path_contacts import (
     CORRECTION,
     COUNT,
     JOINED,
+    MISSES,
     OTHERS,
     PARTED,
-    PASSES,
     STEP,
     STORED,
 )
@@ -47,11 +48,13 @@ class MoreauJeanSteps(FreeBodySteps):
         super().__init__(step, motion)
 
     def _scheme_limits(self, step: ContactStep) -> list[float]:
+        """Those of all schemes, γ, whether positions are corrected, the least reference of a
+        penetration, and the share of the kinetic energy of a missing impact."""
         scheme = step.scheme
         assert isinstance(scheme, MoreauJean)
         fine = SHARE * step.rounding / step.solver.tolerance
-        own = -np.inf, 1 / self._motion.lead, scheme.theta, scheme.gamma, scheme.projection, fine
-        return [np.inf, 0.0, step.longest, *own]
+        own = -np.inf, 1 / self._motion.lead, scheme.theta, scheme.gamma, scheme.projection
+        return [np.inf, 0.0, step.longest, *own, fine, MISSING]
 
     def joined(self) -> StepOutcome:
         """The last step with the contacts that are added, from its start; its entry in the record
@@ -117,9 +120,10 @@ class MoreauJeanSteps(FreeBodySteps):
         return bool(self._sizes[OTHERS])
 
     @property
-    def passes(self) -> bool:
-        """Whether shapes may have passed through each other."""
-        return bool(self._sizes[PASSES])
+    def misses(self) -> bool:
+        """Whether the step may miss an impact: shapes pass through each other, or overlap and part
+        again."""
+        return bool(self._sizes[MISSES])
 
     @property
     def deepest(self) -> float:

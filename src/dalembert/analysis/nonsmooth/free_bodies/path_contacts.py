@@ -13,9 +13,9 @@ from dalembert.integrators.contact.machine_code import Loop
 CALL, PATH, BEFORE = range(6, 9)
 """Places among the sizes of the shapes: kind of the call, and the numbers of contacts of the path
 and of the step before."""
-STORED, ADDED, PASSES, OPENS, FINAL, OTHERS, SIZES = range(9, 16)
+STORED, ADDED, MISSES, OPENS, FINAL, OTHERS, SIZES = range(9, 16)
 """Places among the sizes, for the scheme of Moreau and Jean: numbers of the stored contacts and of
-those about to be added, whether shapes pass through each other, whether contacts may be added,
+those about to be added, whether the step may miss an impact, whether contacts may be added,
 whether those about to be added are final, and the number of contacts of other features that are
 closed at the end; number of all sizes."""
 STEP, ON_PATH, ALL, AGAIN = range(4)
