@@ -130,7 +130,9 @@ class ContactEquations:
     ) -> ContactEquations:
         """``N δ + g = 0``, with ``g`` constant unless the contact presses."""
         zero, one = np.zeros(distance.size), np.ones((distance.size, 1, 1))
-        slopes = OffsetSlopes(presses.astype(float), *[zero] * 5, ~presses, ~presses)
+        slopes = OffsetSlopes(
+            presses.astype(float), zero, zero, zero, zero, zero, ~presses, ~presses
+        )
         residual, still = gaps.values.after[:, 0] + distance, zero[:, None]
         column = np.zeros((distance.size, 1), dtype=int)
         return cls(keys, gaps, 0 * one, one, slopes, still, column, still, residual)

@@ -166,8 +166,8 @@ class ContactMaps:
             z = z - factors.solve(right)
         forced = None
         if contacts is not None and contacts.slopes.forced.any():
-            slopes_of = contacts.slopes.some(contacts.slopes.forced > 0)
-            changes = [slopes_of.change], [slopes_of.forced]
+            dependent = contacts.slopes.some(contacts.slopes.forced > 0)
+            changes = [dependent.change], [dependent.forced]
             single = ForcedSteps(x[:, None], np.array([t]), np.array([h]), *changes)
             forced = self.forced_changes(single)
         next_by_z, next_by_q = slopes
