@@ -10,7 +10,7 @@ from dalembert.integrators.contact import machine_code
 from dalembert.symbolic.native.c_compiler import find_compiler
 from dalembert.symbolic.native.llvm import find_llvm
 
-SOURCE = Path(machine_code.__file__).parent
+SOURCES = Path(machine_code.__file__).parent / "sources"
 LOOPS = "sweep.c", "sweeps.c"
 
 
@@ -31,10 +31,12 @@ def test_a_warning_names_the_file_that_cannot_be_compiled(find, name, line, tmp_
     toolchain = find()
     if toolchain is None:
         pytest.skip("this toolchain is not installed")
+    path = tmp_path / "sources" / name
+    path.parent.mkdir()
     for file in (machine_code.COMMON, *LOOPS):
-        shutil.copy(SOURCE / file, tmp_path)
-    text = (tmp_path / name).read_text()
-    (tmp_path / name).write_text(text.replace(") {\n", f") {{\n  {line}\n", 1))
+        shutil.copy(SOURCES / file, path.parent)
+    text = path.read_text()
+    path.write_text(text.replace(") {\n", f") {{\n  {line}\n", 1))
     monkeypatch.setattr(machine_code, "resources", Folder(tmp_path))
     monkeypatch.setattr(machine_code, "best_toolchain", lambda: toolchain)
     machine_code.machine_code.cache_clear()
@@ -43,7 +45,7 @@ def test_a_warning_names_the_file_that_cannot_be_compiled(find, name, line, tmp_
             assert machine_code.machine_code(*LOOPS) is None
         assert len(caught) == 1
         message = str(caught[0].message)
-        assert f"{tmp_path / name} cannot be compiled" in message
+        assert f"{path} cannot be compiled" in message
         assert "error" in message.lower() or "Invalid expression" in message
         with warnings.catch_warnings():
             warnings.simplefilter("error")

@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from importlib import resources
+from importlib.resources.abc import Traversable
 from pathlib import Path
 
 import numpy as np
@@ -79,7 +80,7 @@ def machine_code(*names: str, constants: tuple[tuple[int, int], ...] = ()) -> Ca
     toolchain = best_toolchain()
     if toolchain is None:
         return None
-    files = [resources.files(__package__) / name for name in (COMMON, *names)]
+    files = [_source(name) for name in (COMMON, *names)]
     texts = [file.read_text(encoding="utf-8") for file in files]
     for place, value in constants:
         texts = [text.replace(f"iw[{place}]", str(value)) for text in texts]
@@ -88,6 +89,11 @@ def machine_code(*names: str, constants: tuple[tuple[int, int], ...] = ()) -> Ca
     except (UnsupportedError, OSError):  # an optional acceleration
         _warn_of_errors(zip((COMMON, *names), texts, strict=True), toolchain.for_loops())
         return None
+
+
+def _source(name: str) -> Traversable:
+    """A file of machine code."""
+    return resources.files(__package__) / "sources" / name
 
 
 def _whole(texts: Sequence[str]) -> str:
@@ -111,7 +117,7 @@ def _warn_of_errors(files: Iterable[tuple[str, str]], toolchain: Toolchain) -> N
             try:
                 toolchain.build(_whole([*texts, *end]), Path(folder) / "loop")
             except UnsupportedError as error:
-                _warn(f"{resources.files(__package__) / name} cannot be compiled ({error})")
+                _warn(f"{_source(name)} cannot be compiled ({error})")
                 return
 
 
