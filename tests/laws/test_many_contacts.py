@@ -153,7 +153,7 @@ def test_proximal_problems_use_the_mobilities_of_coupled_bodies(groups, monkeypa
     operator = Delassus(directions, responses, matrix, none, shift, orderings=orderings)
     velocity, friction = rng.normal(size=(count, width)), 0.5 * rng.random((count, len(groups)))
     problem = FrictionProblem(operator, velocity, friction, groups)
-    monkeypatch.setattr(compiled_newton, "NEWTON_STEPS", 4)
+    monkeypatch.setattr(compiled_newton, "NEWTON_STEPS", 3)
     monkeypatch.setattr(compiled_newton, "INTERIOR_POINTS", 0)
     impulses, rounds = compiled_newton.compiled_solution(problem, np.zeros(problem.shape), 1e-8, 99)
     assert rounds > 0
