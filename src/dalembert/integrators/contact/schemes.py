@@ -147,8 +147,9 @@ class AnticipatedImpacts(ContactScheme):
     by itself, as of a corner that swings past a wall. A contact whose speed after the fall over
     the gap is within 1.9 times the change of speed by forces in a step comes to rest: it closes
     its gap gradually, and leaves room to stop. A contact that parts and is pressed by an impact
-    elsewhere may close its gap without restitution, and reverses its speed with ``e = 1``. An
-    impact in the first step may penetrate; the gap is opened after the step. The work ``P·(u⁺ +
+    elsewhere may close its gap without restitution, and reverses its speed with ``e = 1``;
+    between both, the least speed after the step varies linearly with that before. An impact in the
+    first step may penetrate; the gap is opened after the step. The work ``P·(u⁺ +
     u⁻)/2`` of an impact is not positive. A contact may do positive work if a force reverses the
     motion within the step; if the work of all contacts is positive, ``u⁺ + u⁻`` replaces ``u⁺``
     there, which does no work, so that contacts never create energy. Contacts with static friction
