@@ -101,10 +101,15 @@ def in_a_drum(arm: float, radius: float, friction: float, surface: float, durati
     return second.y[:, -1]
 
 
-@pytest.mark.few(1)
-@SCHEMES
-def test_disc_in_a_rotating_drum(scheme):
-    outer, radius, friction, rate, duration = 1.0, 0.2, 0.3, 2.0, 1.0
+@pytest.mark.parametrize(
+    ("scheme", "error"),
+    [
+        (da.AnticipatedImpacts(), 1e-4),
+        pytest.param(da.MoreauJean(), 2e-3, marks=pytest.mark.thorough),
+    ],
+)
+def test_disc_in_a_rotating_drum(scheme, error):
+    outer, radius, friction, rate, duration = 1.0, 0.2, 0.3, 2.0, 0.5
     system, contact = da.System("drum", gravity=(0, -G)), planar.contact
     drum = system.add(planar.Body("drum", mass=10.0, inertia=5.0))
     axle = system.add(planar.Revolute("axle", system.ground.center, drum.center))
@@ -113,8 +118,8 @@ def test_disc_in_a_rotating_drum(scheme):
     disc = system.add(planar.Body("disc", **start))
     shapes = [contact.Bore(drum.center, outer), contact.Circle(disc.center, radius)]
     system.add(planar.Collisions("inside", shapes, friction=friction))
-    motion = run(system, duration, 2e-3, scheme)
+    motion = run(system, duration, 4e-3, scheme)
     angle, _, spin = in_a_drum(outer - radius, radius, friction, rate * outer, duration)
     place = (outer - radius) * np.sin(angle)
-    assert motion["disc.x"][-1].item() == pytest.approx(place, abs=5e-4)
-    assert motion["disc.angular_velocity"][-1].item() == pytest.approx(spin, abs=5e-3)
+    assert motion["disc.x"][-1].item() == pytest.approx(place, abs=error)
+    assert motion["disc.angular_velocity"][-1].item() == pytest.approx(spin, rel=error)
