@@ -74,6 +74,31 @@ def test_a_point_that_falls_has_the_scale_of_its_position():
     assert (scales.length, scales.mass, scales.force) == (4.0, 2.0, pytest.approx(19.62))
 
 
+def disc_on_a_floor(place: tuple[float, float], height: float = 0.1) -> da.System:
+    """A disc of radius 0.1 at a height over a floor through a place."""
+    system, kit = da.System("disc", gravity=(0.0, -9.81)), planar.contact
+    start = {"position": (place[0], place[1] + height), "velocity": (1.0, 0.0)}
+    disc = system.add(planar.Body("disc", mass=1.0, inertia=0.005, **start))
+    shapes = [kit.Circle(disc, 0.1), kit.HalfPlane(system.ground.point(*place))]
+    system.add(planar.Collisions("floor", shapes, friction=0.3))
+    return system
+
+
+def test_a_position_near_the_origin_is_no_size():
+    """The rounding of a position such as ``cos(π/2)`` would be the unit of all thresholds."""
+    model = disc_on_a_floor((0.0, -0.1), 0.1 + 1e-14).build()
+    assert model.scales.length == 0.1
+    assert da.solve_nonsmooth(model, 0.3, step=2e-3).status.success
+
+
+@pytest.mark.parametrize("solve", [da.solve_nonsmooth, da.solve_dynamics])
+def test_bodies_far_from_the_origin_do_not_overlap(solve):
+    """Rounded numbers do not explain an overlap of a fifth of the radius, wherever it is."""
+    assert disc_on_a_floor((1e4, -1e4)).build().scales.length == pytest.approx(10.0)
+    with pytest.raises(da.AnalysisError, match=r"0\.02 m"):
+        solve(disc_on_a_floor((1e4, -1e4), 0.08).build(), 0.1, step=1e-3)
+
+
 def test_nothing_that_tells_gives_one():
     system = da.System("nothing")
     system.add(planar.Particle("p"))

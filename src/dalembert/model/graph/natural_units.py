@@ -6,16 +6,23 @@ scales in those units.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
+from dalembert.elements.contact.collisions import Collisions
 from dalembert.model.graph.assembly.guesses import Guesses
 from dalembert.model.graph.description import Description
 from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.scales import Scales
-from dalembert.symbolic.formulas.expression import free_symbols, stack
+from dalembert.symbolic.formulas.expression import Expression, free_symbols
+
+FARTHEST = 100.0
+"""Largest distance from the origin that counts as a length of free bodies, by their sizes and their
+distances from each other [-]."""
+Quantity = tuple[str, Expression, Mapping]
 
 
 def scales_of(d: Description, equations: Equations, guesses: Guesses, p: np.ndarray) -> Scales:
@@ -61,6 +68,7 @@ class _AtGuesses:
         self.jacobian, self.stiffness = values[1].sparse().tocsr(), values[5].sparse().tocoo()
         self.masses = values[3].sparse().diagonal()
         self.lift = abs(values[6].sparse()).tocsr()
+        self._parameters = {symbol.name() for symbol in ca.vertsplit(e.p)}
 
     @cached_property
     def length(self) -> float:
@@ -68,8 +76,37 @@ class _AtGuesses:
         of_joints = max(self._largest_arm(), self._largest_length(self.d.constraints))
         if of_joints:
             return of_joints
-        of_elements = self._largest_length([*self.d.bodies, *self.d.forces])
-        return max(of_elements, _largest(self.gaps[self.in_metres])) or 1.0
+        return max(self._length_of_free_bodies(), _largest(self.gaps[self.in_metres])) or 1.0
+
+    def _length_of_free_bodies(self) -> float:
+        """The largest length of a body or a force element; at least the size of the smallest shape
+        of ``Collisions``, as positions near the origin are no sizes, and distances from the origin
+        up to ``FARTHEST`` times the distances of bodies and the sizes."""
+        positions: list[Quantity] = []
+        others: list[Quantity] = []
+        for element in (*self.d.bodies, *self.d.forces):
+            for quantity in element.checked_quantities():
+                is_position = quantity[0] == f"{element.name}.position"
+                (positions if is_position else others).append(quantity)
+        places = [np.ravel(place) for place in self._lengths(positions)]
+        own, sizes = _largest(self._sizes([others])), self._sizes(self._shapes())
+        distance = max(map(_largest, places), default=0.0)
+        apart = _largest(np.ptp(places, axis=0)) if places else 0.0
+        if extent := max(own, apart, _largest(sizes)):
+            distance = min(distance, FARTHEST * extent)
+        return max(own, distance, min(sizes[sizes > 0], default=0.0))
+
+    def _shapes(self) -> list[list[Quantity]]:
+        """Quantities of each shape of ``Collisions``."""
+        elements = [e for e in self.d.elements.values() if isinstance(e, Collisions)]
+        groups = [group for element in elements for group in element.groups.values()]
+        return [shape.checked_quantities("") for group in groups for shape in group]
+
+    def _sizes(self, parts: list[list[Quantity]]) -> np.ndarray:
+        """Largest length of each part; 0 where it has none."""
+        own = [self._in_metres(part) for part in parts]
+        values = iter(self._lengths([quantity for part in own for quantity in part]))
+        return np.array([max((_largest(next(values)) for _ in part), default=0.0) for part in own])
 
     def _largest_arm(self) -> float:
         """``|∂Φ/∂φ|`` over the equations in metres of a constraint: an arm, independent of φ."""
@@ -86,14 +123,18 @@ class _AtGuesses:
 
     def _largest_length(self, elements: list) -> float:
         """Largest quantity in metres that depends on parameters only."""
-        parameters = {symbol.name() for symbol in ca.vertsplit(self.e.p)}
-        lengths = [
-            formula.sx
-            for element in elements
-            for _, formula, meta in element.checked_quantities()
-            if meta["unit"] == "m" and free_symbols(formula.sx) <= parameters
-        ]
-        return _largest(ca.Function("lengths", [self.e.p], [stack(lengths)])(self.p).full())
+        return _largest(self._sizes([element.checked_quantities() for element in elements]))
+
+    def _in_metres(self, quantities: list[Quantity]) -> list[Quantity]:
+        """Those in metres that depend on parameters only."""
+        known = self._parameters
+        return [q for q in quantities if q[2]["unit"] == "m" and free_symbols(q[1].sx) <= known]
+
+    def _lengths(self, quantities: list[Quantity]) -> list[np.ndarray]:
+        """Values of the quantities in metres that depend on parameters only."""
+        formulas = [formula.sx for _, formula, _ in self._in_metres(quantities)]
+        values = ca.Function("lengths", [self.e.p], formulas).call([self.p])
+        return [value.full() for value in values]
 
     def reach(self, displacements: np.ndarray) -> np.ndarray:
         """Largest change of each coordinate by displacements of these sizes."""
