@@ -284,3 +284,29 @@ def test_other_laws_of_impact_take_general_steps(general):
     model = system.build()
     da.solve_nonsmooth(model, 0.02, step=1e-3, integrator=da.MoreauJean())
     assert len(general) == 20
+
+
+def test_steps_with_more_contacts_at_their_ends_than_memory_complete() -> None:
+    """Contacts of features that are not near at the start need more memory than the others."""
+    system, contact = da.System("crowd", gravity=(0, -9.81)), planar.contact
+    starts = [
+        ((0.376, 1.013), 0.806, (1.744, 0.117), 3.54, 0.757, 0.012),
+        ((-0.259, 0.44), -2.629, (-0.627, -0.608), -5.777, 2.44, 0.008),
+        ((-0.052, 0.626), 2.321, (-1.585, -0.919), 1.841, 0.885, 0.007),
+        ((0.567, 0.68), 0.643, (-4.298, 0.262), 9.339, 1.297, 0.019),
+    ]
+    bodies = []
+    for k, (position, angle, velocity, turn, mass, inertia) in enumerate(starts):
+        start = {"position": position, "angle": angle, "velocity": velocity}
+        properties = {"mass": mass, "inertia": inertia, "angular_velocity": turn}
+        bodies.append(system.add(planar.Body(f"body{k}", **start, **properties)))
+    shapes: list[planar.contact.Shape] = [contact.Rectangle(bodies[0].center, (0.074, 0.3))]
+    for body, half, radius in zip(
+        bodies[1:], (0.084, 0.032, 0.047), (0.072, 0.072, 0.087), strict=True
+    ):
+        shapes.append(contact.Capsule(body.point(-half, 0), body.point(half, 0), radius))
+    shapes.append(contact.HalfPlane(system.ground.point(1, 0), (-1, 0)))
+    system.add(planar.Collisions("contacts", shapes, friction=0.5))
+    scheme = da.MoreauJean()
+    motion = da.solve_nonsmooth(system.build(), 0.5, step=3.2e-3, integrator=scheme)
+    assert motion.status.success, motion.status

@@ -185,7 +185,8 @@ class FreeBodySteps(PairLists):
             self.counts[RECORDED] = self._pressed.size - contacts
 
     def _reserve(self, contacts: int) -> None:
-        self._allocate(self._pairs.shape[1], int(GROWTH * contacts), self._entries)
+        contacts = int(GROWTH * max(contacts, self._contacts)) + 1
+        self._allocate(self._pairs.shape[1], contacts, self._entries)
 
     def _allocate(self, pairs: int, contacts: int, entries: int) -> None:
         """Arrays for numbers of listed pairs, of contacts and of matrix entries."""
