@@ -21,8 +21,8 @@ SAME_FORCE = 1e-9
 """Change of the force on a sleeping body that does not wake it, relative to the force [-]."""
 
 NO_SLEEP = (
-    "sleep_after needs free rigid bodies with balls, hulls and fixed walls, Newton's law of impact, "
-    "AnticipatedImpacts(), and no force laws, static friction or states; leave it out"
+    "sleep_after needs free rigid bodies with balls, hulls and fixed walls, Newton's law of "
+    "impact, AnticipatedImpacts(), and no force laws, static friction or states; leave it out"
 )
 """Message where bodies cannot sleep."""
 
