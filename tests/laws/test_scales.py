@@ -91,14 +91,6 @@ def test_a_position_near_the_origin_is_no_size():
     assert da.solve_nonsmooth(model, 0.3, step=2e-3).status.success
 
 
-@pytest.mark.parametrize("solve", [da.solve_nonsmooth, da.solve_dynamics])
-def test_bodies_far_from_the_origin_do_not_overlap(solve):
-    """Rounded numbers do not explain an overlap of a fifth of the radius, wherever it is."""
-    assert disc_on_a_floor((1e4, -1e4)).build().scales.length == pytest.approx(10.0)
-    with pytest.raises(da.AnalysisError, match=r"0\.02 m"):
-        solve(disc_on_a_floor((1e4, -1e4), 0.08).build(), 0.1, step=1e-3)
-
-
 def test_nothing_that_tells_gives_one():
     system = da.System("nothing")
     system.add(planar.Particle("p"))

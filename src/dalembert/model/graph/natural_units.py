@@ -19,9 +19,6 @@ from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.scales import Scales
 from dalembert.symbolic.formulas.expression import Expression, free_symbols
 
-FARTHEST = 100.0
-"""Largest distance from the origin that counts as a length of free bodies, by their sizes and their
-distances from each other [-]."""
 Quantity = tuple[str, Expression, Mapping]
 
 
@@ -80,21 +77,10 @@ class _AtGuesses:
 
     def _length_of_free_bodies(self) -> float:
         """The largest length of a body or a force element; at least the size of the smallest shape
-        of ``Collisions``, as positions near the origin are no sizes, and distances from the origin
-        up to ``FARTHEST`` times the distances of bodies and the sizes."""
-        positions: list[Quantity] = []
-        others: list[Quantity] = []
-        for element in (*self.d.bodies, *self.d.forces):
-            for quantity in element.checked_quantities():
-                is_position = quantity[0] == f"{element.name}.position"
-                (positions if is_position else others).append(quantity)
-        places = [np.ravel(place) for place in self._lengths(positions)]
-        own, sizes = _largest(self._sizes([others])), self._sizes(self._shapes())
-        distance = max(map(_largest, places), default=0.0)
-        apart = _largest(np.ptp(places, axis=0)) if places else 0.0
-        if extent := max(own, apart, _largest(sizes)):
-            distance = min(distance, FARTHEST * extent)
-        return max(own, distance, min(sizes[sizes > 0], default=0.0))
+        of ``Collisions``, as positions near the origin are no sizes."""
+        elements = [*self.d.bodies, *self.d.forces]
+        sizes = self._sizes(self._shapes())
+        return max(self._largest_length(elements), min(sizes[sizes > 0], default=0.0))
 
     def _shapes(self) -> list[list[Quantity]]:
         """Quantities of each shape of ``Collisions``."""
