@@ -149,14 +149,14 @@ class NonsmoothRun:
         result, last, k = None, None, 0
         if self.step.smooth.coupling.orderings is not None:
             self.step.smooth.coupling.orderings.forget()
-        balls = FreeBodyMarch.of(self.step, SleepRule.of(self.analysis))
+        loop = FreeBodyMarch.of(self.step, SleepRule.of(self.analysis))
         sequence = ImpactSequence(self.step) if self.analysis.separate_impacts else None
-        self.sleeping = balls.sleeping if balls else None
+        self.sleeping = loop.sleeping if loop else None
         try:
             while k < grid.size - 1:
-                if balls is not None and last is not None:
+                if loop is not None and last is not None:
                     own = grid, k, log, last, report
-                    k, last = sequence.march(balls, *own) if sequence else balls.march(*own)
+                    k, last = sequence.march(loop, *own) if sequence else loop.march(*own)
                     if k == grid.size - 1:
                         break
                 t, h = float(grid[k]), float(grid[k + 1] - grid[k])

@@ -64,7 +64,7 @@ class ImpactSequence:
 
     def march(
         self,
-        balls: Any,
+        loop: Any,
         grid: np.ndarray,
         k: int,
         log: StepLog,
@@ -75,7 +75,7 @@ class ImpactSequence:
 
         Parameters
         ----------
-        balls : FreeBodyLoop
+        loop : FreeBodyLoop
 
         Returns the number of the instant reached, and the last impulses.
         """
@@ -83,13 +83,13 @@ class ImpactSequence:
             parts = np.flatnonzero(np.diff(grid[k : k + CHUNK + 1]) < FULL * self.step.longest)
             stop = int(k + parts[0]) if parts.size else min(k + CHUNK, grid.size - 1)
             stored, first = _stored(log), len(log.parts)
-            end, impulses = balls.march(grid[: stop + 1], k, log, last, report)
+            end, impulses = loop.march(grid[: stop + 1], k, log, last, report)
             number = self._first(end - k, log, first, last)
             if number is not None:
                 vars(log).update(stored)
                 if number == 0:
                     return k, last
-                return balls.march(grid[: k + number + 1], k, log, last, report)
+                return loop.march(grid[: k + number + 1], k, log, last, report)
             k, last = end, impulses
             if end < stop:
                 break

@@ -20,6 +20,7 @@ from dalembert.model.graph.scales import Scales
 from dalembert.symbolic.formulas.expression import Expression, free_symbols
 
 Quantity = tuple[str, Expression, Mapping]
+"""Name, formula and properties of a checked quantity."""
 
 
 def scales_of(d: Description, equations: Equations, guesses: Guesses, p: np.ndarray) -> Scales:
@@ -113,8 +114,8 @@ class _AtGuesses:
 
     def _in_metres(self, quantities: list[Quantity]) -> list[Quantity]:
         """Those in metres that depend on parameters only."""
-        known = self._parameters
-        return [q for q in quantities if q[2]["unit"] == "m" and free_symbols(q[1].sx) <= known]
+        own = self._parameters
+        return [q for q in quantities if q[2]["unit"] == "m" and free_symbols(q[1].sx) <= own]
 
     def _lengths(self, quantities: list[Quantity]) -> list[np.ndarray]:
         """Values of the quantities in metres that depend on parameters only."""
