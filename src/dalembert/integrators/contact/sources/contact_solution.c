@@ -118,7 +118,8 @@ static casadi_real casadi_centered(const casadi_real** arg, casadi_real** res, c
 }
 /* at most a number of proximal problems from the impulses in res[0]; their number, and the residual in
    status[1]. The best impulses are in res[0]. Above the residual at which interior points end, there are
-   fewer problems, and none after one that Newton's method does not solve, unless few is that number */
+   fewer problems, and none after one that Newton's method does not solve, unless few is that number; their
+   weights then fall more slowly, as their solutions may circle around the one of the problem */
 static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real share, casadi_real scale, casadi_int most, casadi_int few) {
   casadi_real* velocity = (casadi_real*) arg[2];
@@ -127,8 +128,9 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
   casadi_real* original = res[34];
   casadi_real* center = original + iw[0]*iw[1];
   casadi_real* best = center + iw[0]*iw[1];
-  casadi_int rows = iw[0]*iw[1], rounds, r, solved = 1;
+  casadi_int rows = iw[0]*iw[1], rounds, r, solved = 1, progress = 0;
   casadi_real weight = arg[37][0], residual = res[11][1], least = residual, tolerance, allowed;
+  casadi_real slower = sqrt(sqrt(arg[37][2])), mark = residual;
   for (r=0; r<rows; ++r) {
     original[r] = velocity[r];
     center[r] = impulse[r];
@@ -138,6 +140,7 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
     allowed = share*casadi_size(arg, iw, best, scale);
     if (!(least>allowed)) break;
     if (few<most && least>arg[37][13]*scale && (rounds>=few || !solved)) break;
+    if (rounds-progress>=iw[30]) break;
     for (r=0; r<rows; ++r) {
       shift[r] = weight*arg[5][r];
       velocity[r] = original[r] - shift[r]*center[r];
@@ -148,7 +151,7 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
     tolerance = arg[37][5]*residual;
     if (arg[37][6]*allowed>tolerance) tolerance = arg[37][6]*allowed;
     solved = casadi_newton(arg, res, iw, w, tolerance)<=tolerance;
-    weight = weight*(solved ? arg[37][2] : arg[37][1]);
+    weight = weight*(!solved ? arg[37][1] : (few<most || rounds<3 ? arg[37][2] : slower));
     if (weight>arg[37][3]) weight = arg[37][3];
     if (weight<arg[37][4]) weight = arg[37][4];
     for (r=0; r<rows; ++r) {
@@ -165,6 +168,10 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
         if (residual<least) best[r] = impulse[r];
       }
       if (residual<least) least = residual;
+      if (least<0.9*mark) {
+        mark = least;
+        progress = rounds + 1;
+      }
     }
   }
   for (r=0; r<rows; ++r) impulse[r] = best[r];
