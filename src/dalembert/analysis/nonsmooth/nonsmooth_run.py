@@ -114,7 +114,7 @@ class NonsmoothRun:
         times = times[times <= record.t[-1]] if times.size else times
         elapsed = clock.perf_counter() - begin
         record = replace(record, accuracy=RunAccuracy(self.step, record, self.repeated))
-        check = ContactCheck(self.step, record, self.analysis.balance, log.correction_work)
+        check = ContactCheck(self.step, record, self.analysis.balance, log.corrections)
         status = replace(status, residual=max(status.residual, check.residual))
         trajectory = interpolate(self.model, record, times)
         warnings = passage_warnings(log.passages)
@@ -308,7 +308,7 @@ class NonsmoothRun:
             "energy dissipated in contacts [J]": float(record.loss.sum()),
             "energy dissipated by friction of contacts [J]": log.friction,
             "energy dissipated by the scheme [J]": float(log.scheme_losses[-1]),
-            "work of corrections of positions [J]": log.correction_work,
+            "work of corrections of positions [J]": log.corrections.total,
             "maximum energy gained in contacts [J]": float((-record.loss).max(initial=0.0)),
         }
 
