@@ -6,6 +6,7 @@ derivatives by complex steps. Impacts of different bodies within one step need n
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 
 import numpy as np
@@ -162,6 +163,42 @@ def test_discs_in_a_row_with_small_gaps(gap):
     p, end = [gap, 1.0, 0.9], 0.1
     names = [f"disc{k}.x" for k in range(3)]
     compare(row_of(*p), names, lambda q: row(q, end), p, end)
+
+
+@pytest.mark.few(4)
+@pytest.mark.parametrize("gap", [8e-5, 1e-4, 1.5e-4, 4e-4])
+@pytest.mark.parametrize("speed", [1.0, 1.013, 1.03, 1.04])
+def test_corrections_of_positions_do_not_join_impacts(gap, speed):
+    """Speeds are those of the sequence, though a disc that closes its gap in the second half of a
+    step is moved back, and pushes the next disc over a smaller gap."""
+    p, end, options = [gap, speed, 0.9], 0.08, {"step": 1e-3, "integrator": da.MoreauJean()}
+    motion = da.solve_nonsmooth(row_of(*p), end, separate_impacts=True, **options)
+    exact = (row(np.array(p), end) - row(np.array(p), end - 0.01)) / 0.01
+    speeds = [motion[f"disc{k}.vx"][-1].item() for k in range(3)]
+    np.testing.assert_allclose(speeds, exact, atol=1e-9)
+
+
+def test_gradient_of_divided_steps_with_corrections_of_positions():
+    p, end = [1e-4, 1.013, 0.9], 0.08
+    responses = [da.final(f"disc{k}.x") for k in range(3)]
+    options = {"step": 1e-3, "integrator": da.MoreauJean(), "separate_impacts": True}
+    gradient = both(da.solve_nonsmooth(row_of(*p), end, **options), *responses)
+    exact = derivatives(lambda q: row(q, end), np.array(p))
+    scales = abs(exact).max(axis=1, keepdims=True)
+    np.testing.assert_allclose(gradient / scales, exact / scales, atol=0.012)
+
+
+def test_impacts_joined_by_a_correction_of_positions_are_warned_about():
+    """Three discs leave with the speeds of touching ones; shorter steps separate the impacts."""
+    motion = da.solve_nonsmooth(
+        row_of(1e-4, 1.013, 0.9), 0.08, step=1e-3, integrator=da.MoreauJean()
+    )
+    (warning,) = (text for text in motion.warnings if "both count as one" in text)
+    assert warning.startswith("an impact closes the gap of 0.0001 m of disc1 and disc2 of row")
+    shorter = float(re.search("use step=([^ ]*) or shorter", warning).group(1))
+    short = {"step": shorter, "integrator": da.MoreauJean()}
+    separate = da.solve_nonsmooth(row_of(1e-4, 1.013, 0.9), 0.08, **short)
+    assert not any("both count as one" in text for text in separate.warnings)
 
 
 def corner_of(low: float, speed: float, bounce: float, friction: float = 0.0) -> da.Model:

@@ -118,13 +118,22 @@ def test_spatial_bodies_with_unequal_moments_of_inertia_tumble():
     assert np.diff(motion.data["energy"]).max() <= 1e-10 * np.ptp(motion.data["energy"].values)
 
 
+def check_warnings_of_growth(motion: da.Motion) -> None:
+    """A warning about lifted bodies where the energy grows in a step, and no other one."""
+    energy, warnings = motion.data["energy"].values, other_warnings(motion)
+    growth = np.diff(energy).max() / motion.data["kinetic_energy"].values.max()
+    assert bool(warnings) == (growth > 1e-10)
+    assert all(text.startswith("corrections of positions, which lift") for text in warnings)
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize("theta", [0.5, 1.0])
 def test_moreau_jean_tumbles_without_refusal(theta):
     """Corrections after impacts lift bodies by a part of the energy, O(h); θ = 1 dissipates."""
     scheme = da.MoreauJean(theta=theta)
     motion = da.solve_nonsmooth(planar_scene(2, 0.5, 0.3), 0.5, step=2e-3, integrator=scheme)
-    assert motion.status.success and not other_warnings(motion)
+    assert motion.status.success
+    check_warnings_of_growth(motion)
     assert motion.data["penetration"].max() <= 1e-9 * SIZE
     assert np.abs(motion.data["balance_error"]).max() <= 2e-3 * np.ptp(motion.data["energy"].values)
 
@@ -140,7 +149,8 @@ def test_a_box_that_fell_comes_to_rest(scheme, restitution):
     shapes = [planar.contact.Rectangle(box, (0.4, 0.1)), planar.contact.HalfPlane(system.ground)]
     system.add(planar.Collisions("floor", shapes, friction=0.3, restitution=restitution))
     motion = da.solve_nonsmooth(system.build(), 1.6, step=2e-3, integrator=scheme)
-    assert motion.status.success and not other_warnings(motion)
+    assert motion.status.success
+    check_warnings_of_growth(motion)
     assert np.ptp(motion.trajectory.y[:, -200:], axis=1).max() <= 1e-9
     assert motion.record.pressing[-200:].min() == 2
     assert motion.values("box.y")[-1] == pytest.approx(0.05, abs=G * 2e-3**2 * 4)

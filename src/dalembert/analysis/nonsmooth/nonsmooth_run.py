@@ -114,7 +114,7 @@ class NonsmoothRun:
         times = times[times <= record.t[-1]] if times.size else times
         elapsed = clock.perf_counter() - begin
         record = replace(record, accuracy=RunAccuracy(self.step, record, self.repeated))
-        check = ContactCheck(self.step, record, self.analysis.balance, log.correction_work)
+        check = ContactCheck(self.step, record, self.analysis.balance, log.corrections)
         status = replace(status, residual=max(status.residual, check.residual))
         trajectory = interpolate(self.model, record, times)
         warnings = passage_warnings(log.passages)
@@ -162,16 +162,16 @@ class NonsmoothRun:
                 t, h = float(grid[k]), float(grid[k + 1] - grid[k])
                 result = advance(self.step_at(grid, k), t, h, log.y, log.v, last)
                 failure = self.failure(t, h, result, log)
-                divided = None
-                if failure is None and result.path_change > PATH_CHANGE:
+                position = self.corrected(t + h, h, result) if failure is None else None
+                divided, state = None, (t, h, log, result, last)
+                if position and result.path_change > PATH_CHANGE:
                     divided = self.divided(grid, k)
-                elif failure is None and sequence and sequence.divides(t, h, log, result, last):
+                elif position and sequence and sequence.divides(*state, position.x):
                     divided = self.divided(grid, k, sequence.divisions)
                 if divided is not None:
                     grid, self.divisions = divided, self.divisions + 1
                     continue
-                if failure is None:
-                    position = self.corrected(t + h, h, result)
+                if position:
                     if not position.accepted:
                         failure = self.not_corrected(t, h, str(position), position.residual)
                     elif self.is_far(t + h, log.y, result.y, position.x):
@@ -183,6 +183,7 @@ class NonsmoothRun:
                         return failure
                     grid, self.divisions = divided, self.divisions + 1
                     continue
+                assert position is not None
                 speeds, result = self.speeds(t, h, position.x, result)
                 log.add(t + h, h, position.x, speeds, result)
                 k, last = k + 1, result.last
@@ -307,7 +308,7 @@ class NonsmoothRun:
             "energy dissipated in contacts [J]": float(record.loss.sum()),
             "energy dissipated by friction of contacts [J]": log.friction,
             "energy dissipated by the scheme [J]": float(log.scheme_losses[-1]),
-            "work of corrections of positions [J]": log.correction_work,
+            "work of corrections of positions [J]": log.corrections.total,
             "maximum energy gained in contacts [J]": float((-record.loss).max(initial=0.0)),
         }
 

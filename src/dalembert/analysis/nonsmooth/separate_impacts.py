@@ -4,7 +4,9 @@ A step has the impulses of all its contacts at once, and instants of impacts hav
 order of the step. Where two gaps of connected bodies close within one step, the speeds after it are
 those of one impact, which differ from those of the sequence whatever the step; where they close
 within a few steps, the second one is that of displaced bodies. Steps are divided until the time
-between such impacts is several of them.
+between such impacts is several of them. An impact may act in the step after the one in which its
+gap closes, and a correction of positions displaces its bodies between both: the step that closes
+the gap is divided, too.
 """
 
 from __future__ import annotations
@@ -17,10 +19,10 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.step_impacts import (
-    GroupImpacts,
     LastImpacts,
     PressedContacts,
     connected,
+    smallest_gap,
     step_impacts,
 )
 from dalembert.analysis.nonsmooth.step_log import StepEntries, StepLog
@@ -110,20 +112,31 @@ class ImpactSequence:
             ]
             before = log.uncorrected[place - 1] if place else log.positions[0]
             span = log.times[place], log.lengths[place]
+            if self._acts_late(*span, *states[1], log.positions[place + 1]):
+                return number
             if pressed.begins.any() and self._divides(*span, states, before, pressed):
                 return number
             keys = entries.key[own]
         return None
 
     def divides(
-        self, t: float, h: float, log: StepLog, result: StepResult, last: LastImpulses | None
+        self,
+        t: float,
+        h: float,
+        log: StepLog,
+        result: StepResult,
+        last: LastImpulses | None,
+        corrected: np.ndarray,
     ) -> bool:
         """Whether a step after the recorded ones is divided.
 
         Parameters
         ----------
         last : impulses of the step before; None in the first step
+        corrected : position at the end of the step with open gaps
         """
+        if self._acts_late(t, h, result.y, result.v, corrected):
+            return True
         before = log.uncorrected[-1] if log.uncorrected else log.y
         keys = result.contacts.key[:0] if last is None else last.pressing[0]
         pressed = PressedContacts.of(*result.pressing, keys)
@@ -145,30 +158,74 @@ class ImpactSequence:
             if group.drives or near or group.spread > self.shortest:
                 return True
         rebounding = [group for group in groups if group.rebounds]
-        if rebounding and self._next(t + h, h, y, v, rebounding) < RESOLVED * h:
+        speeds = [group.speeds for group in rebounding]
+        if rebounding and self._next(t + h, h, y, v, np.concatenate(speeds)) < RESOLVED * h:
             return True
         for group in groups:
             self.last.add(group, h)
         return False
 
-    def _next(
-        self, t: float, h: float, y: np.ndarray, v: np.ndarray, groups: list[GroupImpacts]
-    ) -> float:
-        """Time until the bodies of some impacts have the next one of another gap [s]."""
+    def _acts_late(
+        self, t: float, h: float, y: np.ndarray, v: np.ndarray, corrected: np.ndarray
+    ) -> bool:
+        """Whether an impact that acts in the next step would have to act in this one.
+
+        A gap that closes in the second half of a step remains closed, and its correction displaces
+        the bodies: it may close gaps that the impact would have to close, which then have both
+        impacts at once, or other impacts follow from displaced bodies.
+
+        Parameters
+        ----------
+        y, v : state at the end of the step before the correction
+        """
+        if np.array_equal(y, corrected):
+            return False
+        step, t = self.step, t + h
+        gaps = step.rigid(step.near(step.at(t, corrected), 2 * h * v[:, None]))
+        gaps = gaps.some(gaps.distance <= smallest_gap(step))
+        distance = step.selected(step.at(t, y), gaps.key).distance
+        start = step.begin(t, step.longest, corrected, v, False)
+        u, slow = gaps.at_start(v)[:, 0], SLOW * start.approach(gaps, step.rounding).nearby
+        strikes, rebounds = (distance < -step.rounding) & (-u > slow), gaps.laws.restitution > 0
+        if not strikes.any():
+            return False
+        labels, moved = connected(step, start, gaps)
+        closed = distance > self._least(-float(u[strikes].min()))
+        if np.isin(labels[closed & rebounds], labels[strikes]).any():
+            return True
+        rebounding = np.isin(labels, labels[strikes & rebounds])
+        if not rebounding.any():
+            return False
+        rows = np.flatnonzero(strikes & rebounding)
+        instants, first = distance[rows] / -u[rows], np.full(labels.max() + 1, np.inf)
+        np.minimum.at(first, labels[rows], instants)
+        if (instants - first[labels[rows]]).max() > self.shortest:
+            return True
+        start = step.begin(t, h, corrected, v, False)
+        after = step.solved(step.struck(start, gaps), gaps, None).v
+        return self._next(t, h, corrected, after, moved[rebounding].indices) < RESOLVED * h
+
+    def _least(self, speed: float) -> float:
+        """Gap that an impact with a speed closes at once [m]."""
+        return max(smallest_gap(self.step), 2 * self.shortest * speed)
+
+    def _next(self, t: float, h: float, y: np.ndarray, v: np.ndarray, changed: np.ndarray) -> float:
+        """Time until bodies with ``changed`` speeds have the next impact of another gap [s]; zero
+        if this gap closes in the step before."""
         step = self.step
         gaps = step.rigid(step.near(step.at(t, y), 2 * RESOLVED * h * v[:, None]))
         u = gaps.at_start(v)[:, 0]
-        gaps = gaps.some((u < 0) & (gaps.distance > 0) & (-u * RESOLVED * h > gaps.distance))
+        gaps = gaps.some((u < 0) & (-u * RESOLVED * h > gaps.distance))
         if not gaps.count:
             return np.inf
         start = step.begin(t, step.longest, y, v, False)
         slow = SLOW * start.approach(gaps, step.rounding).nearby
         u, (_, moved) = gaps.at_start(v)[:, 0], connected(step, start, gaps)
         speeds = np.zeros(v.size)
-        speeds[np.concatenate([group.speeds for group in groups])] = 1.0
+        speeds[changed] = 1.0
         times = -gaps.distance / u
-        times = times[(-u > slow) & (moved @ speeds > 0) & (times > self.shortest)]
-        return float(times.min(initial=np.inf))
+        times = times[(-u > slow) & (moved @ speeds > 0) & (np.abs(times) > self.shortest)]
+        return max(float(times.min(initial=np.inf)), 0.0)
 
 
 def _stored(log: StepLog) -> dict[str, Any]:

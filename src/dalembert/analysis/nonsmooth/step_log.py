@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
-import casadi as ca
 import numpy as np
 
 from dalembert.analysis.contact.gap_checks import ROUNDED
@@ -20,13 +19,12 @@ from dalembert.analysis.nonsmooth.checks.missing_impacts import (
 from dalembert.analysis.nonsmooth.checks.passages import MOST, Passage, find_passage
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import ConsistentSpeeds
+from dalembert.analysis.nonsmooth.correction_work import CorrectionWork
 from dalembert.analysis.nonsmooth.step_state import StepResult
 from dalembert.integrators.contact.contacts import among
-from dalembert.model.graph.model import Model
 from dalembert.results.nonsmooth_motion import ContactRecord
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.evaluation.kernel import Kernel
-from dalembert.symbolic.once import once
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,8 +111,7 @@ class StepLog:
     missing_impacts : impacts that steps missed, by descending energy
     compiled : numbers of the steps in machine code, which are not searched for such impacts
     scheme_losses : (K+1,) energy dissipated by the scheme, once recorded [J]
-    correction_work : work of the corrections of positions, positive where they lift, once recorded
-        [J]
+    corrections : work of the corrections of positions, once recorded
     """
 
     def __init__(self, step: ContactStep, t: float, y: np.ndarray, v: np.ndarray):
@@ -129,7 +126,7 @@ class StepLog:
         self.missing_impacts: list[MissingImpact] = []
         self.compiled: list[int] = []
         self.depths, self.stored = [self._depth(t, y)], [self._stored(t, y)]
-        self.scheme_losses, self.correction_work = np.zeros(1), 0.0
+        self.scheme_losses, self.corrections = np.zeros(1), CorrectionWork.none(step)
 
     @property
     def t(self) -> float:
@@ -285,33 +282,22 @@ class StepLog:
         impact returns what the fall before it lost: only the net loss since the start counts, and a
         net gain is an error.
         """
-        model, p, h = self.step.model, self.step.p, np.array(self.lengths)
-        potential, repeated = _potential(model, h.size), np.tile(p[:, None], h.size)
-        work = np.subtract(
-            *(
-                potential(ends.t[1:], y, repeated)[0].ravel()
-                for y in (ends.y[:, 1:], np.stack(self.uncorrected, 1))
-            )
-        )
+        model, p = self.step.model, self.step.p
+        uncorrected = np.stack(self.uncorrected, 1)
+        self.corrections = CorrectionWork.of(self.step, ends.t[1:], ends.y[:, 1:], uncorrected)
+        work = self.corrections.work
         if 0 < self.depths[0] <= ROUNDED * model.scales.length:  # of rounded input, no error
             ends.work[1, 1:] += max(work[0], 0.0)
             work[0] = min(work[0], 0.0)
-        self.correction_work = float(work.sum())
         if self.step.scheme.theta != 0.5:
             energies = ModelResiduals(model, ends, p).energies
             energies[1] += self.stored
             losses = -energy_errors(energies, ends.work)[1:]
+            net = -np.diff(losses, prepend=0.0)
+            self.corrections = replace(self.corrections, net=net)
             return np.append(0.0, np.maximum(losses, 0.0))
         losses = np.cumsum(np.array(self.speed_losses) - work)
         return np.append(0.0, np.maximum.accumulate(np.maximum(losses, 0.0)))
-
-
-@once
-def _potential(model: Model, count: int) -> Kernel:
-    """``(t, y, p) → V`` of ``count`` columns."""
-    e = model.equations
-    function = ca.Function("potential", [e.t, e.y, e.p], [ca.densify(e.potential)])
-    return Kernel(function.map(count))
 
 
 def _with_start(means: np.ndarray) -> np.ndarray:

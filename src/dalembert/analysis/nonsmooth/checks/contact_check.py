@@ -20,6 +20,7 @@ from dalembert.analysis.nonsmooth.checks.missing_rebounds import rebound_warning
 from dalembert.analysis.nonsmooth.checks.quick_rotations import rotation_warnings
 from dalembert.analysis.nonsmooth.checks.simultaneous_impacts import simultaneous_impact_warnings
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.correction_work import CorrectionWork
 from dalembert.analysis.nonsmooth.touching_shapes import bodies_of
 from dalembert.analysis.residual_check import EXACT, ResidualCheck
 from dalembert.formulations.base import Level
@@ -35,15 +36,19 @@ class ContactCheck(ResidualCheck):
     step : ContactStep of the run
     record : ContactRecord of the run
     balance : largest error of the energy, relative to the exchanged energy
-    correction_work : work of the corrections of positions [J]
+    corrections : work of the corrections of positions
     """
 
     def __init__(
-        self, step: ContactStep, record: ContactRecord, balance: float, correction_work: float = 0.0
+        self,
+        step: ContactStep,
+        record: ContactRecord,
+        balance: float,
+        corrections: CorrectionWork,
     ):
         super().__init__(step.model, record.ends, step.p, (Level.POSITION, Level.SPEED), np.inf)
         self.step, self.record, self.balance = step, record, balance
-        self.correction_work = correction_work
+        self.corrections = corrections
 
     def verify(self, status: Status) -> Status:
         """As of every run; a failure of the first step names an overlap at the start."""
@@ -114,7 +119,7 @@ class ContactCheck(ResidualCheck):
         if not self.deepest.share <= self.limit:
             text = f"{self.deepest.text}, {self.deepest.share:.2g} of the natural length"
             return Outcome.VIOLATED, text + self.cure(self.limit)
-        work = f"corrections of positions did {self.correction_work:.3g} J of work"
+        work = f"corrections of positions did {self.corrections.total:.3g} J of work"
         return self.energy.objection(self.balance, f"{work}; use a shorter step")
 
     @property
@@ -122,9 +127,9 @@ class ContactCheck(ResidualCheck):
         """Warnings about a run that counts as completed."""
         warnings = self.energy.warnings(self.balance)
         balanced = self.energy.objection(self.balance, "") is None
-        if balanced and self.starts_open and not warnings:
-            energies = self.correction_work, self.energy.moved
-            warnings = lifting_warnings(*energies, self.step.scheme)
+        if balanced and not warnings:
+            energies = self.corrections, self.record, self.energy.moved
+            warnings = lifting_warnings(*energies, self.starts_open)
         if DRIFT_WARNING < self.deepest.share <= self.limit:
             warnings.append(
                 f"{self.deepest.text}: positions are not corrected{self.cure(self.limit)}, "
@@ -140,7 +145,7 @@ class ContactCheck(ResidualCheck):
                 f"t = {record.t[worst]:.9g} s; give ContactSolver a larger tolerance, or a smaller "
                 "value of acceptable to end such runs"
             )
-        warnings += gain_warnings(record, self.energy.moved)
+        warnings += gain_warnings(self.step, record, self.energy.moved)
         warnings += duration_warnings(record, self.energy.moved)
         warnings += rotation_warnings(self.step, record)
         warnings += simultaneous_impact_warnings(self.step, record, self.energy.moved)

@@ -3,7 +3,8 @@
 All contacts of a step have their impulses together. Where an impact drives a body over a gap onto
 the next one within the same step, Newton's law counts that gap as closed before: three elastic
 balls in a row leave with (−1/3, 2/3, 2/3) of the speed instead of (0, 0, 1). Gaps that are closed
-but for the rounding of their input are those of bodies that touch.
+but for the rounding of their input are those of bodies that touch. The correction of a position
+may close a gap, too, before the impact that would have to close it.
 """
 
 from __future__ import annotations
@@ -82,7 +83,8 @@ def _joined(step: ContactStep, record: ContactRecord, k: int) -> JoinedImpact | 
     start = step.begin(t, h, record.ends.y[:, k], record.ends.v[:, k], k == 0)
     contacts = step.rigid(step.starting(start, record.key[own]))
     strikes = start.approach(contacts, step.rounding).impacting
-    open_gaps = contacts.distance > ROUNDED * step.model.scales.length
+    distance = np.maximum(contacts.distance, _uncorrected(step, record, k, contacts.key))
+    open_gaps = distance > ROUNDED * step.model.scales.length
     closed = np.flatnonzero(open_gaps & ~strikes & (contacts.laws.restitution > 0))
     if not closed.size or not strikes.any():
         return None
@@ -99,5 +101,17 @@ def _joined(step: ContactStep, record: ContactRecord, k: int) -> JoinedImpact | 
         return None
     names = f"{bodies_of(step.model, gaps, worst)} of {record.names[gaps.owner[worst]]}"
     return JoinedImpact(
-        t, names, float(gaps.distance[worst]), float(speeds[worst]), float(energies[worst])
+        t, names, float(distance[closed][worst]), float(speeds[worst]), float(energies[worst])
     )
+
+
+def _uncorrected(step: ContactStep, record: ContactRecord, k: int, keys: np.ndarray) -> np.ndarray:
+    """(n,) gaps at the start of step ``k`` before the correction of the position there, which may
+    close them."""
+    if k == 0 or step.scheme.anticipates:
+        return np.zeros(keys.size)
+    y, (before, after) = record.ends.y[:, k - 1], record.ends.v[:, k - 1 : k + 1].T
+    t, h = float(record.t[k]), float(record.t[k] - record.t[k - 1])
+    motion = h * (before + step.scheme.theta * (after - before))
+    end = step.model.equations.manifold.go(y, motion)
+    return step.selected(step.at(t, end), keys).distance

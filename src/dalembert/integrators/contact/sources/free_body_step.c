@@ -25,6 +25,17 @@ static void casadi_begin_impulses(const casadi_real** arg, casadi_real** res,
   casadi_inertia_blocks(arg, res, iw);
   casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
 }
+/* impulses within their cones, and velocities without offsets in res[5] */
+static void casadi_velocities(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
+  const int* row = (const int*) arg[9];
+  casadi_int rows = iw[0]*iw[1], r;
+  casadi_shorten(arg, res[0], iw);
+  casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], res[0], rows, iw[3], res[10]);
+  for (r=0; r<rows; ++r) {
+    res[5][r] = res[48][r]
+      + casadi_row(arg[0], (const int*) arg[10], row[r], row[r+1], res[10]);
+  }
+}
 /* impulses of all contacts with the offsets in res[26], and velocities without offsets in res[5]; the
    number of proximal problems, or -1 if they did not converge */
 static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, casadi_int* iw,
@@ -35,12 +46,7 @@ static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, ca
   rounds = casadi_solution(arg, res, iw, w, arg[36][1], scale);
   allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
   if (!(res[11][1]<=allowed) || res[11][1]>arg[37][21]*scale) return -1;
-  casadi_shorten(arg, res[0], iw);
-  casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], res[0], rows, iw[3], res[10]);
-  for (r=0; r<rows; ++r) {
-    res[5][r] = res[48][r] + casadi_row(arg[0], (const int*) arg[10], ((const int*) arg[9])[r],
-      ((const int*) arg[9])[r+1], res[10]);
-  }
+  casadi_velocities(arg, res, iw);
   return rounds;
 }
 /* record of the step: losses, residual, and keys, impulses and offsets of pressing contacts */

@@ -1,5 +1,33 @@
 /* One step of free bodies with balls, hulls and walls by the scheme of Moreau and Jean, and gaps at its
    end */
+/* whether the residual of the impulses may give energy to the bodies, as in elastic impacts: some contact
+   closes faster than forces change speeds, and the contacts dissipate no more than by the residual */
+static int casadi_may_gain(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+    casadi_real forced) {
+  casadi_int i, r, rows = iw[0]*iw[1], impact = 0;
+  casadi_real loss = 0, push = 0;
+  for (r=0; r<rows; ++r) {
+    loss -= 0.5*res[0][r]*(res[5][r] + res[24][r]);
+    push += fabs(res[0][r]);
+  }
+  for (i=0; i<iw[0]; ++i) {
+    if (-res[24][i*iw[1]]>arg[37][19]*forced) impact = 1;
+  }
+  return impact && loss<=2*res[11][1]*push;
+}
+/* two more steps of Newton's method, if they reduce the residual */
+static void casadi_refine(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    casadi_real* w, casadi_real tolerance) {
+  casadi_int rows = iw[0]*iw[1], most = iw[10], r;
+  casadi_real least = casadi_keep(res, rows, 1e300);
+  iw[10] = 2;
+  if (!(casadi_newton(arg, res, iw, w, tolerance)<=least)) {
+    for (r=0; r<rows; ++r) res[0][r] = res[35][r];
+    res[11][1] = least;
+  }
+  iw[10] = most;
+  casadi_velocities(arg, res, iw);
+}
 /* impulses of all contacts by Newton's law of impact; contacts that part do no work if positions are
    corrected. The number of proximal problems, or -1 if they did not converge */
 static casadi_int casadi_newton_impulses(const casadi_real** arg, casadi_real** res,
@@ -7,7 +35,7 @@ static casadi_int casadi_newton_impulses(const casadi_real** arg, casadi_real** 
   const casadi_real* before = res[24];
   const casadi_real* law;
   casadi_real limits[2];
-  casadi_int i, a, r, width = iw[1], linear = iw[2]>0 ? ((const int*) arg[13])[1] : 1;
+  casadi_int i, a, r, rounds, width = iw[1], linear = iw[2]>0 ? ((const int*) arg[13])[1] : 1;
   casadi_largest(arg, res, iw, limits);
   for (i=0; i<iw[0]; ++i) {
     r = i*width;
@@ -17,7 +45,11 @@ static casadi_int casadi_newton_impulses(const casadi_real** arg, casadi_real** 
     for (a=1; a<width; ++a) res[26][r+a] = a<linear ? law[1]*before[r+a] : 0.0;
   }
   casadi_begin_impulses(arg, res, iw, w);
-  return casadi_impulses(arg, res, iw, w, limits[1]>0 ? limits[1] : 1.0);
+  rounds = casadi_impulses(arg, res, iw, w, limits[1]>0 ? limits[1] : 1.0);
+  if (rounds>=0 && casadi_may_gain(arg, res, iw, limits[0])) {
+    casadi_refine(arg, res, iw, w, 1e-3*arg[37][16]*arg[36][1]*limits[1]);
+  }
+  return rounds;
 }
 /* distance by which the linear part of a stored gap closes in the step */
 static casadi_real casadi_closing(const casadi_real** arg, casadi_real** res,
