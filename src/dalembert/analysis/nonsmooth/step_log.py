@@ -8,7 +8,6 @@ from dataclasses import dataclass, fields
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.contact.gap_checks import ROUNDED
 from dalembert.analysis.dynamics.residual_check import energy_errors
 from dalembert.analysis.model_residuals import ModelResiduals
 from dalembert.analysis.nonsmooth.between_steps import between
@@ -293,7 +292,7 @@ class StepLog:
                 for y in (ends.y[:, 1:], np.stack(self.uncorrected, 1))
             )
         )
-        if 0 < self.depths[0] <= ROUNDED * model.scales.length:  # of rounded input, no error
+        if 0 < self.depths[0] <= self.step.rounded_overlap:  # of rounded input, no error
             ends.work[1, 1:] += max(work[0], 0.0)
             work[0] = min(work[0], 0.0)
         self.correction_work = float(work.sum())

@@ -97,9 +97,11 @@ class RunAccuracy:
         error = y[:, compared] - positions[:, np.searchsorted(grid, times)]
         error = error / ((SHORT / count) ** self._order - 1)
         ranges = np.ptp(y, axis=1)
-        sizes = motion_sizes(ranges, model.guesses.units, model.scales.coordinates)
+        natural = model.scales.coordinates.copy()
+        natural[np.array(model.guesses.units) == "m"] *= model.scales.size / model.scales.length
+        sizes = motion_sizes(ranges, model.guesses.units, natural)
         sizes = np.maximum(sizes, sizes_by_points(self.step, record))
-        resolved = CLEARANCE / TARGET * model.scales.coordinates  # of gaps of bodies at rest
+        resolved = CLEARANCE / TARGET * natural  # of gaps of bodies at rest
         sizes = np.maximum(sizes, np.where(sizes > 0, resolved, 0.0))
         return largest_error(error, sizes, model.guesses.names, times, longer)
 
