@@ -8,11 +8,12 @@ import re
 import numpy as np
 import pytest
 from rigid_contacts import other_warnings
+from scipy.integrate import solve_ivp
 
 import dalembert as da
-from dalembert import planar
+from dalembert import planar, spatial
 
-contact = planar.contact
+contact, G = planar.contact, 9.81
 SCHEMES = [da.AnticipatedImpacts(), da.MoreauJean()]
 
 
@@ -193,3 +194,38 @@ def test_spins_do_not_turn_impulses(scheme):
     assert (across, up) == pytest.approx((0, 0), abs=1e-7)
     weaker = 1 / np.hypot(1, h * spin / 2)
     assert along == pytest.approx(speed * weaker / (weaker + 2 / 5), rel=1e-6)
+
+
+@pytest.mark.parametrize("step", [1e-3, 5e-4])
+def test_the_estimate_is_that_of_a_coin_that_falls_flat(step: float):
+    """In five or ten steps, as a pendulum about its rim; then it lies, also with longer steps."""
+    radius, thick, mass, tilt = 0.1, 4e-3, 0.1, 1e-3
+    inertia, half = mass * (3 * radius**2 + thick**2) / 12, thick / 2
+
+    def height(q: np.ndarray) -> np.ndarray:
+        return np.asarray(radius * np.sin(q) + half * np.cos(q))
+
+    def rates(t: float, x: np.ndarray) -> list[float]:
+        slope, bend = radius * np.cos(x[0]) - half * np.sin(x[0]), -height(x[0])
+        pull = -mass * (G * slope + slope * bend * x[1] ** 2)
+        return [x[1], float(pull / (inertia + mass * slope**2))]
+
+    system = da.System("coin", gravity=(0, 0, -G))
+    start = {
+        "position": (0, 0, float(height(np.array(tilt)))),
+        "rotation": da.rotation.axis_angle((1, 0, 0), tilt),
+    }
+    coin = system.add(spatial.Cylinder("coin", radius=radius, length=thick, mass=mass, **start))
+    ends = coin.point(0, 0, -half), coin.point(0, 0, half)
+    floor = spatial.contact.HalfSpace(system.ground.frame())
+    system.add(spatial.Collisions("floor", [spatial.contact.Cylinder(*ends, radius), floor]))
+    motion = da.solve_nonsmooth(system.build(), 0.02, step=step)
+    fall = solve_ivp(
+        rates, (0, 5e-3), [tilt, 0.0], t_eval=motion.time[motion.time <= 5e-3], rtol=1e-10
+    )
+    exact = np.full(motion.time.size, half)
+    exact[: fall.t.size] = height(fall.y[0])
+    z = motion.values("coin.z")
+    error = np.abs(z - exact).max() / np.ptp(z)
+    assert error > 0.1 and error / 1.5 < motion.error_estimate.share < 1.5 * error
+    assert any("their estimated error is" in text for text in motion.warnings)
