@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import re
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -229,3 +230,35 @@ def test_the_estimate_is_that_of_a_coin_that_falls_flat(step: float):
     error = np.abs(z - exact).max() / np.ptp(z)
     assert error > 0.1 and error / 1.5 < motion.error_estimate.share < 1.5 * error
     assert any("their estimated error is" in text for text in motion.warnings)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_a_string_on_a_drum_holds_up_to_the_ratio_of_its_forces(scheme: da.AnticipatedImpacts):
+    """Beads over half a drum: at each, ``T₂ − T₁`` is at most ``μ tan(δ/2) (T₂ + T₁)`` for its turn
+    δ. Those at rest move by clearances, which are no errors to warn about."""
+    count, rough, pull, radius, bead, hanging = 8, 0.3, 10.0, 0.5, 0.02, 0.2
+    turn, around = np.pi / (count - 1), radius + bead
+    growths = [(1 + rough * np.tan(d / 2)) / (1 - rough * np.tan(d / 2)) for d in (turn, turn / 2)]
+    ratio = growths[0] ** (count - 2) * growths[1] ** 2
+    angles = np.pi - turn * np.arange(count)
+    places = [(around * float(np.cos(a)), around * float(np.sin(a))) for a in angles]
+    places = [(-around, -hanging), *places, (around, -hanging)]
+    for share, holds in ((0.99, True), (1.01, False)):
+        system = da.System("capstan", gravity=(0, 0))
+        beads = [
+            system.add(planar.Particle(f"p{k}", mass=0.01, position=place))
+            for k, place in enumerate(places)
+        ]
+        for k, (one, other) in enumerate(pairwise(beads)):
+            length = float(np.hypot(*np.subtract(places[k], places[k + 1])))
+            system.add(planar.RigidLink(f"d{k}", one.center, other.center, length=length))
+        for k, force in ((0, pull), (count + 1, share * ratio * pull)):
+            system.add(planar.Force(f"f{k}", beads[k].center, (0.0, -force)))
+        shapes = [contact.Circle(each.center, bead) for each in beads[1:-1]]
+        drum = contact.Circle(system.ground.center, radius)
+        system.add(planar.Collisions("drum", [*shapes, drum], friction=rough))
+        motion = da.solve_nonsmooth(system.build(), 0.1, step=1e-3, integrator=scheme)
+        moved = abs(motion.values(f"p{count + 1}.y")[-1] + hanging)
+        assert motion.status.success
+        assert moved < 1e-6 if holds else moved > 1e-3
+        assert not (holds and motion.warnings)

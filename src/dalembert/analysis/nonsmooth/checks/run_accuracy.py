@@ -30,7 +30,7 @@ from functools import cached_property
 import numpy as np
 
 from dalembert.analysis.error_estimate import SMALL, ErrorEstimate, largest_error, motion_sizes
-from dalembert.analysis.nonsmooth.contact_step import CLEARANCE, ContactStep
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.elements.coordinates import Coordinates
 from dalembert.errors import SingularityError
 from dalembert.results.nonsmooth_motion import ContactRecord
@@ -49,6 +49,9 @@ SHORT, LONG, FURTHER = 8, 5, (4, 3)
 they are compared."""
 WINDOW = 5
 """Number of steps whose median of second differences is that of the motion without an impact."""
+RESTING = 1e-4
+"""Minimum size of a motion, by the size of the bodies: those of bodies at rest are smaller, by
+clearances of gaps and inexact joints [-]."""
 UNPREDICTABLE = 0.5
 """Estimated error above which the motion is one of several that the steps may lead to [-]."""
 FAINT = 1e-4
@@ -142,8 +145,7 @@ class RunAccuracy:
         natural[np.array(model.guesses.units) == "m"] *= model.scales.size / model.scales.length
         sizes = motion_sizes(ranges, model.guesses.units, natural)
         sizes = np.maximum(sizes, sizes_by_points(self.step, record))
-        resolved = CLEARANCE / TARGET * natural  # of gaps of bodies at rest
-        return np.maximum(sizes, np.where(sizes > 0, resolved, 0.0))
+        return np.maximum(sizes, np.where(sizes > 0, RESTING * natural, 0.0))
 
     @property
     def warnings(self) -> list[str]:
