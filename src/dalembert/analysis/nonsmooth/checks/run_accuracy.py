@@ -165,7 +165,7 @@ class RunAccuracy:
                 f"long it differs by {estimate.text}; its impacts amplify small differences, or "
                 "the step is far too long"
             ]
-        shorter = h * TARGET / estimate.share
+        shorter = h * TARGET / (factor * estimate.share)
         more = f", and may be {factor:g} times as large" if factor > 1 else ""
         return [
             f"steps of {h:.3g} s are long for this motion: their estimated error is "
