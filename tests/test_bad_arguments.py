@@ -102,3 +102,11 @@ def test_methods_of_systems_are_not_set() -> None:
     """``system.gravity = (0, -9.81)`` would leave the system without gravity."""
     with pytest.raises(da.ModelError, match=r"gravity is a method: call gravity\(…\)"):
         da.System("pendulum").gravity = (0, -9.81)  # type: ignore[method-assign]
+
+
+def test_shapes_without_a_size_are_named() -> None:
+    body, kit = da.planar.Body("disc", mass=1.0, inertia=0.1), da.planar.contact
+    with pytest.raises(da.ModelError, match=r"Circle\.radius: is None; give a number$"):
+        kit.Circle(body, None)
+    with pytest.raises(da.ModelError, match=r"HalfPlane\.normal: is None; .*, or leave"):
+        kit.HalfPlane(body, normal=None)

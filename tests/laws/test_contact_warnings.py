@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import functools
 import re
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from rigid_contacts import other_warnings
+from scipy.integrate import solve_ivp
 
 import dalembert as da
-from dalembert import planar
+from dalembert import planar, spatial
 
-contact = planar.contact
+contact, G = planar.contact, 9.81
 SCHEMES = [da.AnticipatedImpacts(), da.MoreauJean()]
 
 
@@ -193,3 +195,70 @@ def test_spins_do_not_turn_impulses(scheme):
     assert (across, up) == pytest.approx((0, 0), abs=1e-7)
     weaker = 1 / np.hypot(1, h * spin / 2)
     assert along == pytest.approx(speed * weaker / (weaker + 2 / 5), rel=1e-6)
+
+
+@pytest.mark.parametrize("step", [1e-3, 5e-4])
+def test_the_estimate_is_that_of_a_coin_that_falls_flat(step: float):
+    """In five or ten steps, as a pendulum about its rim; then it lies, also with longer steps."""
+    radius, thick, mass, tilt = 0.1, 4e-3, 0.1, 1e-3
+    inertia, half = mass * (3 * radius**2 + thick**2) / 12, thick / 2
+
+    def height(q: np.ndarray) -> np.ndarray:
+        return np.asarray(radius * np.sin(q) + half * np.cos(q))
+
+    def rates(t: float, x: np.ndarray) -> list[float]:
+        slope, bend = radius * np.cos(x[0]) - half * np.sin(x[0]), -height(x[0])
+        pull = -mass * (G * slope + slope * bend * x[1] ** 2)
+        return [x[1], float(pull / (inertia + mass * slope**2))]
+
+    system = da.System("coin", gravity=(0, 0, -G))
+    start = {
+        "position": (0, 0, float(height(np.array(tilt)))),
+        "rotation": da.rotation.axis_angle((1, 0, 0), tilt),
+    }
+    coin = system.add(spatial.Cylinder("coin", radius=radius, length=thick, mass=mass, **start))
+    ends = coin.point(0, 0, -half), coin.point(0, 0, half)
+    floor = spatial.contact.HalfSpace(system.ground.frame())
+    system.add(spatial.Collisions("floor", [spatial.contact.Cylinder(*ends, radius), floor]))
+    motion = da.solve_nonsmooth(system.build(), 0.02, step=step)
+    fall = solve_ivp(
+        rates, (0, 5e-3), [tilt, 0.0], t_eval=motion.time[motion.time <= 5e-3], rtol=1e-10
+    )
+    exact = np.full(motion.time.size, half)
+    exact[: fall.t.size] = height(fall.y[0])
+    z = motion.values("coin.z")
+    error = np.abs(z - exact).max() / np.ptp(z)
+    assert error > 0.1 and error / 1.5 < motion.error_estimate.share < 1.5 * error
+    assert any("their estimated error is" in text for text in motion.warnings)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_a_string_on_a_drum_holds_up_to_the_ratio_of_its_forces(scheme: da.AnticipatedImpacts):
+    """Beads over half a drum: at each, ``T₂ − T₁`` is at most ``μ tan(δ/2) (T₂ + T₁)`` for its turn
+    δ. Those at rest move by clearances, which are no errors to warn about."""
+    count, rough, pull, radius, bead, hanging = 8, 0.3, 10.0, 0.5, 0.02, 0.2
+    turn, around = np.pi / (count - 1), radius + bead
+    growths = [(1 + rough * np.tan(d / 2)) / (1 - rough * np.tan(d / 2)) for d in (turn, turn / 2)]
+    ratio = growths[0] ** (count - 2) * growths[1] ** 2
+    angles = np.pi - turn * np.arange(count)
+    places = [(around * float(np.cos(a)), around * float(np.sin(a))) for a in angles]
+    places = [(-around, -hanging), *places, (around, -hanging)]
+    for share, holds in ((0.99, True), (1.01, False)):
+        system = da.System("capstan", gravity=(0, 0))
+        beads = [
+            system.add(planar.Particle(f"p{k}", mass=0.01, position=place))
+            for k, place in enumerate(places)
+        ]
+        for k, (one, other) in enumerate(pairwise(beads)):
+            length = float(np.hypot(*np.subtract(places[k], places[k + 1])))
+            system.add(planar.RigidLink(f"d{k}", one.center, other.center, length=length))
+        for k, force in ((0, pull), (count + 1, share * ratio * pull)):
+            system.add(planar.Force(f"f{k}", beads[k].center, (0.0, -force)))
+        shapes = [contact.Circle(each.center, bead) for each in beads[1:-1]]
+        drum = contact.Circle(system.ground.center, radius)
+        system.add(planar.Collisions("drum", [*shapes, drum], friction=rough))
+        motion = da.solve_nonsmooth(system.build(), 0.1, step=1e-3, integrator=scheme)
+        moved = abs(motion.values(f"p{count + 1}.y")[-1] + hanging)
+        assert motion.status.success
+        assert moved < 1e-6 if holds else moved > 1e-3
+        assert not (holds and motion.warnings)

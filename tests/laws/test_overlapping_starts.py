@@ -130,3 +130,12 @@ def test_an_impact_at_the_start_bounces_by_its_restitution(restitution: float, g
     assert motion.status.success
     assert motion["b.vy"].values[1] == pytest.approx(restitution, abs=1e-3)
     assert motion["b.y"].values.min() > R - 1e-9
+
+
+def test_the_removal_of_rounded_overlaps_among_shapes_is_recorded() -> None:
+    system = da.System("disc", gravity=(0.0, -9.81))
+    disc = system.add(planar.Body("disc", mass=1.0, inertia=0.005, position=(0.0, R - INSIDE)))
+    system.add(planar.Collisions("c", [kit.Circle(disc, R), kit.HalfPlane(system.ground)]))
+    run = da.solve_nonsmooth(system.build(), 0.1, step=1e-2)
+    assert run.statistics["initial overlaps removed"] == "up to 1e-06 m"
+    assert run["disc.y"].values[-1] == pytest.approx(R, abs=1e-12)

@@ -91,6 +91,74 @@ def test_a_position_near_the_origin_is_no_size():
     assert da.solve_nonsmooth(model, 0.3, step=2e-3).status.success
 
 
+@pytest.mark.parametrize("solve", [da.solve_nonsmooth, da.solve_dynamics])
+@pytest.mark.parametrize("distance", [0.0, 1e3, 1e5])
+def test_bodies_far_from_the_origin_do_not_overlap(solve, distance):
+    """Rounded numbers do not explain an overlap of a thousandth of the radius, wherever it is."""
+    with pytest.raises(da.AnalysisError, match=r"0\.0001 m"):
+        solve(disc_on_a_floor((distance, -distance), 0.0999).build(), 0.1, step=1e-3)
+
+
+def test_a_large_body_does_not_hide_the_overlap_of_a_small_one():
+    system = disc_on_a_floor((0.0, 0.0))
+    rock = system.add(planar.Body("rock", mass=1.0, inertia=10.0, position=(30.0, 5.0)))
+    pebble = system.add(planar.Body("pebble", mass=1e-3, inertia=1e-9, position=(3.0, 0.0009)))
+    shapes = [(rock, 5.0), (pebble, 1e-3), (system.ground.point(3.0, -1.0), 1.0)]
+    shapes = [planar.contact.Circle(at, radius) for at, radius in shapes]
+    system.add(planar.Collisions("stones", shapes))
+    with pytest.raises(da.AnalysisError, match=r"pebble and a fixed shape overlap by 0\.0001 m"):
+        da.solve_nonsmooth(system.build(), 0.01, step=1e-3)
+
+
+def tumbling_box(shift: float, other: float | None = None) -> da.System:
+    """A box that falls, at a distance from the origin, and perhaps a disc at rest elsewhere."""
+    system, kit = da.System("box", gravity=(0.0, -9.81)), planar.contact
+    start = {"angle": 0.4, "velocity": (0.3, -0.25), "angular_velocity": 3.0}
+    box = system.add(
+        planar.Body("a", mass=1.0, inertia=0.005, position=(shift, shift + 0.2), **start)
+    )
+    shapes = [kit.Rectangle(box, (0.2, 0.2)), kit.HalfPlane(system.ground.point(shift, shift))]
+    if other is not None:
+        disc = system.add(planar.Body("b", mass=1.0, inertia=0.005, position=(other, shift + 0.1)))
+        shapes.append(kit.Circle(disc, 0.1))
+    system.add(planar.Collisions("c", shapes, friction=0.3, restitution=0.6))
+    return system
+
+
+@pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
+def test_places_do_not_change_motions(scheme):
+    """Neither a body kilometres away nor the distance of the origin changes rebounds, but for the
+    rounding of coordinates."""
+    options = {"step": 1e-3, "integrator": scheme}
+    names = {"a.x": 1.0, "a.y": 1.0, "a.angle": 0.0}
+
+    def motion(system: da.System, shift: float) -> np.ndarray:
+        run = da.solve_nonsmooth(system.build(), 0.4, **options)
+        assert run.status.success
+        return np.array([run[name].values - share * shift for name, share in names.items()])
+
+    alone = motion(tumbling_box(0.0), 0.0)
+    np.testing.assert_allclose(motion(tumbling_box(1e3), 1e3), alone, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(motion(tumbling_box(0.0, 1e3), 0.0), alone, rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
+@pytest.mark.parametrize("radius", [1e-6, 1e-12])
+def test_a_ball_like_a_point_bounces_as_a_point(scheme, radius):
+    """A fall from 1 m, a bounce with half the speed to 0.25 m at 0.4515 s + 0.2258 s."""
+    system = da.System("point", gravity=(0.0, -9.81))
+    place = {"position": (0.0, 1.0 + radius), "velocity": (0.3, 0.0)}
+    ball = system.add(planar.Body("ball", mass=1.0, inertia=0.5 * radius**2, **place))
+    shapes = [planar.contact.Circle(ball, radius), planar.contact.HalfPlane(system.ground)]
+    system.add(planar.Collisions("floor", shapes, restitution=0.5))
+    run = da.solve_nonsmooth(system.build(), 1.0, step=1e-3, integrator=scheme)
+    assert run.status.success
+    t, height = np.asarray(run.time), run["ball.y"].values
+    highest = int(np.argmax(np.where(t > 0.46, height, 0.0)))
+    assert t[highest] == pytest.approx(1.5 * np.sqrt(2 / 9.81), abs=2e-3)
+    assert height[highest] == pytest.approx(0.25, rel=1e-2)
+
+
 def test_nothing_that_tells_gives_one():
     system = da.System("nothing")
     system.add(planar.Particle("p"))

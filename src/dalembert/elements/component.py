@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from dalembert.elements.base import Condition
+from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.arguments import CheckedArguments
@@ -20,8 +21,12 @@ class Component(CheckedArguments):
     def __post_init__(self) -> None:
         for field in self._quantity_fields():
             value, meta = getattr(self, field.name), field.metadata
+            entity = f"{type(self).__name__}.{field.name}"
+            if value is None and field.default is not None:
+                optional = field.default is not dataclasses.MISSING
+                remedy = "give a number, or leave it out" if optional else "give a number"
+                raise ModelError(f"is None; {remedy}", entity)
             if value is not None:
-                entity = f"{type(self).__name__}.{field.name}"
                 setattr(self, field.name, as_expression(value, entity, meta["unit"], meta["size"]))
 
     def _quantity_fields(self) -> list[dataclasses.Field[Any]]:

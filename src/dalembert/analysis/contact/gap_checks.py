@@ -16,9 +16,11 @@ from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
 
 TOUCHING = 1e-9
-"""Threshold for a touching gap, in natural lengths."""
+"""Threshold for a touching gap, by the size of the bodies [-]."""
 ROUNDED = 1e-4
-"""Upper limit of overlaps from rounded numbers at the start, in natural lengths."""
+"""Upper limit of overlaps from rounded numbers at the start, by the size of the bodies [-]."""
+RESOLUTION = 32 * np.finfo(float).eps
+"""Rounding errors of gaps, by the largest coordinate [-]."""
 INSIDE, CLOSED = 1e-9, 1e-6
 """In natural lengths: threshold for a warning about an overlap, and for a closed gap."""
 
@@ -70,18 +72,21 @@ def touching_model(model: Model, p: np.ndarray, start: float) -> tuple[Model, st
     nominal = start == 0 and p is model.nominal
     y = model.start.y if nominal else model.assemble(p, start).y
     distances = _distances(model)(start, y, p).full().ravel()
-    refuse_negative(e.contacts, distances, ROUNDED * e.scales.length)
-    closed = tuple(map(int, np.flatnonzero(distances < -TOUCHING * e.scales.length)))
+    rounded, near = (
+        max(share * e.scales.size, RESOLUTION * e.scales.distance) for share in (ROUNDED, TOUCHING)
+    )
+    refuse_negative(e.contacts, distances, rounded)
+    closed = tuple(map(int, np.flatnonzero(distances < -near)))
     if not closed:
         return model, ""
     try:
         moved = _closed(model, closed)
         moved.assemble(p, start)
     except DalembertError:  # the start is prescribed
-        refuse_negative(e.contacts, distances, TOUCHING * e.scales.length)
+        refuse_negative(e.contacts, distances, near)
         raise
     overlaps = [f"{e.contacts[k].name} by {-distances[k]:.3g} m" for k in closed]
-    return moved, f"{', '.join(overlaps)} (at most {ROUNDED * e.scales.length:.3g} m)"
+    return moved, f"{', '.join(overlaps)} (at most {rounded:.3g} m)"
 
 
 @once

@@ -25,6 +25,8 @@ SETTLED = 0.5
 """Ratio of penetrations of consecutive repetitions above which these reduce it no further [-]."""
 SMALL = 100.0
 """Penetration by inexact impulses that remains, relative to the one that counts as rounding [-]."""
+NOISE = 1e-2
+"""Change of the penetration of bodies at rest, relative to the one that counts as rounding [-]."""
 UNSOLVED = 1e-2
 """Distance that the residual of impulses closes in a step, relative to a penetration, below which
 these belong to the solution without the penetration [-]."""
@@ -157,6 +159,8 @@ def _opened(
     compliant = step.force_laws.compliant(contacts)
     inexact = inexact_depth(step, start.h, start.approach(contacts, step.rounding).fastest)
     overlaps = compliant | (contacts.distance < -inexact)
+    deepest = -float(contacts.distance[~compliant].min(initial=0.0))
+    inexact = max(inexact, lasting_depth(deepest, step.rounding))
     distance = np.where(compliant, contacts.distance, np.maximum(contacts.distance, 0.0))
     contacts = replace(contacts, distance=distance)
     strikes = contacts.key[step.scheme.striking(start.approach(contacts, step.rounding))]
@@ -201,6 +205,12 @@ def inexact_depth(step: ContactStep, h: float, fastest: float) -> float:
     """Penetration at the end of a step by impulses within the tolerance, whose relative velocities
     are up to ``fastest`` [m]."""
     return max(step.rounding, INEXACT * step.solver.newton_tolerance * h * fastest)
+
+
+def lasting_depth(depth: float, rounding: float) -> float:
+    """Penetration that a step may leave which starts with a small one: bodies at rest keep that of
+    the inexact impulses by which they came to rest [m]."""
+    return min(depth + NOISE * rounding, SMALL * rounding) if depth > rounding else 0.0
 
 
 def is_settled(depth: float, last: float, rounding: float, inexact: float) -> bool:

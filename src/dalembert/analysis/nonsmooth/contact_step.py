@@ -55,9 +55,9 @@ GROWTHS = 2
 SAME_MEANS = 1e-14
 """Estimated error of the means over a step, as that by which joints are open at its end [-]."""
 TRAVEL = 1e-6
-"""Part of a gap closed in a step that counts as an impact, by the natural length [-]."""
+"""Part of a gap closed in a step that counts as an impact, by the size of the bodies [-]."""
 CLEARANCE = 2e-7
-"""Clearance of gaps whose directions turn, by the natural length [-]."""
+"""Clearance of gaps whose directions turn, by the size of the bodies [-]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,12 +166,12 @@ class ContactStep(ModelGaps):
     @property
     def least_travel(self) -> float:
         """Part of a gap closed in a step that counts as an impact [m]."""
-        return TRAVEL * self.model.scales.length
+        return TRAVEL * self.model.scales.size
 
     @property
     def clearance(self) -> float:
         """Clearance of gaps whose directions turn [m]."""
-        return CLEARANCE * self.model.scales.length
+        return CLEARANCE * self.model.scales.size
 
     def struck(self, start: StepStart, contacts: Contacts) -> StepStart:
         """The start with the impacts of some contacts by other laws than Newton's, if any."""

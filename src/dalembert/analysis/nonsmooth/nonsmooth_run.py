@@ -239,7 +239,7 @@ class NonsmoothRun:
         if not self.analysis.integrator.projection:
             text = "joints could not be closed"
         text = f"{text} at t = {t + h:.9g} s ({reason}); use a shorter step"
-        return Status(Outcome.NOT_CONVERGED, text, t, residual * self.model.scales.length)
+        return Status(Outcome.NOT_CONVERGED, text, t, residual * self.step.length)
 
     def step_at(self, grid: np.ndarray, k: int) -> ContactStep:
         """Functions of the step ``k``; parts of a divided step leave room for impacts in the next
@@ -291,7 +291,9 @@ class NonsmoothRun:
 
     def statistics(self, record: ContactRecord, log: StepLog, elapsed: float) -> dict[str, Any]:
         count = max(record.loss.size, 1)
-        closed = self.closed_gaps
+        closed, depth = self.closed_gaps, float(record.penetration[0])
+        if not closed and depth > self.step.rounding:
+            closed = f"up to {depth:.3g} m"
         own: dict[str, Any] = {"initial overlaps removed": closed} if closed else {}
         if self.sleeping and self.analysis.sleep_after is not None:
             own["bodies that sleep, on average"] = round(self.sleeping.count / count, 3)

@@ -8,7 +8,6 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from dalembert.analysis.contact.gap_checks import ROUNDED
 from dalembert.analysis.nonsmooth.checks.missing_rebounds import effective_masses
 from dalembert.analysis.nonsmooth.connected_contacts import connections
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
@@ -203,7 +202,7 @@ class PressedGaps:
 
 def smallest_gap(step: ContactStep) -> float:
     """Gap that counts as closed [m]."""
-    return ROUNDED * step.model.scales.length
+    return step.rounded_overlap
 
 
 def step_impacts(

@@ -7,7 +7,6 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from dalembert.analysis.contact.gap_checks import ROUNDED
 from dalembert.analysis.dynamics.residual_check import energy_errors
 from dalembert.analysis.model_residuals import ModelResiduals
 from dalembert.analysis.nonsmooth.between_steps import between
@@ -286,7 +285,7 @@ class StepLog:
         uncorrected = np.stack(self.uncorrected, 1)
         self.corrections = CorrectionWork.of(self.step, ends.t[1:], ends.y[:, 1:], uncorrected)
         work = self.corrections.work
-        if 0 < self.depths[0] <= ROUNDED * model.scales.length:  # of rounded input, no error
+        if 0 < self.depths[0] <= self.step.rounded_overlap:  # of rounded input, no error
             ends.work[1, 1:] += max(work[0], 0.0)
             work[0] = min(work[0], 0.0)
         if self.step.scheme.theta != 0.5:

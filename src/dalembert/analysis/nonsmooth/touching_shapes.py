@@ -20,6 +20,7 @@ from dalembert.elements.point import Point
 from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
+from dalembert.model.graph.natural_units import body_sizes
 from dalembert.symbolic.formulas.expression import t
 
 SAME_CENTRE = 1e-6
@@ -124,7 +125,10 @@ def refuse_overlaps(step: ContactStep, t: float, y: np.ndarray) -> None:
     """
     none = np.zeros((step.model.equations.speed_count, 1))
     contacts = step.rigid(step.near(step.at(t, y), none))
-    inside = np.flatnonzero(contacts.distance < -ROUNDED * step.model.scales.length)
+    inside = np.flatnonzero(contacts.distance < -step.rounding)
+    sizes = body_sizes(step.model.parts, step.model.equations, step.p) if inside.size else {}
+    allowed = [_rounded_overlap(step, sizes, _moving(step.model, contacts, int(k))) for k in inside]
+    inside = inside[contacts.distance[inside] < -np.array(allowed)]
     if not inside.size:
         return
     deepest = int(inside[np.argmin(contacts.distance[inside])])
@@ -141,6 +145,12 @@ def refuse_overlaps(step: ContactStep, t: float, y: np.ndarray) -> None:
         f"{name}: {bodies} overlap by {-contacts.distance[deepest]:.3g} m at the start; {remedy}"
         f"{more if others else ''}"
     )
+
+
+def _rounded_overlap(step: ContactStep, sizes: dict[str, float], bodies: list[str]) -> float:
+    """Overlap of bodies that counts as rounded input, by the size of the smallest one [m]."""
+    size = min((sizes[name] for name in bodies if name in sizes), default=np.inf)
+    return max(min(ROUNDED * size, step.rounded_overlap), step.rounding)
 
 
 def _joint_between(model: Model, bodies: list[str]) -> str:

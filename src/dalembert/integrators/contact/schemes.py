@@ -134,7 +134,7 @@ class AnticipatedImpacts(ContactScheme):
 
     (gaps at the end of the step: Stewart & Trinkle 1996, Anitescu & Potra 1997), with directions in
     the middle of the step, but for ``O(h³)``. Where directions turn, ``g`` is less a clearance of
-    up to 2e-7 of the natural length, which is smaller where they hardly turn. For gaps that are
+    up to 2e-7 of the size of the bodies, which is smaller where they hardly turn. For gaps that are
     closed at ``y⁺`` nevertheless, the step is repeated with means over its path
 
         W̄ = ∫ W(y ⊕ s δ) (d(y ⊕ s δ)/ds / δ) ds,      ḡ = g(y⁺) − W̄ δ − h w̄,      0 ≤ s ≤ 1

@@ -6,19 +6,23 @@ scales in those units.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
 from dalembert.elements.contact.collisions import Collisions
+from dalembert.elements.contact.contact import ShapeContact
+from dalembert.elements.contact.shapes import Shape
 from dalembert.model.graph.assembly.guesses import Guesses
 from dalembert.model.graph.description import Description
 from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.scales import Scales
 from dalembert.symbolic.formulas.expression import Expression, free_symbols
 
+STATIONS = 9
+"""Points on a curved boundary by which its size is estimated."""
 Quantity = tuple[str, Expression, Mapping]
 """Name, formula and properties of a checked quantity."""
 
@@ -40,6 +44,8 @@ def scales_of(d: Description, equations: Equations, guesses: Guesses, p: np.ndar
     mass = mass or force / (length * rate**2) or 1.0
     return Scales(
         length=length,
+        size=at.size,
+        distance=at.distance,
         mass=mass,
         time=1.0 / rate,
         force=force or mass * length * rate**2,
@@ -47,6 +53,49 @@ def scales_of(d: Description, equations: Equations, guesses: Guesses, p: np.ndar
         displacements=displacements,
         rows=np.where(at.in_metres, length, 1.0),
     )
+
+
+def contact_shapes(d: Description) -> Iterator[Shape]:
+    """Shapes of all contact elements."""
+    for element in d.elements.values():
+        if isinstance(element, Collisions):
+            for group in element.groups.values():
+                yield from group
+        elif isinstance(element, ShapeContact):
+            yield from element.shapes
+
+
+def body_sizes(d: Description, e: Equations, p: np.ndarray) -> dict[str, float]:
+    """Size of the largest contact shape of each body, by names; bodies without extent have none.
+
+    The ground has none: how large it is in a model decides on nothing.
+    """
+    shapes = [shape for shape in contact_shapes(d) if d.ground not in shape.bodies]
+    known = {symbol.name() for symbol in ca.vertsplit(e.p)}
+    formulas = [_formulas(shape, known) for shape in shapes]
+    values = ca.Function("sizes", [e.p], [f for own in formulas for f in own]).call([p])
+    numbers, sizes = iter(values), dict[str, float]()
+    for shape, own in zip(shapes, formulas, strict=True):
+        extents = [float(np.ptp(next(numbers).full(), axis=1).max(initial=0.0)) for _ in own]
+        size = max((extent for extent in extents if np.isfinite(extent)), default=0.0)
+        for body in shape.bodies if size > 0 else ():
+            sizes[body.name] = max(size, sizes.get(body.name, 0.0))
+    return sizes
+
+
+def _formulas(shape: Shape, known: set[str]) -> list[ca.SX]:
+    """Rows of values whose ranges are lengths of a shape, which depend on parameters only."""
+    own = (formula.sx for _, formula, meta in shape.checked_quantities("") if meta["unit"] == "m")
+    rows = [ca.horzcat(-ca.vec(f), ca.vec(f)) for f in own]  # radii and halves of sizes
+    corners = [corner for solid in shape.solids() for corner in solid.hull.corners]
+    boundary = shape.boundary()
+    if boundary is not None and boundary.curve is not None:
+        first, last = boundary.curve.interval()
+        stations = np.linspace(float(first), float(last), STATIONS)
+        corners += [boundary.curve.position(ca.SX(station)) for station in stations]
+    if len(corners) > 1:
+        rows.append(ca.horzcat(*corners))
+    return [row for row in rows if free_symbols(row) <= known]
 
 
 class _AtGuesses:
@@ -71,10 +120,28 @@ class _AtGuesses:
     @cached_property
     def length(self) -> float:
         """The largest arm or length of a constraint; else any length; else 1."""
-        of_joints = max(self._largest_arm(), self._largest_length(self.d.constraints))
-        if of_joints:
-            return of_joints
+        if self._of_joints:
+            return self._of_joints
         return max(self._length_of_free_bodies(), _largest(self.gaps[self.in_metres])) or 1.0
+
+    @cached_property
+    def _of_joints(self) -> float:
+        return max(self._largest_arm(), self._largest_length(self.d.constraints))
+
+    @cached_property
+    def size(self) -> float:
+        """The largest arm of a joint, or the side of a square or cube that as many bodies fill as
+        have contact shapes, each of the size of the largest one; independent of positions. The
+        length without any, and at most the length."""
+        sizes = body_sizes(self.d, self.e, self.p)
+        dimension = max((shape.dimension for shape in contact_shapes(self.d)), default=3)
+        packed = max(sizes.values(), default=0.0) * len(sizes) ** (1 / dimension)
+        return min(max(self._of_joints, packed) or self.length, self.length)
+
+    @property
+    def distance(self) -> float:
+        """Largest coordinate in metres."""
+        return _largest(self.y[np.array(self.guesses.units) == "m"])
 
     def _length_of_free_bodies(self) -> float:
         """The largest length of a body or a force element; at least the size of the smallest shape

@@ -18,6 +18,9 @@ class Scales:
     Attributes
     ----------
     length : largest lever arm or prescribed length L [m]
+    size : size of the bodies, which no position changes: the largest lever arm, or the extent of
+        all bodies with contact shapes side by side; L without any, and at most L [m]
+    distance : largest coordinate of a position at the guesses [m]
     mass : largest mass, or inertia over L² [kg]
     time : from the fastest initial speed, or √(mass · L / force) [s]
     force : largest applied force at the guesses, or stiffness times L [N]
@@ -27,6 +30,8 @@ class Scales:
     """
 
     length: float
+    size: float
+    distance: float
     mass: float
     time: float
     force: float
@@ -61,7 +66,7 @@ class Scales:
     @classmethod
     def units(cls, coordinates: int, speeds: int, rows: int) -> Scales:
         """Unit scales, without any information."""
-        return cls(1.0, 1.0, 1.0, 1.0, np.ones(coordinates), np.ones(speeds), np.ones(rows))
+        return cls(*6 * (1.0,), np.ones(coordinates), np.ones(speeds), np.ones(rows))
 
     def with_rows(self, rows: list[int]) -> Scales:
         """Scales with some of the constraint equations."""

@@ -7,7 +7,6 @@ from functools import cached_property
 
 import numpy as np
 
-from dalembert.analysis.contact.gap_checks import ROUNDED
 from dalembert.analysis.dynamics.residual_check import DRIFT, DRIFT_WARNING, EnergyBalance
 from dalembert.analysis.model_residuals import Violation
 from dalembert.analysis.nonsmooth.checks.alternating_forces import alternation_warnings
@@ -65,9 +64,9 @@ class ContactCheck(ResidualCheck):
 
     @cached_property
     def deepest(self) -> Violation:
-        """The deepest penetration, by the natural length, except rounding of the start."""
+        """The deepest penetration, by the size of the bodies, except rounding of the start."""
         model, penetration = self.step.model, np.array(self.record.penetration)
-        if penetration[0] <= ROUNDED * model.scales.length:
+        if penetration[0] <= self.step.rounded_overlap:
             penetration[0] = 0.0
         k = int(np.argmax(penetration))
         depth = float(penetration[k])
@@ -84,7 +83,7 @@ class ContactCheck(ResidualCheck):
         text = f"a gap of {name} is {-depth:.3g} m at t = {t:.9g} s, between {bodies}"
         if k == 0:
             text = f"{bodies} of {name} overlap by {depth:.3g} m at the start"
-        return Violation(depth / model.scales.length, text)
+        return Violation(depth / self.step.length, text)
 
     @cached_property
     def energy(self) -> EnergyBalance:
@@ -108,7 +107,7 @@ class ContactCheck(ResidualCheck):
     def starts_open(self) -> bool:
         """Whether the deepest penetration is not that of the start."""
         depths = self.record.penetration
-        rounded = depths[0] <= ROUNDED * self.step.model.scales.length
+        rounded = depths[0] <= self.step.rounded_overlap
         return bool(rounded or depths.max() > depths[0])
 
     @property
@@ -117,7 +116,7 @@ class ContactCheck(ResidualCheck):
         if violated := super().objection:
             return violated
         if not self.deepest.share <= self.limit:
-            text = f"{self.deepest.text}, {self.deepest.share:.2g} of the natural length"
+            text = f"{self.deepest.text}, {self.deepest.share:.2g} of the size of the bodies"
             return Outcome.VIOLATED, text + self.cure(self.limit)
         work = f"corrections of positions did {self.corrections.total:.3g} J of work"
         return self.energy.objection(self.balance, f"{work}; use a shorter step")

@@ -28,7 +28,7 @@ one and for the ends of an overlap."""
 MOST = 100
 """Upper limit of the passages that are searched for in a run."""
 SHALLOW = 1e-5
-"""Overlap of corners that graze each other, which is no passage, by the natural length [-]."""
+"""Overlap of corners that graze each other, which is no passage, by the size of the bodies [-]."""
 GOLDEN = (5**0.5 - 1) / 2
 """Ratio of the golden section [-]."""
 
@@ -78,7 +78,7 @@ def find_passage(
 
         deepest = lowest(gap)
         depth = -gap(deepest)
-        if depth > SHALLOW * step.model.scales.length:
+        if depth > SHALLOW * step.length:
             entry, leaving = (crossing(gap, deepest, limit) for limit in (0.0, 1.0))
             names = f"{bodies_of(step.model, gaps, row)} of {step.names[gaps.owner[row]]}"
             return Passage(t, names, depth, h * (leaving - entry))

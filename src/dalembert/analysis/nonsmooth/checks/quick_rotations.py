@@ -20,7 +20,7 @@ of their number."""
 MOST = 20
 """Upper limit of the steps that are searched, those with the largest rotations."""
 DEEP = 1e-3
-"""Overlap within a step that causes a warning, by the natural length [-]."""
+"""Overlap within a step that causes a warning, by the size of the bodies [-]."""
 
 
 def rotation_warnings(step: ContactStep, record: ContactRecord) -> list[str]:
@@ -33,7 +33,7 @@ def rotation_warnings(step: ContactStep, record: ContactRecord) -> list[str]:
     turns = h * np.abs(speeds[angular]).max(axis=0)
     quick = np.argsort(-turns)[: min(MOST, np.count_nonzero(turns > TURN))]
     depths = np.array([_overlap(step, record, k, turns[k]) for k in quick])
-    if not depths.size or not depths.max() > DEEP * step.model.scales.length:
+    if not depths.size or not depths.max() > DEEP * step.length:
         return []
     worst = quick[np.argmax(depths)]
     shorter = TURN * h[worst] / turns.max()

@@ -8,22 +8,29 @@ those of ``q = 2`` are among the ends of steps of the run, so that both runs oft
 error, and those of periodic motions again and again. Therefore eight steps are repeated as five.
 
 Errors of first order are partly random, as each impact is applied at an end of a step: the
-difference of two runs may be a third of their errors. Where the first estimate is between
-``CERTAIN`` and ``ALLOWED``, the steps are repeated as four and as three, too, and the largest
-estimate counts. Only coordinates are compared, as speeds jump. The size of the motion of a body
-includes that of its points by its rotation: the mass centre of a coin that spins in place moves by
-the error alone, as does the angle of a plate that falls flat.
+difference of two runs may be a third of their errors. Where the first estimate is above
+``CERTAIN``, the steps are repeated as four and as three, too, and the largest estimate counts.
+Where these estimates differ, the error may be ``UNCERTAIN`` times as large.
+
+A motion may end between the instants that both runs have in common, such as that of a coin that
+falls flat within five steps. An impact whose instant is wrong by half a step shifts positions by
+``h |v⁺ − v⁻|/2``, which is a minimum of the estimate: the jump of the second differences of
+positions, beside their median over ``WINDOW`` steps.
+
+Only coordinates are compared, as speeds jump. The size of the motion of a body includes that of its
+points by its rotation: the mass centre of a coin that spins in place moves by the error alone, as
+does the angle of a plate that falls flat.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 
 import numpy as np
 
 from dalembert.analysis.error_estimate import SMALL, ErrorEstimate, largest_error, motion_sizes
-from dalembert.analysis.nonsmooth.contact_step import CLEARANCE, ContactStep
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.elements.coordinates import Coordinates
 from dalembert.errors import SingularityError
 from dalembert.results.nonsmooth_motion import ContactRecord
@@ -34,9 +41,17 @@ ALLOWED, TARGET = 0.05, 0.02
 step."""
 CERTAIN = ALLOWED / 4
 """Estimated error of impacts below which no further repetition follows [-]."""
+SCATTER, UNCERTAIN = 1.5, 2.0
+"""Ratio of the estimates by several repetitions above which the errors are partly random, and ratio
+of such errors to their estimate [-]."""
 SHORT, LONG, FURTHER = 8, 5, (4, 3)
 """Numbers of steps of the run, of the repetition, and of further ones between instants at which
 they are compared."""
+WINDOW = 5
+"""Number of steps whose median of second differences is that of the motion without an impact."""
+RESTING = 1e-4
+"""Minimum size of a motion, by the size of the bodies: those of bodies at rest are smaller, by
+clearances of gaps and inexact joints [-]."""
 UNPREDICTABLE = 0.5
 """Estimated error above which the motion is one of several that the steps may lead to [-]."""
 FAINT = 1e-4
@@ -67,13 +82,26 @@ class RunAccuracy:
     def estimate(self) -> ErrorEstimate | None:
         """The estimate, infinite where longer steps fail; None for one step, or where nothing
         moves."""
-        if self.record.t.size < 3:
-            return None
-        first = self._estimate(LONG)
-        if first is None or self._order == 2 or not CERTAIN < first.share <= ALLOWED:
-            return first
-        further = [of for count in FURTHER if (of := self._estimate(count)) and of.name]
-        return max([first, *further], key=lambda of: of.share)
+        if not self._estimates or not self._estimates[0].name:
+            return next(iter(self._estimates), None)
+        shift = self._of_impacts
+        return max([*self._estimates, *([shift] if shift else [])], key=lambda of: of.share)
+
+    @cached_property
+    def _estimates(self) -> list[ErrorEstimate]:
+        """Estimates by all repetitions."""
+        first = self._estimate(LONG) if self.record.t.size > 2 else None
+        if first is None:
+            return []
+        if not first.name or self._order == 2 or first.share <= CERTAIN:
+            return [first]
+        return [first, *(of for count in FURTHER if (of := self._estimate(count)) and of.name)]
+
+    @property
+    def _uncertainty(self) -> float:
+        """Ratio of the largest probable error to the estimate."""
+        shares = [of.share for of in self._estimates]
+        return UNCERTAIN if max(shares) > SCATTER * min(shares) else 1.0
 
     @property
     def _order(self) -> int:
@@ -83,7 +111,7 @@ class RunAccuracy:
 
     def _estimate(self, count: int) -> ErrorEstimate | None:
         """The estimate by a repetition with ``count`` steps in place of ``SHORT``."""
-        record, model, longer = self.record, self.step.model, f"{SHORT / count:.3g} times"
+        record, longer = self.record, f"{SHORT / count:.3g} times"
         grid, compared = longer_steps(record.t, count)
         try:
             positions, status = self._repeat(grid)
@@ -96,12 +124,28 @@ class RunAccuracy:
         y, times = record.ends.y, record.t[compared]
         error = y[:, compared] - positions[:, np.searchsorted(grid, times)]
         error = error / ((SHORT / count) ** self._order - 1)
-        ranges = np.ptp(y, axis=1)
-        sizes = motion_sizes(ranges, model.guesses.units, model.scales.coordinates)
+        return largest_error(error, self._sizes, self._names, times, longer)
+
+    @property
+    def _of_impacts(self) -> ErrorEstimate | None:
+        """The estimate by the shifts of impacts within steps."""
+        t, jumps = self.record.t, impact_shifts(self.record.t, self.record.ends.y)
+        return largest_error(jumps, self._sizes, self._names, t[1:-1])
+
+    @property
+    def _names(self) -> Sequence[str]:
+        return self.step.model.guesses.names
+
+    @cached_property
+    def _sizes(self) -> np.ndarray:
+        """(n_y,) sizes of the motion."""
+        record, model = self.record, self.step.model
+        ranges = np.ptp(record.ends.y, axis=1)
+        natural = model.scales.coordinates.copy()
+        natural[np.array(model.guesses.units) == "m"] *= model.scales.size / model.scales.length
+        sizes = motion_sizes(ranges, model.guesses.units, natural)
         sizes = np.maximum(sizes, sizes_by_points(self.step, record))
-        resolved = CLEARANCE / TARGET * model.scales.coordinates  # of gaps of bodies at rest
-        sizes = np.maximum(sizes, np.where(sizes > 0, resolved, 0.0))
-        return largest_error(error, sizes, model.guesses.names, times, longer)
+        return np.maximum(sizes, np.where(sizes > 0, RESTING * natural, 0.0))
 
     @property
     def warnings(self) -> list[str]:
@@ -109,20 +153,35 @@ class RunAccuracy:
         if self.record.ends.y.size > ENTRIES:
             return []
         estimate = self.estimate
-        if estimate is None or not estimate.name or estimate.share <= ALLOWED:
+        if estimate is None or not estimate.name:
+            return []
+        factor = self._uncertainty
+        if factor * estimate.share <= ALLOWED:
             return []
         h = float(np.median(np.diff(self.record.t)))
-        if estimate.share > UNPREDICTABLE:
+        if estimate.share > UNPREDICTABLE and estimate.repeated:
             return [
                 f"the motion depends on the step of {h:.3g} s: with steps {estimate.repeated} as "
                 f"long it differs by {estimate.text}; its impacts amplify small differences, or "
                 "the step is far too long"
             ]
-        shorter = h * TARGET / estimate.share
+        shorter = h * TARGET / (factor * estimate.share)
+        more = f", and may be {factor:g} times as large" if factor > 1 else ""
         return [
             f"steps of {h:.3g} s are long for this motion: their estimated error is "
-            f"{estimate.text}; use steps below {shorter:.2g} s"
+            f"{estimate.text}{more}; use steps below {shorter:.2g} s"
         ]
+
+
+def impact_shifts(t: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """(n_y, K−1) changes of positions (n_y, K+1) by half a step between the speeds before and after
+    an impact, at the inner ones of the ends of steps (K+1,); those by forces nearly vanish."""
+    h = np.diff(t)
+    bends = np.diff(np.diff(y) / h) * h[1:]
+    side = WINDOW // 2
+    padded = np.pad(bends, ((0, 0), (side, side)), mode="edge")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, WINDOW, axis=1)
+    return np.asarray(bends - np.median(windows, axis=2))
 
 
 def sizes_by_points(step: ContactStep, record: ContactRecord) -> np.ndarray:

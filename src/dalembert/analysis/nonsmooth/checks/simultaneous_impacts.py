@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dalembert.analysis.contact.gap_checks import ROUNDED
 from dalembert.analysis.nonsmooth.checks.missing_rebounds import effective_masses
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.touching_shapes import bodies_of
@@ -58,8 +57,10 @@ def simultaneous_impact_warnings(
     count, scales = record.loss.size, step.model.scales
     largest = np.zeros(count)
     np.maximum.at(largest, record.step, record.impulse[:, 0])
-    speeds = np.abs(record.ends.v[:, :-1]) / scales.displacements[:, None]
-    limit = 4 * largest * speeds.max(axis=0, initial=0.0) * scales.length  # of the energy of one
+    angular = np.array(step.model.guesses.speed_units) == "rad"
+    lengths = np.where(angular, scales.size, scales.length / scales.displacements)
+    speeds = np.abs(record.ends.v[:, :-1]) * lengths[:, None]
+    limit = 4 * largest * speeds.max(axis=0, initial=0.0)  # of the energy of one
     several = np.bincount(record.step, minlength=count) > 1
     chosen = np.flatnonzero(several & (limit > SHARE * moved))
     chosen = chosen[np.argsort(-largest[chosen])][:MOST]
@@ -84,7 +85,7 @@ def _joined(step: ContactStep, record: ContactRecord, k: int) -> JoinedImpact | 
     contacts = step.rigid(step.starting(start, record.key[own]))
     strikes = start.approach(contacts, step.rounding).impacting
     distance = np.maximum(contacts.distance, _uncorrected(step, record, k, contacts.key))
-    open_gaps = distance > ROUNDED * step.model.scales.length
+    open_gaps = distance > step.rounded_overlap
     closed = np.flatnonzero(open_gaps & ~strikes & (contacts.laws.restitution > 0))
     if not closed.size or not strikes.any():
         return None

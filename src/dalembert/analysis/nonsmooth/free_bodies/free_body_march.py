@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.advance import REPETITIONS, inexact_depth
+from dalembert.analysis.nonsmooth.advance import REPETITIONS, inexact_depth, lasting_depth
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.free_bodies.free_body_loop import REPORTED, FreeBodyLoop
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import (
@@ -22,7 +22,7 @@ from dalembert.analysis.nonsmooth.free_bodies.sleeping_bodies import (
     SleepingBodies,
     SleepRule,
 )
-from dalembert.analysis.nonsmooth.free_bodies.step_outcome import StepOutcome
+from dalembert.analysis.nonsmooth.free_bodies.step_outcome import DEPTH, StepOutcome
 from dalembert.analysis.nonsmooth.step_log import StepLog
 from dalembert.analysis.nonsmooth.step_state import LastImpulses
 from dalembert.errors import UnsupportedError
@@ -129,19 +129,29 @@ class FreeBodyMarch(FreeBodyLoop):
                 if k % REPORTED == 0:
                     report((grid[k] - grid[0]) / span)
             else:
-                end = self._step.at(grid[-1], self._y)
-                if k > begin and self._step.deepest(end) < -self._step.rounding:
+                if k > begin and self._deepens(grid, k, begin, log):
                     k -= 1
         finally:
             self._transfer(grid, begin, k, log)
             steps.counts[[STEPS, PRESSING]] = 0
         return k, self._last
 
+    def _deepens(self, grid: np.ndarray, k: int, begin: int, log: StepLog) -> bool:
+        """Whether gaps are closed at instant ``k``, and more than those at the instant before."""
+        step, rounding = self._step, self._step.rounding
+        depth = -step.deepest(step.at(grid[k], self._y))
+        if depth <= rounding:
+            return False
+        start = self._ys[k - 2 - begin] if k - 1 > begin else log.y
+        return depth > lasting_depth(-step.deepest(step.at(grid[k - 1], start)), rounding)
+
     def _settled(self, k: int) -> bool:
         """Whether the step that ended at instant ``k`` is not repeated for its gaps, which are as
         open as its impulses are exact; the next step then starts with these."""
         steps, gaps = self._steps, self._steps.contacts()[2]
         inexact = inexact_depth(self._step, float(steps.limits[0]), steps.fastest())
+        before = abs(float(steps.numbers[steps.counts[STEPS] - 1, DEPTH]))
+        inexact = max(inexact, lasting_depth(before, self._step.rounding))
         if not self._repeats.settles(k, -float(gaps.min(initial=0.0)), inexact):
             return False
         self._inexact = {k - 1: self._limit(k - 1), k: inexact}

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from dalembert.analysis.contact.gap_checks import RESOLUTION, ROUNDED
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapSource
 from dalembert.analysis.nonsmooth.gaps.joined_gaps import (
@@ -20,7 +21,7 @@ from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
 
 CLOSED = 1e-12
-"""Penetration that counts as rounding, by the natural length."""
+"""Penetration that counts as rounding, by the size of the bodies [-]."""
 APART = 2**54
 """Offset between the keys of gaps of different sources."""
 
@@ -103,4 +104,16 @@ class ModelGaps:
     @property
     def rounding(self) -> float:
         """Penetration that counts as rounding [m]."""
-        return CLOSED * self.model.scales.length
+        scales = self.model.scales
+        return max(CLOSED * scales.size, RESOLUTION * scales.distance)
+
+    @property
+    def length(self) -> float:
+        """Length by which penetrations are judged: the size of the bodies, or, far from the origin,
+        that of which ``rounding`` is the same share [m]."""
+        return self.rounding / CLOSED
+
+    @property
+    def rounded_overlap(self) -> float:
+        """Overlap at the start that counts as rounded input [m]."""
+        return max(ROUNDED * self.model.scales.size, self.rounding)
