@@ -20,7 +20,6 @@ from dalembert.integrators.contact.solution_settings import (
     MANY_PROXIMAL,
     NEWTON_STEPS,
     POLISHING,
-    PROXIMAL_PATIENCE,
     SHORT_STEPS,
     SOLUTION_FILES,
     SOLUTION_SHARES,
@@ -114,7 +113,7 @@ class CompiledNewton:
         work = max(work, sizes[0] * sizes[1] + sizes[1] ** 2)
         counts += [ASSEMBLE, widest, *sizes, max_iterations, MEMORY, JUMPS, work]
         counts += [0] * (PROXIMAL - len(counts)) + [proximal or 0, 0]
-        counts += [INTERIOR_POINTS, POLISHING, SHORT_STEPS, FEW_PROXIMAL, PROXIMAL_PATIENCE]
+        counts += [INTERIOR_POINTS, POLISHING, SHORT_STEPS, FEW_PROXIMAL]
         work += rows + MEMORY + count + 2 + entries
         self._settings, self._lengths = inputs[8], (len(inputs), len(outputs))
         self._loop = Loop(code, inputs, outputs, counts, work)

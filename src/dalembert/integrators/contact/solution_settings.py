@@ -22,8 +22,6 @@ problem; the larger one counts [-]."""
 FEW_PROXIMAL, MANY_PROXIMAL = 8, 400
 """Upper limits of the proximal problems before interior points or sweeps, and after interior
 points."""
-PROXIMAL_PATIENCE = 100
-"""Upper limit of consecutive proximal problems that do not reduce the residual."""
 NEWTON_STEPS, INTERIOR_POINTS, POLISHING, SHORT_STEPS = 15, 45, 6, 5
 """Upper limits of Newton's steps, of interior points, of Newton's steps from one of these, and of
 consecutive short steps of interior points."""

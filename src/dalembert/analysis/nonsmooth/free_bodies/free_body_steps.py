@@ -38,7 +38,6 @@ from dalembert.integrators.contact.solution_settings import (
     MANY_PROXIMAL,
     NEWTON_STEPS,
     POLISHING,
-    PROXIMAL_PATIENCE,
     SHORT_STEPS,
     SOLUTION_FILES,
     SOLUTION_SHARES,
@@ -62,7 +61,7 @@ UNKNOWNS = 5
 WIDEST, BLOCKS, SIZE, ITERATIONS, MERITS, JUMPING, WORK, SHAPES, BALLS, BODIES = range(7, 17)
 DIMENSION, CONTACTS = 18, 19
 INERTIA, PROXIMAL, REPEATS = range(23, 26)
-CENTRAL, POLISH, STALLED, FEW, PATIENCE, LAST = range(26, 32)
+CENTRAL, POLISH, STALLED, FEW, LAST = range(26, 31)
 """Places among the counts of the loop, and their number."""
 NUMBERED, SLOTS, HULLS = 2, 4, 5
 """Places among the sizes of the shapes."""
@@ -155,7 +154,6 @@ class FreeBodySteps(PairLists):
             POLISH: POLISHING,
             STALLED: SHORT_STEPS,
             FEW: FEW_PROXIMAL,
-            PATIENCE: PROXIMAL_PATIENCE,
         }
         fixed = (WIDTH, GROUPS, WIDEST, SIZE, DIMENSION)
         constants = tuple((place, int(counts[place])) for place in fixed)

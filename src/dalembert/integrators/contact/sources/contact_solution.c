@@ -128,9 +128,9 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
   casadi_real* original = res[34];
   casadi_real* center = original + iw[0]*iw[1];
   casadi_real* best = center + iw[0]*iw[1];
-  casadi_int rows = iw[0]*iw[1], rounds, r, solved = 1, progress = 0;
+  casadi_int rows = iw[0]*iw[1], rounds, r, solved = 1;
   casadi_real weight = arg[37][0], residual = res[11][1], least = residual, tolerance, allowed;
-  casadi_real slower = sqrt(sqrt(arg[37][2])), mark = residual;
+  casadi_real slower = sqrt(sqrt(arg[37][2]));
   for (r=0; r<rows; ++r) {
     original[r] = velocity[r];
     center[r] = impulse[r];
@@ -140,7 +140,6 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
     allowed = share*casadi_size(arg, iw, best, scale);
     if (!(least>allowed)) break;
     if (few<most && least>arg[37][13]*scale && (rounds>=few || !solved)) break;
-    if (rounds-progress>=iw[30]) break;
     for (r=0; r<rows; ++r) {
       shift[r] = weight*arg[5][r];
       velocity[r] = original[r] - shift[r]*center[r];
@@ -168,10 +167,6 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
         if (residual<least) best[r] = impulse[r];
       }
       if (residual<least) least = residual;
-      if (least<0.9*mark) {
-        mark = least;
-        progress = rounds + 1;
-      }
     }
   }
   for (r=0; r<rows; ++r) impulse[r] = best[r];
