@@ -14,8 +14,8 @@ Where these estimates differ, the error may be ``UNCERTAIN`` times as large.
 
 A motion may end between the instants that both runs have in common, such as that of a coin that
 falls flat within five steps. An impact whose instant is wrong by half a step shifts positions by
-``h |v⁺ − v⁻|/2``, which is a minimum of the estimate: the jump of the second differences of
-positions, beside their median over ``WINDOW`` steps.
+``h |v⁺ − v⁻|/2``, which is a minimum of the estimate: the jump of the accelerations by second
+differences of positions, beside their median over ``WINDOW`` steps.
 
 Only coordinates are compared, as speeds jump. The size of the motion of a body includes that of its
 points by its rotation: the mass centre of a coin that spins in place moves by the error alone, as
@@ -48,7 +48,7 @@ SHORT, LONG, FURTHER = 8, 5, (4, 3)
 """Numbers of steps of the run, of the repetition, and of further ones between instants at which
 they are compared."""
 WINDOW = 5
-"""Number of steps whose median of second differences is that of the motion without an impact."""
+"""Number of instants whose median acceleration is that of the motion without an impact."""
 RESTING = 1e-4
 """Minimum size of a motion, by the size of the bodies: those of bodies at rest are smaller, by
 clearances of gaps and inexact joints [-]."""
@@ -177,11 +177,12 @@ def impact_shifts(t: np.ndarray, y: np.ndarray) -> np.ndarray:
     """(n_y, K−1) changes of positions (n_y, K+1) by half a step between the speeds before and after
     an impact, at the inner ones of the ends of steps (K+1,); those by forces nearly vanish."""
     h = np.diff(t)
-    bends = np.diff(np.diff(y) / h) * h[1:]
+    mean = (h[1:] + h[:-1]) / 2
+    accelerations = np.diff(np.diff(y) / h) / mean
     side = WINDOW // 2
-    padded = np.pad(bends, ((0, 0), (side, side)), mode="edge")
+    padded = np.pad(accelerations, ((0, 0), (side, side)), mode="edge")
     windows = np.lib.stride_tricks.sliding_window_view(padded, WINDOW, axis=1)
-    return np.asarray(bends - np.median(windows, axis=2))
+    return np.asarray((accelerations - np.median(windows, axis=2)) * mean * h[1:])
 
 
 def sizes_by_points(step: ContactStep, record: ContactRecord) -> np.ndarray:
