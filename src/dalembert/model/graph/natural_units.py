@@ -15,6 +15,7 @@ import numpy as np
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact import ShapeContact
 from dalembert.elements.contact.shapes import Shape
+from dalembert.errors import ModelError
 from dalembert.model.graph.assembly.guesses import Guesses
 from dalembert.model.graph.description import Description
 from dalembert.model.graph.equations import Equations
@@ -87,7 +88,7 @@ def _formulas(shape: Shape, known: set[str]) -> list[ca.SX]:
     """Rows of values whose ranges are lengths of a shape, which depend on parameters only."""
     own = (formula.sx for _, formula, meta in shape.checked_quantities("") if meta["unit"] == "m")
     rows = [ca.horzcat(-ca.vec(f), ca.vec(f)) for f in own]  # radii and halves of sizes
-    corners = [corner for solid in shape.solids() for corner in solid.hull.corners]
+    corners = _corners(shape)
     boundary = shape.boundary()
     if boundary is not None and boundary.curve is not None:
         first, last = boundary.curve.interval()
@@ -96,6 +97,14 @@ def _formulas(shape: Shape, known: set[str]) -> list[ca.SX]:
     if len(corners) > 1:
         rows.append(ca.horzcat(*corners))
     return [row for row in rows if free_symbols(row) <= known]
+
+
+def _corners(shape: Shape) -> list[ca.SX]:
+    """Corners of the solids of a shape; none of a beam without thickness, which has no solids."""
+    try:
+        return [corner for solid in shape.solids() for corner in solid.hull.corners]
+    except ModelError:
+        return []
 
 
 class _AtGuesses:
