@@ -19,7 +19,7 @@ WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN = 1e-3, 4.0, 0.3, 1.0, 1e-11
 RESIDUAL_SHARE, TOLERANCE_SHARE = 0.1, 0.3
 """Tolerance of a proximal problem relative to the residual and to the tolerance of the original
 problem; the larger one counts [-]."""
-FEW_PROXIMAL, MANY_PROXIMAL = 8, 400
+FEW_PROXIMAL, MANY_PROXIMAL = 8, 200
 """Upper limits of the proximal problems before interior points or sweeps, and after interior
 points."""
 NEWTON_STEPS, INTERIOR_POINTS, POLISHING, SHORT_STEPS = 15, 45, 6, 5
