@@ -111,11 +111,11 @@ def test_energy_given_by_contacts(scene):
     for seed in range(3):
         motion = da.solve_nonsmooth(scene(seed, 0.0, **law), 0.3, **RUN)
         grown = growths(motion)
-        given = [text for text in motion.warnings if text.startswith(CONTACTS)]
-        assert bool(given) == grown.any()
-        if given:
-            assert float(given[0].split()[2]) == pytest.approx(grown.sum(), rel=5e-3)
-            assert "impacts with friction by Newton's law may do so" in given[0]
+        stated = [text for text in motion.warnings if text.startswith(CONTACTS)]
+        assert bool(stated) == grown.any()
+        if stated:
+            assert float(stated[0].split()[2]) == pytest.approx(grown.sum(), rel=5e-3)
+            assert "impacts with friction by Newton's law may do so" in stated[0]
             shares.append(grown.sum() / motion.data["kinetic_energy"].values.max())
         motion = da.solve_nonsmooth(scene(seed, 0.0, **law, impact_law="energetic"), 0.3, **RUN)
         assert not growths(motion).any()
@@ -149,10 +149,10 @@ def test_energy_given_by_inexact_impulses(scene):
         assert not growths(da.solve_nonsmooth(model, 0.3, **RUN)).any()
         motion = da.solve_nonsmooth(model, 0.3, solver=inexact, **RUN)
         grown, warnings = growths(motion).sum(), other_warnings(motion)
-        given = [text for text in warnings if text.startswith(CONTACTS)]
-        assert bool(given) == (grown > 0)
-        if given:
-            assert "their impulses are within the tolerance only" in given[0]
-            assert float(given[0].split()[2]) == pytest.approx(grown, rel=0.05)
+        stated = [text for text in warnings if text.startswith(CONTACTS)]
+        assert bool(stated) == (grown > 0)
+        if stated:
+            assert "their impulses are within the tolerance only" in stated[0]
+            assert float(stated[0].split()[2]) == pytest.approx(grown, rel=0.05)
         total += grown
     assert total > 0

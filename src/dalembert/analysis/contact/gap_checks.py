@@ -19,8 +19,6 @@ TOUCHING = 1e-9
 """Threshold for a touching gap, by the size of the bodies [-]."""
 ROUNDED = 1e-4
 """Upper limit of overlaps from rounded numbers at the start, by the size of the bodies [-]."""
-RESOLUTION = 32 * np.finfo(float).eps
-"""Rounding errors of gaps, by the largest coordinate [-]."""
 INSIDE, CLOSED = 1e-9, 1e-6
 """In natural lengths: threshold for a warning about an overlap, and for a closed gap."""
 
@@ -72,9 +70,7 @@ def touching_model(model: Model, p: np.ndarray, start: float) -> tuple[Model, st
     nominal = start == 0 and p is model.nominal
     y = model.start.y if nominal else model.assemble(p, start).y
     distances = _distances(model)(start, y, p).full().ravel()
-    rounded, near = (
-        max(share * e.scales.size, RESOLUTION * e.scales.distance) for share in (ROUNDED, TOUCHING)
-    )
+    rounded, near = e.scales.gap_threshold(ROUNDED), e.scales.gap_threshold(TOUCHING)
     refuse_negative(e.contacts, distances, rounded)
     closed = tuple(map(int, np.flatnonzero(distances < -near)))
     if not closed:

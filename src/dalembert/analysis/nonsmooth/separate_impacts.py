@@ -22,7 +22,6 @@ from dalembert.analysis.nonsmooth.step_impacts import (
     LastImpacts,
     PressedContacts,
     connected,
-    smallest_gap,
     step_impacts,
 )
 from dalembert.analysis.nonsmooth.step_log import StepEntries, StepLog
@@ -182,7 +181,7 @@ class ImpactSequence:
             return False
         step, t = self.step, t + h
         gaps = step.rigid(step.near(step.at(t, corrected), 2 * h * v[:, None]))
-        gaps = gaps.some(gaps.distance <= smallest_gap(step))
+        gaps = gaps.some(gaps.distance <= step.rounded_overlap)
         distance = step.selected(step.at(t, y), gaps.key).distance
         start = step.begin(t, step.longest, corrected, v, False)
         u, slow = gaps.at_start(v)[:, 0], SLOW * start.approach(gaps, step.rounding).nearby
@@ -207,7 +206,7 @@ class ImpactSequence:
 
     def _least(self, speed: float) -> float:
         """Gap that an impact with a speed closes at once [m]."""
-        return max(smallest_gap(self.step), 2 * self.shortest * speed)
+        return max(self.step.rounded_overlap, 2 * self.shortest * speed)
 
     def _next(self, t: float, h: float, y: np.ndarray, v: np.ndarray, changed: np.ndarray) -> float:
         """Time until bodies with ``changed`` speeds have the next impact of another gap [s]; zero

@@ -200,11 +200,6 @@ class PressedGaps:
         return groups
 
 
-def smallest_gap(step: ContactStep) -> float:
-    """Gap that counts as closed [m]."""
-    return step.rounded_overlap
-
-
 def step_impacts(
     step: ContactStep,
     start: StepStart,
@@ -232,7 +227,7 @@ def step_impacts(
     if not gaps.closes.any():
         return []
     distance = step.selected(step.at(start.t, before), pressed.keys).distance
-    return [group for _, group in gaps.groups(distance, smallest_gap(step), shortest)]
+    return [group for _, group in gaps.groups(distance, step.rounded_overlap, shortest)]
 
 
 def connected(

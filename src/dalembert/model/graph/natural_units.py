@@ -56,24 +56,30 @@ def scales_of(d: Description, equations: Equations, guesses: Guesses, p: np.ndar
     )
 
 
-def contact_shapes(d: Description) -> Iterator[Shape]:
-    """Shapes of all contact elements."""
+def collision_shapes(d: Description) -> Iterator[Shape]:
+    """Shapes of ``Collisions``."""
     for element in d.elements.values():
         if isinstance(element, Collisions):
             for group in element.groups.values():
                 yield from group
-        elif isinstance(element, ShapeContact):
+
+
+def contact_shapes(d: Description) -> Iterator[Shape]:
+    """Shapes of all contact elements."""
+    yield from collision_shapes(d)
+    for element in d.elements.values():
+        if isinstance(element, ShapeContact):
             yield from element.shapes
 
 
 def body_sizes(d: Description, e: Equations, p: np.ndarray) -> dict[str, float]:
     """Size of the largest contact shape of each body, by names; bodies without extent have none.
 
-    The ground has none: how large it is in a model decides on nothing.
+    The ground has none, as its extent does not affect any motion.
     """
     shapes = [shape for shape in contact_shapes(d) if d.ground not in shape.bodies]
-    known = {symbol.name() for symbol in ca.vertsplit(e.p)}
-    formulas = [_formulas(shape, known) for shape in shapes]
+    parameters = {symbol.name() for symbol in ca.vertsplit(e.p)}
+    formulas = [_formulas(shape, parameters) for shape in shapes]
     values = ca.Function("sizes", [e.p], [f for own in formulas for f in own]).call([p])
     numbers, sizes = iter(values), dict[str, float]()
     for shape, own in zip(shapes, formulas, strict=True):
@@ -84,7 +90,7 @@ def body_sizes(d: Description, e: Equations, p: np.ndarray) -> dict[str, float]:
     return sizes
 
 
-def _formulas(shape: Shape, known: set[str]) -> list[ca.SX]:
+def _formulas(shape: Shape, parameters: set[str]) -> list[ca.SX]:
     """Rows of values whose ranges are lengths of a shape, which depend on parameters only."""
     own = (formula.sx for _, formula, meta in shape.checked_quantities("") if meta["unit"] == "m")
     rows = [ca.horzcat(-ca.vec(f), ca.vec(f)) for f in own]  # radii and halves of sizes
@@ -96,7 +102,7 @@ def _formulas(shape: Shape, known: set[str]) -> list[ca.SX]:
         corners += [boundary.curve.position(ca.SX(station)) for station in stations]
     if len(corners) > 1:
         rows.append(ca.horzcat(*corners))
-    return [row for row in rows if free_symbols(row) <= known]
+    return [row for row in rows if free_symbols(row) <= parameters]
 
 
 def _corners(shape: Shape) -> list[ca.SX]:
@@ -156,14 +162,8 @@ class _AtGuesses:
         """The largest length of a body or a force element; at least the size of the smallest shape
         of ``Collisions``, as positions near the origin are no sizes."""
         elements = [*self.d.bodies, *self.d.forces]
-        sizes = self._sizes(self._shapes())
+        sizes = self._sizes([shape.checked_quantities("") for shape in collision_shapes(self.d)])
         return max(self._largest_length(elements), min(sizes[sizes > 0], default=0.0))
-
-    def _shapes(self) -> list[list[Quantity]]:
-        """Quantities of each shape of ``Collisions``."""
-        elements = [e for e in self.d.elements.values() if isinstance(e, Collisions)]
-        groups = [group for element in elements for group in element.groups.values()]
-        return [shape.checked_quantities("") for group in groups for shape in group]
 
     def _sizes(self, parts: list[list[Quantity]]) -> np.ndarray:
         """Largest length of each part; 0 where it has none."""

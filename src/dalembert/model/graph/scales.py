@@ -10,6 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+RESOLUTION = 32 * np.finfo(float).eps
+"""Rounding errors of gaps, relative to the largest coordinate [-]."""
+
 
 @dataclass(frozen=True, eq=False)
 class Scales:
@@ -62,6 +65,10 @@ class Scales:
     def of(self, unit: str) -> float:
         """Scale of a position-level quantity in metres or radians."""
         return self.length if unit == "m" else 1.0
+
+    def gap_threshold(self, share: float) -> float:
+        """A share of the size of the bodies, at least the rounding errors of gaps [m]."""
+        return max(share * self.size, RESOLUTION * self.distance)
 
     @classmethod
     def units(cls, coordinates: int, speeds: int, rows: int) -> Scales:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.step_impacts import GroupImpacts, PressedGaps, smallest_gap
+from dalembert.analysis.nonsmooth.step_impacts import GroupImpacts, PressedGaps
 from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contact_laws import ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
@@ -24,7 +24,7 @@ def impacts_of_free_bodies(
 ) -> Iterator[tuple[int, GroupImpacts]]:
     """Steps of some ``numbers``, each with the impacts of one group of connected bodies."""
     length, n = stack_length(record.ends.y.shape[0] + maps.speeds), maps.speeds
-    smallest = smallest_gap(maps.contact_step)
+    smallest = maps.contact_step.rounded_overlap
     for begin in range(0, numbers.size, length):
         some = numbers[begin : begin + length]
         gaps, owner, distance = _pressed_gaps(maps, record, contacts, some)

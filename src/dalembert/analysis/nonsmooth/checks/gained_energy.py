@@ -14,7 +14,7 @@ from dalembert.results.nonsmooth_motion import ContactRecord
 
 SHARE = 0.02
 """Energy given by contacts, relative to the energy in the motion, that causes a warning where the
-scheme prevents Kane's paradox, and beside force laws, whose work is that of a step [-]."""
+scheme prevents Kane's paradox, and with force laws, whose work has an error of the step [-]."""
 INEXACT = 2.0
 """Upper limit of the work of inexact impulses, relative to their residual times their sum [-]."""
 
@@ -27,11 +27,12 @@ def gain_warnings(step: ContactStep, record: ContactRecord, moved: float) -> lis
     moved : energy that took part in the motion [J]
     """
     gains = np.maximum(-record.loss, 0.0)
-    inexact = step.scheme.anticipates or step.force_laws.elements  # whose work is that of a step
-    if not inexact:
+    limit = SHARE * moved
+    if not (step.scheme.anticipates or step.force_laws.elements):
         gains[gains <= least_growth(step, moved)] = 0.0
+        limit = 0.0
     total = float(gains.sum())
-    if not total > (SHARE * moved if inexact else 0.0):
+    if not total > limit:
         return []
     k = int(np.argmax(gains))
     pushes = np.bincount(record.step, np.abs(record.impulse).sum(axis=1), gains.size)

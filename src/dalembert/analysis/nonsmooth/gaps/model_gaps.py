@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from dalembert.analysis.contact.gap_checks import RESOLUTION, ROUNDED
+from dalembert.analysis.contact.gap_checks import ROUNDED
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapSource
 from dalembert.analysis.nonsmooth.gaps.joined_gaps import (
@@ -104,8 +104,7 @@ class ModelGaps:
     @property
     def rounding(self) -> float:
         """Penetration that counts as rounding [m]."""
-        scales = self.model.scales
-        return max(CLOSED * scales.size, RESOLUTION * scales.distance)
+        return self.model.scales.gap_threshold(CLOSED)
 
     @property
     def length(self) -> float:
@@ -116,4 +115,4 @@ class ModelGaps:
     @property
     def rounded_overlap(self) -> float:
         """Overlap at the start that counts as rounded input [m]."""
-        return max(ROUNDED * self.model.scales.size, self.rounding)
+        return self.model.scales.gap_threshold(ROUNDED)
