@@ -106,7 +106,7 @@ class CompiledNewton:
         if proximal is not None:
             none = np.zeros(1)
             inputs += [none] * (SHARES - len(inputs)) + [np.array(SOLUTION_SHARES)]
-            memory = [3 * rows, *[rows] * 8, count, rows * width]
+            memory = [4 * rows, *[rows] * 8, count, rows * width]
             outputs += [none] * (ORIGINAL - len(outputs)) + [np.zeros(size) for size in memory]
         work = 12 * width**2 + 3 * width * (width + 1) + 2 * width
         work += 2 * width * widest + widest**2

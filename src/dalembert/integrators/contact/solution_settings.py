@@ -16,6 +16,8 @@ NEWTON_SHARE = 0.1
 by far more [-]."""
 WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN = 1e-3, 4.0, 0.3, 1.0, 1e-11
 """Proximal weight: initial value, factors after failure and success, upper and lower limit [-]."""
+LAST_DECREASE, LAST_STEPS = 0.8, 8
+"""Factor of the weight after success, and upper limit of Newton's steps, of the last problems."""
 RESIDUAL_SHARE, TOLERANCE_SHARE = 0.1, 0.3
 """Tolerance of a proximal problem relative to the residual and to the tolerance of the original
 problem; the larger one counts [-]."""
@@ -37,6 +39,6 @@ SOLUTION_SHARES = (
     *(WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN, RESIDUAL_SHARE, TOLERANCE_SHARE),
     *(REGULARIZATIONS[0], TO_BOUNDARY, INTERIOR_STARTS[0], INTERIOR_SHARE, INTERIOR_FACTOR),
     *(SHORT, INTERIOR_END, REGULARIZATIONS[1], INTERIOR_STARTS[1]),
-    NEWTON_SHARE,
+    *(NEWTON_SHARE, LAST_DECREASE, LAST_STEPS),
 )
 """Numbers of the machine code, in its order."""

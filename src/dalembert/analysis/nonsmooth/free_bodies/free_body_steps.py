@@ -239,7 +239,7 @@ class FreeBodySteps(PairLists):
         outputs += [whole(contacts * (2 * widest) ** 2), real(n), *self._inverses, real(contacts)]
         self._speeds = real(rows), real(rows)
         outputs += [self._pair_of, *self._speeds, real(rows), real(rows), self.displacement]
-        outputs += [self._last[1], self.numbers, *recorded[:3], real(3 * rows)]
+        outputs += [self._last[1], self.numbers, *recorded[:3], real(4 * rows)]
         outputs += [*(real(rows) for _ in range(8)), real(contacts), real(rows * k)]
         outputs += [whole(contacts), self._kept, real(n), real(rows), real(n), whole(contacts)]
         inputs += self._more_inputs()

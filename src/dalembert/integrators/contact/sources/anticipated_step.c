@@ -61,7 +61,7 @@ static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
       margin = casadi_open(res[22][i], before[r], h);
     }
     if (free[r]<margin) {
-      margin = casadi_bounce(res[22][i], before[r], h, longest, restitution, forced, arg[37][18],
+      margin = casadi_bounce(res[22][i], before[r], h, longest, restitution, forced, arg[37][20],
         fast);
     }
     res[26][r] = -margin;
@@ -90,11 +90,11 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
     r = i*width;
     fast = casadi_strikes(arg, res, iw, i);
     bounce = casadi_bounce(res[22][i], before[r], arg[36][0], arg[36][8],
-      arg[28][law[pair[i]]*(2+iw[2])], forced, arg[37][18], fast);
+      arg[28][law[pair[i]]*(2+iw[2])], forced, arg[37][20], fast);
     if (impulse[r]>0 && -offset[r]<bounce && (before[r]<=0 || offset[r]!=before[r])) {
       changed[r] = -bounce;
     }
-    if (!(total>arg[37][20]*magnitude)) continue;
+    if (!(total>arg[37][22]*magnitude)) continue;
     work = 0;
     for (a=0; a<width; ++a) work += impulse[r+a]*(after[r+a] + before[r+a]);
     if (!(work>0)) continue;

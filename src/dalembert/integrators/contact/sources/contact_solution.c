@@ -118,8 +118,10 @@ static casadi_real casadi_centered(const casadi_real** arg, casadi_real** res, c
 }
 /* at most a number of proximal problems from the impulses in res[0]; their number, and the residual in
    status[1]. The best impulses are in res[0]. Above the residual at which interior points end, there are
-   fewer problems, and none after one that Newton's method does not solve, unless few is that number; their
-   weights then fall more slowly, as their solutions may circle around the one of the problem */
+   fewer problems, and none after one that Newton's method does not solve, unless few is that number: then
+   their weights fall more slowly, and Newton's method has fewer steps. Solutions of successive problems
+   often move in the same direction, by lengths that are inverse to the weights: Newton's method begins
+   where this leads to */
 static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real share, casadi_real scale, casadi_int most, casadi_int few) {
   casadi_real* velocity = (casadi_real*) arg[2];
@@ -128,35 +130,41 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
   casadi_real* original = res[34];
   casadi_real* center = original + iw[0]*iw[1];
   casadi_real* best = center + iw[0]*iw[1];
-  casadi_int rows = iw[0]*iw[1], rounds, r, solved = 1;
+  casadi_real* move = best + iw[0]*iw[1];
+  casadi_int rows = iw[0]*iw[1], steps = iw[10], rounds, r, solved = 1;
   casadi_real weight = arg[37][0], residual = res[11][1], least = residual, tolerance, allowed;
-  casadi_real slower = sqrt(sqrt(arg[37][2]));
+  casadi_real ahead, moved = 0;
+  if (few==most) iw[10] = arg[37][18];
   for (r=0; r<rows; ++r) {
     original[r] = velocity[r];
     center[r] = impulse[r];
     best[r] = impulse[r];
+    move[r] = 0;
   }
   for (rounds=0; rounds<most && residual<1e300; ++rounds) {
     allowed = share*casadi_size(arg, iw, best, scale);
     if (!(least>allowed)) break;
     if (few<most && least>arg[37][13]*scale && (rounds>=few || !solved)) break;
+    ahead = few<most ? 0.0 : moved/weight;
     for (r=0; r<rows; ++r) {
       shift[r] = weight*arg[5][r];
       velocity[r] = original[r] - shift[r]*center[r];
-      impulse[r] = center[r];
+      impulse[r] = center[r] + ahead*move[r];
     }
     casadi_mobilities(arg, res, iw);
     casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
     tolerance = arg[37][5]*residual;
     if (arg[37][6]*allowed>tolerance) tolerance = arg[37][6]*allowed;
     solved = casadi_newton(arg, res, iw, w, tolerance)<=tolerance;
-    weight = weight*(!solved ? arg[37][1] : (few<most || rounds<3 ? arg[37][2] : slower));
-    if (weight>arg[37][3]) weight = arg[37][3];
-    if (weight<arg[37][4]) weight = arg[37][4];
+    moved = solved ? weight : 0.0;
     for (r=0; r<rows; ++r) {
+      move[r] = impulse[r] - center[r];
       shift[r] = 0;
       velocity[r] = original[r];
     }
+    weight = weight*(!solved ? arg[37][1] : (few<most || rounds<3 ? arg[37][2] : arg[37][17]));
+    if (weight>arg[37][3]) weight = arg[37][3];
+    if (weight<arg[37][4]) weight = arg[37][4];
     casadi_mobilities(arg, res, iw);
     casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
     if (solved || weight==arg[37][3]) {
@@ -170,6 +178,7 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
     }
   }
   for (r=0; r<rows; ++r) impulse[r] = best[r];
+  iw[10] = steps;
   res[11][1] = least;
   return rounds;
 }

@@ -45,7 +45,7 @@ static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, ca
   for (r=0; r<rows; ++r) ((casadi_real*) arg[2])[r] = res[48][r] + res[26][r];
   rounds = casadi_solution(arg, res, iw, w, arg[36][1], scale);
   allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
-  if (!(res[11][1]<=allowed) || res[11][1]>arg[37][21]*scale) return -1;
+  if (!(res[11][1]<=allowed) || res[11][1]>arg[37][23]*scale) return -1;
   casadi_velocities(arg, res, iw);
   return rounds;
 }
@@ -123,7 +123,7 @@ static casadi_int casadi_prepare(const casadi_real** arg, casadi_real** res, cas
   reach[1] = 0;
   casadi_fastest(arg, iw, arg[22], reach);
   casadi_fastest(arg, iw, res[19], reach);
-  for (j=0; j<2; ++j) reach[j] = arg[37][17]*h*reach[j];
+  for (j=0; j<2; ++j) reach[j] = arg[37][19]*h*reach[j];
   res[11][3] = multiple*(reach[0]>reach[1] ? reach[0] : reach[1]);
   if (!casadi_listed(arg, iw, res[11][3])) return 2;
   deepest[0] = casadi_contacts(arg, res, iw, reach);

@@ -48,8 +48,8 @@ static int casadi_leaves(const casadi_real** arg, const casadi_real** ahead, con
   share = sqrt(casadi_dot(relative, relative));
   casadi_between(to + 3*point, there, relative);
   closing = arg[36][10]*(height - casadi_dot(turned, relative));
-  if (!(height>0 && closing>arg[37][26]*share && height<arg[37][25]*closing)) return 0;
-  share = height/closing + arg[37][24];
+  if (!(height>0 && closing>arg[37][28]*share && height<arg[37][27]*closing)) return 0;
+  share = height/closing + arg[37][26];
   for (j=0; j<count; ++j) {
     past = casadi_beyond(form, from, normal, contact[2], j, dimension, here);
     moved = arg[36][10]*(casadi_beyond(form, to, turned, contact[2], j, dimension, there) - past);

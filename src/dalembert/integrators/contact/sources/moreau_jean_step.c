@@ -11,7 +11,7 @@ static int casadi_may_gain(const casadi_real** arg, casadi_real** res, const cas
     push += fabs(res[0][r]);
   }
   for (i=0; i<iw[0]; ++i) {
-    if (-res[24][i*iw[1]]>arg[37][19]*forced) impact = 1;
+    if (-res[24][i*iw[1]]>arg[37][21]*forced) impact = 1;
   }
   return impact && loss<=2*res[11][1]*push;
 }
@@ -168,7 +168,7 @@ static void casadi_select(const casadi_real** arg, casadi_real** res, const casa
   for (i=0; i<sizes[9]; ++i) {
     if (state[i]!=1) continue;
     r = i*iw[1];
-    if (res[56][i]<=h*forced/2 && fabs(res[54][r])<=arg[37][19]*forced
+    if (res[56][i]<=h*forced/2 && fabs(res[54][r])<=arg[37][21]*forced
         && -casadi_closing(arg, res, iw, i)<=arg[36][2]) state[i] = 3;
     for (e=0; e<iw[0] && state[i]==1; ++e) {
       if (keys[e]==stored[i] && arg[45][e]<-arg[36][2]) state[i] = 3;

@@ -358,8 +358,8 @@ static int casadi_strikes(const casadi_real** arg, casadi_real** res, const casa
     change = res[47][((const int*) arg[30])[body]];
     if (!(change<=largest)) largest = change;
   }
-  return casadi_fast(res[22][i], res[24][r], res[25][r], arg[36][0], largest, arg[37][19],
-    arg[37][22]);
+  return casadi_fast(res[22][i], res[24][r], res[25][r], arg[36][0], largest, arg[37][21],
+    arg[37][24]);
 }
 /* directions of the contacts: those in the middle of the step, means over its path, or, of impacts, those
    at its start, as all of implicit steps; with them the velocities at the end of the step, the clearance
@@ -413,7 +413,7 @@ static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const
     } else if (h*fabs(middle - res[24][r])>arg[36][6]) {
       middle = h*fabs(middle - res[24][r]);
       clearance = arg[36][7];
-      while (0.1*clearance>arg[37][23]*middle) clearance = 0.1*clearance;
+      while (0.1*clearance>arg[37][25]*middle) clearance = 0.1*clearance;
       res[22][i] = res[22][i]>clearance ? res[22][i] - clearance : 0.0;
     }
     for (r=i*width; r<(i+1)*width && (slot>=0 || !kept[i]); ++r) {

@@ -160,7 +160,7 @@ static casadi_int casadi_join(const casadi_real** arg, casadi_real** res, casadi
   if (!impact) return 0;
   casadi_largest(arg, res, iw, limits);
   for (i=0; i<sizes[9]; ++i) {
-    if (state[i]!=3 || res[54][i*iw[1]]<=arg[37][19]*limits[0]) continue;
+    if (state[i]!=3 || res[54][i*iw[1]]<=arg[37][21]*limits[0]) continue;
     state[i] = 1;
     --sizes[10];
   }
