@@ -196,7 +196,8 @@ class ContactSteps:
 
     def _repeated(self, k: int) -> MapAt:
         """Map of a step that is repeated: with means of gaps over the path of a solution, or with
-        impacts at its start."""
+        impacts at its start. Contacts that press by rounding may differ from the recorded ones,
+        which the last solution has unless impacts divide their impulses."""
         (t, h), (y, v), x = self.span(k), self.split(k), self.x[:, k]
         before = self._last(k - 1)
         if before is not None:  # from its own impulses, as solutions may not be unique
@@ -214,8 +215,10 @@ class ContactSteps:
                 f"at t = {t:.9g} s: no gradient; give them all force laws, or none"
             )
         for result in reversed(results):
-            own = ActiveContacts.of(result), path, result.impact
-            path = self.maps.step(x, result.v, t, h, *own)
+            own = ActiveContacts.of(result)
+            if result is results[0] and result.impact is None:
+                own = self.active(k)
+            path = self.maps.step(x, result.v, t, h, own, path, result.impact)
         assert path is not None
         return path
 
