@@ -14,6 +14,7 @@ from dalembert.integrators.contact.machine_code import (
     machine_code,
     problem_arrays,
 )
+from dalembert.integrators.contact.places import Inputs, numbers_by_place
 from dalembert.integrators.contact.solution_settings import (
     FEW_PROXIMAL,
     INTERIOR_POINTS,
@@ -24,6 +25,7 @@ from dalembert.integrators.contact.solution_settings import (
     SOLUTION_FILES,
     SOLUTION_SHARES,
 )
+from dalembert.integrators.contact.step_places import Shares
 from dalembert.sparse.factorise import SuperLUFactors
 
 MODE, ASSEMBLE, SEARCH, ITERATE, SOLVE = 6, 0, 1, 2, 3
@@ -31,8 +33,8 @@ MODE, ASSEMBLE, SEARCH, ITERATE, SOLVE = 6, 0, 1, 2, 3
 FILES = *SOLUTION_FILES, "newton_modes.c"
 PROXIMAL = 24
 """Place of the limit of proximal problems among the counts."""
-SHARES, ORIGINAL = 37, 34
-"""Places of the settings of the solution among the inputs, and of its memory among the outputs."""
+ORIGINAL = 34
+"""Place of the memory of the solution among the outputs."""
 VECTORS, FRICTION, MINIMUM, ROWS, INERTIA = [2, 5, 6, 7], 3, 4, [9, 11], 15
 """Places among the inputs of the arrays with all components of contacts, of the coefficients of
 friction and the lower limits of impulses, and of the starts of the rows of directions and of the
@@ -105,7 +107,9 @@ class CompiledNewton:
         counts = [count, width, len(problem.groups), self.speeds, entries, size]
         if proximal is not None:
             none = np.zeros(1)
-            inputs += [none] * (SHARES - len(inputs)) + [np.array(SOLUTION_SHARES)]
+            inputs += [none] * (Inputs.SHARES - len(inputs)) + [
+                numbers_by_place(Shares, SOLUTION_SHARES)
+            ]
             memory = [4 * rows, *[rows] * 8, count, rows * width]
             outputs += [none] * (ORIGINAL - len(outputs)) + [np.zeros(size) for size in memory]
         work = 12 * width**2 + 3 * width * (width + 1) + 2 * width

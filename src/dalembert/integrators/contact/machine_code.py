@@ -1,4 +1,4 @@
-"""Loops over contacts in machine code."""
+"""Loops over contacts in machine code, whose arrays are described in ``places``."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ import numpy as np
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
+from dalembert.integrators.contact.place_names import with_numbers
 from dalembert.symbolic.evaluation.switching import best_toolchain
 from dalembert.symbolic.native.code_cache import compiled_loop
 from dalembert.symbolic.native.toolchain import ENTRY, FIRST, LOOP, Call, Toolchain
@@ -81,9 +82,9 @@ def machine_code(*names: str, constants: tuple[tuple[int, int], ...] = ()) -> Ca
     if toolchain is None:
         return None
     files = [_source(name) for name in (COMMON, *names)]
-    texts = [file.read_text(encoding="utf-8") for file in files]
+    texts = [with_numbers(file.read_text(encoding="utf-8"), file.name) for file in files]
     for place, value in constants:
-        texts = [text.replace(f"iw[{place}]", str(value)) for text in texts]
+        texts = [text.replace(f"iw[{int(place)}]", str(value)) for text in texts]
     try:
         return compiled_loop(_whole(texts), toolchain.for_loops())
     except (UnsupportedError, OSError):  # an optional acceleration

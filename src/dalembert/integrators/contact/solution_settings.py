@@ -3,6 +3,8 @@ proximal problems, and interior points."""
 
 from __future__ import annotations
 
+from dalembert.integrators.contact.step_places import Shares
+
 SOLUTION_FILES = (
     "newton_pieces.c",
     "block_factors.c",
@@ -35,10 +37,25 @@ INTERIOR_SHARE, INTERIOR_FACTOR, INTERIOR_END = 1e-5, 0.03, 1e-6
 fall until it begins again, and residual at which it begins for the last time [-]."""
 REGULARIZATIONS = 1e-6, 1e-4
 """Regularisation of interior points relative to the mobility, and that below ``INTERIOR_END``."""
-SOLUTION_SHARES = (
-    *(WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN, RESIDUAL_SHARE, TOLERANCE_SHARE),
-    *(REGULARIZATIONS[0], TO_BOUNDARY, INTERIOR_STARTS[0], INTERIOR_SHARE, INTERIOR_FACTOR),
-    *(SHORT, INTERIOR_END, REGULARIZATIONS[1], INTERIOR_STARTS[1]),
-    *(NEWTON_SHARE, LAST_DECREASE, LAST_STEPS),
-)
-"""Numbers of the machine code, in its order."""
+SOLUTION_SHARES = {
+    Shares.WEIGHT: WEIGHT,
+    Shares.INCREASE: INCREASE,
+    Shares.DECREASE: DECREASE,
+    Shares.WEIGHT_MAX: WEIGHT_MAX,
+    Shares.WEIGHT_MIN: WEIGHT_MIN,
+    Shares.RESIDUAL_SHARE: RESIDUAL_SHARE,
+    Shares.TOLERANCE_SHARE: TOLERANCE_SHARE,
+    Shares.REGULARIZATION: REGULARIZATIONS[0],
+    Shares.TO_BOUNDARY: TO_BOUNDARY,
+    Shares.FIRST_START: INTERIOR_STARTS[0],
+    Shares.INTERIOR_SHARE: INTERIOR_SHARE,
+    Shares.INTERIOR_FACTOR: INTERIOR_FACTOR,
+    Shares.SHORT: SHORT,
+    Shares.INTERIOR_END: INTERIOR_END,
+    Shares.LAST_REGULARIZATION: REGULARIZATIONS[1],
+    Shares.SECOND_START: INTERIOR_STARTS[1],
+    Shares.NEWTON_SHARE: NEWTON_SHARE,
+    Shares.LAST_DECREASE: LAST_DECREASE,
+    Shares.LAST_ITERATIONS: LAST_STEPS,
+}
+"""Parameters of the machine code."""

@@ -26,6 +26,7 @@ from dalembert.analysis.nonsmooth.free_bodies.step_outcome import DEPTH, StepOut
 from dalembert.analysis.nonsmooth.step_log import StepLog
 from dalembert.analysis.nonsmooth.step_state import LastImpulses
 from dalembert.errors import UnsupportedError
+from dalembert.integrators.contact.step_places import Limits
 
 
 class FreeBodyMarch(FreeBodyLoop):
@@ -104,7 +105,8 @@ class FreeBodyMarch(FreeBodyLoop):
         try:
             while k < grid.size - 1:
                 self._t[0], self._h[0] = grid[k], grid[k + 1] - grid[k]
-                steps.limits[0], steps.limits[2] = self._h[0], self._limit(k)
+                steps.limits[Limits.LENGTH] = self._h[0]
+                steps.limits[Limits.ROUNDING] = self._limit(k)
                 outcome = self._attempt()
                 if outcome is StepOutcome.FULL and k - begin > 1:
                     begin = self._transfer(grid, begin, k - 1, log)
@@ -149,7 +151,7 @@ class FreeBodyMarch(FreeBodyLoop):
         """Whether the step that ended at instant ``k`` is not repeated for its gaps, which are as
         open as its impulses are exact; the next step then starts with these."""
         steps, gaps = self._steps, self._steps.contacts()[2]
-        inexact = inexact_depth(self._step, float(steps.limits[0]), steps.fastest())
+        inexact = inexact_depth(self._step, float(steps.limits[Limits.LENGTH]), steps.fastest())
         before = abs(float(steps.numbers[steps.counts[STEPS] - 1, DEPTH]))
         inexact = max(inexact, lasting_depth(before, self._step.rounding))
         if not self._repeats.settles(k, -float(gaps.min(initial=0.0)), inexact):
@@ -182,8 +184,8 @@ class FreeBodyMarch(FreeBodyLoop):
 
         self._y[:] = self._ys[row - 1] if row else log.y
         steps.v[:] = self._vs[row - 1] if row else log.v
-        self._h[0] = steps.limits[0] = length
-        steps.limits[2] = self._limit(k - 1)
+        self._h[0] = steps.limits[Limits.LENGTH] = length
+        steps.limits[Limits.ROUNDING] = self._limit(k - 1)
         self._look_ahead(grid, k - 1)
         if not repeats.select(place, self._forces, displacement):
             steps.leave_path()

@@ -18,7 +18,7 @@ from dalembert.analysis.nonsmooth.free_bodies.path_contacts import (
 )
 from dalembert.analysis.nonsmooth.free_bodies.recorded_contacts import PRESSING, RECORDED
 from dalembert.analysis.nonsmooth.free_bodies.step_outcome import NUMBERS
-from dalembert.analysis.nonsmooth.gaps.corners_over_faces import LIMITS
+from dalembert.analysis.nonsmooth.gaps import corners_over_faces
 from dalembert.analysis.nonsmooth.gaps.hulls.compiled_features import GEOMETRY
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
 from dalembert.analysis.nonsmooth.middle_directions import TURNS
@@ -31,6 +31,7 @@ from dalembert.integrators.contact.compiled_newton import (
 )
 from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.integrators.contact.machine_code import Loop, machine_code
+from dalembert.integrators.contact.places import numbers_by_place
 from dalembert.integrators.contact.schemes import CLOSING, ROUNDING
 from dalembert.integrators.contact.solution_settings import (
     FEW_PROXIMAL,
@@ -42,6 +43,7 @@ from dalembert.integrators.contact.solution_settings import (
     SOLUTION_FILES,
     SOLUTION_SHARES,
 )
+from dalembert.integrators.contact.step_places import Limits, Shares
 
 FILES = (
     *SOLUTION_FILES,
@@ -56,6 +58,20 @@ FILES = (
 """Files of the machine code of steps by all schemes."""
 CHUNK, RECORDS = 512, 16_384
 """Steps between transfers of the record, and least number of its contacts."""
+STEP_SHARES = {
+    **SOLUTION_SHARES,
+    Shares.REACH: 2 * AHEAD,
+    Shares.CLOSING: CLOSING,
+    Shares.SLOW: SLOW,
+    Shares.ROUNDING: ROUNDING,
+    Shares.JAMMED: JAMMED,
+    Shares.SLOWEST: SLOWEST,
+    Shares.TURNS: TURNS,
+    Shares.CORNER_SLACK: corners_over_faces.SLACK,
+    Shares.LATEST: corners_over_faces.LATEST,
+    Shares.AT_REST: corners_over_faces.ROUNDING,
+}
+"""Parameters of the solution and of the steps."""
 WIDTH, GROUPS, SPEEDS = range(1, 4)
 UNKNOWNS = 5
 WIDEST, BLOCKS, SIZE, ITERATIONS, MERITS, JUMPING, WORK, SHAPES, BALLS, BODIES = range(7, 17)
@@ -82,10 +98,7 @@ class FreeBodySteps(PairLists):
     v, force, inertia, displacement : (n,) of the step; entries of ``A``
     corners, references, normals, velocities : of the shapes
     ahead : the same in the middle of the step
-    limits : length of the step, tolerance, rounding of gaps, reach of the list, weight of a
-        position on the path, least travel of an impact, change of a gap by its turn that counts as
-        zero, clearance, longest step, least gap in the conditions, steps over the lead of
-        ``ahead``, θ
+    limits : by ``Limits``
     lists : number of lists of pairs so far
     """
 
@@ -104,14 +117,12 @@ class FreeBodySteps(PairLists):
         self.velocities = np.zeros((shapes, TWIST, widest))
         geometry = self.corners, self.references, self.normals, self.velocities
         self.ahead = list(map(np.zeros_like, geometry))
-        limits = 0.0, step.solver.tolerance, step.rounding, -1.0, 0.0, step.least_travel
-        self.limits = np.array([*limits, *self._scheme_limits(step)])
+        self.limits = numbers_by_place(Limits, self._scheme_limits(step))
         used = [0, 1, *range(FIRST, FIRST + len(step.groups))]
         self.radii, self.body, self._reserved = motion.radii(step.p), motion.body.copy(), 0
         self._laws = np.ascontiguousarray(motion.laws(step.p)[used].T)
         self._settings = np.array([0.0, BLOCK_REGULARIZATION, OVERSHOOT])
-        shares = 2 * AHEAD, CLOSING, SLOW, ROUNDING, JAMMED, SLOWEST, TURNS
-        self._shares = np.array([*SOLUTION_SHARES, *shares, *LIMITS])
+        self._shares = numbers_by_place(Shares, STEP_SHARES)
         self._groups = np.cumsum([1, *step.groups]).astype(np.int32)
         self._loop: Loop | None = None
         self._pressed, self._kept = np.zeros(0, np.int64), np.zeros(0, np.int32)
@@ -166,10 +177,19 @@ class FreeBodySteps(PairLists):
             self._allocate(1, 1, 1)
             self._renew_order()
 
-    def _scheme_limits(self, step: ContactStep) -> list[float]:
-        """Limits from the seventh one."""
-        turned = step.rounding, step.clearance, step.longest
-        return [*turned, 0.0, 1 / self._motion.lead, step.scheme.theta]
+    def _scheme_limits(self, step: ContactStep) -> dict[Limits, float]:
+        """Limits of the steps; others change from call to call."""
+        return {
+            Limits.TOLERANCE: step.solver.tolerance,
+            Limits.ROUNDING: step.rounding,
+            Limits.REACH: -1.0,  # there is no list of pairs
+            Limits.LEAST_TRAVEL: step.least_travel,
+            Limits.LEAST_TURN: step.rounding,
+            Limits.CLEARANCE: step.clearance,
+            Limits.LONGEST: step.longest,
+            Limits.LEAD: 1 / self._motion.lead,
+            Limits.THETA: step.scheme.theta,
+        }
 
     @property
     def available(self) -> bool:

@@ -17,6 +17,7 @@ from dalembert.analysis.nonsmooth.free_bodies.recorded_contacts import PRESSING,
 from dalembert.analysis.nonsmooth.free_bodies.step_outcome import LOSS, StepOutcome
 from dalembert.analysis.nonsmooth.step_log import StepLog
 from dalembert.analysis.nonsmooth.step_state import LastImpulses
+from dalembert.integrators.contact.step_places import Limits
 from dalembert.symbolic.evaluation.fixed_call import FixedCalls
 
 
@@ -64,7 +65,7 @@ class MoreauJeanMarch(FreeBodyLoop):
         try:
             while k < grid.size - 1:
                 self._look_ahead(grid, k)
-                steps.limits[0] = self._h[0]
+                steps.limits[Limits.LENGTH] = self._h[0]
                 outcome = self._attempt(float(grid[k]), float(grid[k + 1]), k - begin)
                 if outcome is StepOutcome.FULL and k > begin:
                     begin = self._transfer(grid, begin, k, log, self._uncorrected)

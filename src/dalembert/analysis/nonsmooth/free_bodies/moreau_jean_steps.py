@@ -25,6 +25,7 @@ from dalembert.analysis.nonsmooth.free_bodies.path_contacts import (
 )
 from dalembert.analysis.nonsmooth.free_bodies.step_outcome import StepOutcome
 from dalembert.integrators.contact.schemes import ROUNDING, MoreauJean
+from dalembert.integrators.contact.step_places import Limits
 
 DEEPEST, EXCHANGED, PUSHES = 4, 6, 7
 """Places in the status: the smallest gap where the shapes are, the work of the impulses by the
@@ -47,14 +48,19 @@ class MoreauJeanSteps(FreeBodySteps):
         self._mass_inverses = np.zeros(bodies * widest**2), np.full(self.mass.size, np.nan)
         super().__init__(step, motion)
 
-    def _scheme_limits(self, step: ContactStep) -> list[float]:
-        """Those of all schemes, γ, whether positions are corrected, the least reference of a
-        penetration, and the share of the kinetic energy of a missing impact."""
+    def _scheme_limits(self, step: ContactStep) -> dict[Limits, float]:
         scheme = step.scheme
         assert isinstance(scheme, MoreauJean)
-        fine = SHARE * step.rounding / step.solver.tolerance
-        own = -np.inf, 1 / self._motion.lead, scheme.theta, scheme.gamma, scheme.projection
-        return [np.inf, 0.0, step.longest, *own, fine, MISSING]
+        return {
+            **super()._scheme_limits(step),
+            Limits.LEAST_TURN: np.inf,  # directions turn without a clearance
+            Limits.CLEARANCE: 0.0,
+            Limits.LEAST_GAP: -np.inf,
+            Limits.GAMMA: scheme.gamma,
+            Limits.PROJECTS: scheme.projection,
+            Limits.LEAST_PENETRATION: SHARE * step.rounding / step.solver.tolerance,
+            Limits.MISSED_ENERGY: MISSING,
+        }
 
     def joined(self) -> StepOutcome:
         """The last step with the contacts that are added, from its start; its entry in the record

@@ -11,6 +11,7 @@ from dalembert.analysis.nonsmooth.free_bodies.recorded_contacts import RecordedC
 from dalembert.analysis.nonsmooth.free_bodies.step_outcome import StepOutcome
 from dalembert.analysis.nonsmooth.free_bodies.step_shapes import StepShapes
 from dalembert.analysis.nonsmooth.gaps.neighbours import Neighbours
+from dalembert.integrators.contact.step_places import Limits
 
 ENTRIES, OUTCOME, PAIRS = 4, 6, 17
 """Places among the counts of the loop: entries of the blocks, outcome, and listed pairs."""
@@ -84,7 +85,7 @@ class PairLists(RecordedContacts):
         self._pairs[:2, :count], self._pairs[2, :count] = pairs, laws
         self._old[0][:], self._old[1][:] = near.positions, near.normals
         self.lists += 1
-        self.limits[3] = near.reach
+        self.limits[Limits.REACH] = near.reach
 
     def _renew_order(self) -> None:
         """Order of elimination for the contacts of the step."""

@@ -9,6 +9,7 @@ import numpy as np
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
 from dalembert.analysis.nonsmooth.free_bodies.step_outcome import StepOutcome
 from dalembert.integrators.contact.machine_code import Loop
+from dalembert.integrators.contact.step_places import Limits
 
 CALL, PATH, BEFORE = range(6, 9)
 """Places among the sizes of the shapes: kind of the call, and the numbers of contacts of the path
@@ -128,7 +129,7 @@ class PathContacts(ABC):
     def path_gaps(self, weight: float = 0.0, shares: np.ndarray | None = None) -> np.ndarray:
         """Gaps of the contacts of the path where the shapes are; with a weight in the means."""
         assert self._loop is not None
-        self.limits[4], self._sizes[CALL] = weight, ON_PATH
+        self.limits[Limits.PATH_WEIGHT], self._sizes[CALL] = weight, ON_PATH
         if shares is not None:
             self._shares_of_path[:] = shares
         self._loop()

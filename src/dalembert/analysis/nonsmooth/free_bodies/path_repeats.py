@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.analysis.nonsmooth.advance import is_settled
 from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import FreeBodySteps
 from dalembert.analysis.nonsmooth.mean_gaps import LOBATTO
+from dalembert.integrators.contact.step_places import Limits
 from dalembert.model.graph.manifold import Manifold
 
 
@@ -78,7 +79,7 @@ class PathRepeats:
                 steps.set_path(np.concatenate([before, more]), np.vstack([described, others]))
                 place(0.0, displacement)
                 forces()
-                opened |= start >= -steps.limits[0] * steps.forced() / 2
+                opened |= start >= -steps.limits[Limits.LENGTH] * steps.forced() / 2
             fresh = ~np.isin(names, before)
             more = np.concatenate([more[opened], names[fresh]])
             others = np.vstack([others[opened], separating[fresh]])

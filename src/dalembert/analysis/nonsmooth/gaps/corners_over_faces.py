@@ -18,9 +18,6 @@ LATEST = 3.0
 ROUNDING = 1e-9
 """Closing of a gap in a step that counts as rest, by the size of the face [-]."""
 
-LIMITS = SLACK, LATEST, ROUNDING
-"""The same for machine code, in its order."""
-
 
 @dataclass(frozen=True, eq=False)
 class CornersOverFaces:

@@ -44,7 +44,7 @@ static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
   casadi_int i, a, r, width = iw[1], linear = iw[2]>0 ? group[1] : 1, laws = 2 + iw[2];
   const int* row = (const int*) arg[9];
   const int* column = (const int*) arg[10];
-  casadi_real h = arg[36][0], longest = arg[36][8], restitution, margin, room, turning;
+  casadi_real h = arg[LIMITS][LENGTH], longest = arg[LIMITS][LONGEST], restitution, margin, room, turning;
   int fast;
   casadi_changes(arg, res, iw);
   for (i=0; i<iw[0]; ++i) {
@@ -61,7 +61,7 @@ static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
       margin = casadi_open(res[22][i], before[r], h);
     }
     if (free[r]<margin) {
-      margin = casadi_bounce(res[22][i], before[r], h, longest, restitution, forced, arg[37][20],
+      margin = casadi_bounce(res[22][i], before[r], h, longest, restitution, forced, arg[SHARES][CLOSING],
         fast);
     }
     res[26][r] = -margin;
@@ -89,12 +89,12 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
   for (i=0; i<iw[0]; ++i) {
     r = i*width;
     fast = casadi_strikes(arg, res, iw, i);
-    bounce = casadi_bounce(res[22][i], before[r], arg[36][0], arg[36][8],
-      arg[28][law[pair[i]]*(2+iw[2])], forced, arg[37][20], fast);
+    bounce = casadi_bounce(res[22][i], before[r], arg[LIMITS][LENGTH], arg[LIMITS][LONGEST],
+      arg[28][law[pair[i]]*(2+iw[2])], forced, arg[SHARES][CLOSING], fast);
     if (impulse[r]>0 && -offset[r]<bounce && (before[r]<=0 || offset[r]!=before[r])) {
       changed[r] = -bounce;
     }
-    if (!(total>arg[37][22]*magnitude)) continue;
+    if (!(total>arg[SHARES][ROUNDING]*magnitude)) continue;
     work = 0;
     for (a=0; a<width; ++a) work += impulse[r+a]*(after[r+a] + before[r+a]);
     if (!(work>0)) continue;
@@ -149,7 +149,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     iw[6] = casadi_prepare(arg, res, iw, 1.0, deepest);
     if (iw[6] || call==2) return 0;
     if (iw[21]+iw[0]>iw[22]) iw[6] = 3;
-    else if (!(deepest[0]>=-arg[36][2])) iw[6] = 4;
+    else if (!(deepest[0]>=-arg[LIMITS][ROUNDING])) iw[6] = 4;
     else if (casadi_contact_places(arg, res, iw)) iw[6] = 5;
     if (iw[6]) return 0;
   }

@@ -76,25 +76,25 @@ static casadi_real casadi_central(const casadi_real** arg, casadi_real** res, ca
     casadi_real* w, casadi_real allowed, casadi_real largest, casadi_real start,
     casadi_real least) {
   casadi_int most = iw[10], rows = iw[0]*iw[1], k, short_steps = 0;
-  casadi_real limit = arg[37][10]*largest, share;
+  casadi_real limit = arg[SHARES][INTERIOR_SHARE]*largest, share;
   casadi_interior_start(arg, res, iw, largest, start, w);
   for (k=0; k<iw[26] && short_steps<iw[28]; ++k) {
     casadi_interior_impulses(arg, res, iw, w);
     least = casadi_keep(res, rows, least);
     if (!(res[11][1]<1e300) || least<=allowed) break;
     if (res[11][1]<=limit) {
-      limit = arg[37][11]*res[11][1];
+      limit = arg[SHARES][INTERIOR_FACTOR]*res[11][1];
       iw[10] = iw[27];
       casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
-      casadi_newton(arg, res, iw, w, arg[37][16]*allowed);
+      casadi_newton(arg, res, iw, w, arg[SHARES][NEWTON_SHARE]*allowed);
       iw[10] = most;
       least = casadi_keep(res, rows, least);
-      if (least<=allowed || least<arg[37][13]*largest) break;
+      if (least<=allowed || least<arg[SHARES][INTERIOR_END]*largest) break;
       casadi_interior_impulses(arg, res, iw, w);
     }
     share = casadi_interior(arg, res, iw, w, largest);
     if (share<0) break;
-    short_steps = share<arg[37][12] ? short_steps + 1 : 0;
+    short_steps = share<arg[SHARES][SHORT] ? short_steps + 1 : 0;
   }
   return least;
 }
@@ -106,10 +106,10 @@ static casadi_real casadi_centered(const casadi_real** arg, casadi_real** res, c
   casadi_int rows = iw[0]*iw[1], r;
   casadi_real least = casadi_keep(res, rows, 1e300);
   if (iw[2]>1 || (iw[2]==1 && group[1]!=iw[1])) return least;
-  least = casadi_central(arg, res, iw, w, allowed, largest, arg[37][9], least);
-  if (least>arg[37][13]*largest) {
+  least = casadi_central(arg, res, iw, w, allowed, largest, arg[SHARES][FIRST_START], least);
+  if (least>arg[SHARES][INTERIOR_END]*largest) {
     for (r=0; r<rows; ++r) res[0][r] = 0;
-    least = casadi_central(arg, res, iw, w, allowed, largest, arg[37][15], least);
+    least = casadi_central(arg, res, iw, w, allowed, largest, arg[SHARES][SECOND_START], least);
   }
   for (r=0; r<rows; ++r) res[0][r] = res[35][r];
   casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
@@ -132,9 +132,9 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
   casadi_real* best = center + iw[0]*iw[1];
   casadi_real* move = best + iw[0]*iw[1];
   casadi_int rows = iw[0]*iw[1], steps = iw[10], rounds, r, solved = 1;
-  casadi_real weight = arg[37][0], residual = res[11][1], least = residual, tolerance, allowed;
+  casadi_real weight = arg[SHARES][WEIGHT], residual = res[11][1], least = residual, tolerance, allowed;
   casadi_real ahead, moved = 0;
-  if (few==most) iw[10] = arg[37][18];
+  if (few==most) iw[10] = arg[SHARES][LAST_ITERATIONS];
   for (r=0; r<rows; ++r) {
     original[r] = velocity[r];
     center[r] = impulse[r];
@@ -144,7 +144,7 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
   for (rounds=0; rounds<most && residual<1e300; ++rounds) {
     allowed = share*casadi_size(arg, iw, best, scale);
     if (!(least>allowed)) break;
-    if (few<most && least>arg[37][13]*scale && (rounds>=few || !solved)) break;
+    if (few<most && least>arg[SHARES][INTERIOR_END]*scale && (rounds>=few || !solved)) break;
     ahead = few<most ? 0.0 : moved/weight;
     for (r=0; r<rows; ++r) {
       shift[r] = weight*arg[5][r];
@@ -153,8 +153,8 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
     }
     casadi_mobilities(arg, res, iw);
     casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
-    tolerance = arg[37][5]*residual;
-    if (arg[37][6]*allowed>tolerance) tolerance = arg[37][6]*allowed;
+    tolerance = arg[SHARES][RESIDUAL_SHARE]*residual;
+    if (arg[SHARES][TOLERANCE_SHARE]*allowed>tolerance) tolerance = arg[SHARES][TOLERANCE_SHARE]*allowed;
     solved = casadi_newton(arg, res, iw, w, tolerance)<=tolerance;
     moved = solved ? weight : 0.0;
     for (r=0; r<rows; ++r) {
@@ -162,12 +162,13 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
       shift[r] = 0;
       velocity[r] = original[r];
     }
-    weight = weight*(!solved ? arg[37][1] : (few<most || rounds<3 ? arg[37][2] : arg[37][17]));
-    if (weight>arg[37][3]) weight = arg[37][3];
-    if (weight<arg[37][4]) weight = arg[37][4];
+    weight = weight*(!solved ? arg[SHARES][INCREASE]
+      : (few<most || rounds<3 ? arg[SHARES][DECREASE] : arg[SHARES][LAST_DECREASE]));
+    if (weight>arg[SHARES][WEIGHT_MAX]) weight = arg[SHARES][WEIGHT_MAX];
+    if (weight<arg[SHARES][WEIGHT_MIN]) weight = arg[SHARES][WEIGHT_MIN];
     casadi_mobilities(arg, res, iw);
     casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
-    if (solved || weight==arg[37][3]) {
+    if (solved || weight==arg[SHARES][WEIGHT_MAX]) {
       casadi_state(arg, res, iw, w);
       residual = res[11][1];
       for (r=0; r<rows; ++r) {
@@ -188,7 +189,7 @@ static casadi_int casadi_solution(const casadi_real** arg, casadi_real** res, ca
     casadi_real* w, casadi_real tolerance, casadi_real scale) {
   casadi_real allowed = tolerance*casadi_size(arg, iw, res[0], scale);
   casadi_int rounds, most = 5*iw[29]<iw[24] ? 5*iw[29] : iw[24];
-  if (casadi_newton(arg, res, iw, w, arg[37][16]*allowed)
+  if (casadi_newton(arg, res, iw, w, arg[SHARES][NEWTON_SHARE]*allowed)
       <=tolerance*casadi_size(arg, iw, res[0], scale)) return 0;
   rounds = casadi_proximal(arg, res, iw, w, tolerance, scale, most, iw[29]);
   allowed = tolerance*casadi_size(arg, iw, res[0], scale);

@@ -43,9 +43,9 @@ static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, ca
   casadi_int rows = iw[0]*iw[1], r, rounds;
   casadi_real allowed;
   for (r=0; r<rows; ++r) ((casadi_real*) arg[2])[r] = res[48][r] + res[26][r];
-  rounds = casadi_solution(arg, res, iw, w, arg[36][1], scale);
-  allowed = arg[36][1]*casadi_size(arg, iw, res[0], scale);
-  if (!(res[11][1]<=allowed) || res[11][1]>arg[37][23]*scale) return -1;
+  rounds = casadi_solution(arg, res, iw, w, arg[LIMITS][TOLERANCE], scale);
+  allowed = arg[LIMITS][TOLERANCE]*casadi_size(arg, iw, res[0], scale);
+  if (!(res[11][1]<=allowed) || res[11][1]>arg[SHARES][JAMMED]*scale) return -1;
   casadi_velocities(arg, res, iw);
   return rounds;
 }
@@ -110,20 +110,20 @@ static int casadi_free_speeds(const casadi_real** arg, casadi_real** res, const 
   casadi_int j;
   if (casadi_invert(arg, res, iw, w)) return 1;
   for (j=0; j<iw[3]; ++j) res[19][j] = arg[22][j];
-  casadi_accelerate(res[20], (const int*) arg[30], iw[16], iw[9], arg[36][0], arg[23], res[19]);
+  casadi_accelerate(res[20], (const int*) arg[30], iw[16], iw[9], arg[LIMITS][LENGTH], arg[23], res[19]);
   return 0;
 }
 /* contacts of a step, with the velocities that it has without impulses, also in res[48], and the speeds
    in res[49], if the list contains all within a multiple of the reach; the outcome */
 static casadi_int casadi_prepare(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real multiple, casadi_real* deepest) {
-  casadi_real h = arg[36][0], reach[2];
+  casadi_real h = arg[LIMITS][LENGTH], reach[2];
   casadi_int j, r;
   reach[0] = 0;
   reach[1] = 0;
   casadi_fastest(arg, iw, arg[22], reach);
   casadi_fastest(arg, iw, res[19], reach);
-  for (j=0; j<2; ++j) reach[j] = arg[37][19]*h*reach[j];
+  for (j=0; j<2; ++j) reach[j] = arg[SHARES][REACH]*h*reach[j];
   res[11][3] = multiple*(reach[0]>reach[1] ? reach[0] : reach[1]);
   if (!casadi_listed(arg, iw, res[11][3])) return 2;
   deepest[0] = casadi_contacts(arg, res, iw, reach);
@@ -139,7 +139,7 @@ static int casadi_finish(const casadi_real** arg, casadi_real** res, casadi_int*
     casadi_real deepest, casadi_int rounds) {
   casadi_real* v = (casadi_real*) arg[22];
   casadi_real* free = res[19];
-  casadi_real theta = arg[36][11];
+  casadi_real theta = arg[LIMITS][THETA];
   casadi_int j;
   for (j=0; j<iw[3]; ++j) {
     free[j] += res[10][j];
@@ -147,7 +147,7 @@ static int casadi_finish(const casadi_real** arg, casadi_real** res, casadi_int*
   }
   casadi_record(arg, res, iw, deepest, rounds);
   for (j=0; j<iw[3]; ++j) {
-    res[28][j] = arg[36][0]*(theta*free[j] + (1 - theta)*v[j]);
+    res[28][j] = arg[LIMITS][LENGTH]*(theta*free[j] + (1 - theta)*v[j]);
     v[j] = free[j];
   }
   return 0;

@@ -279,7 +279,8 @@ static casadi_real casadi_interior_center(casadi_real** res, casadi_int rows, ca
 /* one iteration from the speeds in res[5]; the share of the step, negative if singular */
 static casadi_real casadi_interior(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw, casadi_real* w, casadi_real largest) {
-  casadi_real shift = arg[37][res[11][1]<arg[37][13]*largest ? 14 : 7];
+  casadi_real shift = arg[SHARES][res[11][1]<arg[SHARES][INTERIOR_END]*largest ? LAST_REGULARIZATION
+    : REGULARIZATION];
   casadi_real* used = w + iw[13] + iw[0]*iw[1] + iw[11] + iw[0] + 2;
   casadi_real gap = casadi_interior_state(arg, res, iw), share, center;
   if (casadi_interior_matrix(arg, res, iw, shift, w)) return -1;
@@ -289,7 +290,7 @@ static casadi_real casadi_interior(const casadi_real** arg, casadi_real** res,
   share = casadi_interior_step(arg, res, iw, shift, used, w);
   center = casadi_interior_center(res, iw[0]*iw[1], share, gap*iw[0]);
   casadi_interior_equations(arg, res, iw, center*gap, w);
-  share = arg[37][8]*casadi_interior_step(arg, res, iw, shift, used, w);
+  share = arg[SHARES][TO_BOUNDARY]*casadi_interior_step(arg, res, iw, shift, used, w);
   casadi_interior_move(arg, res, iw, share, largest);
   return share;
 }

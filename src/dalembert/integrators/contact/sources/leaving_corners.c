@@ -47,12 +47,12 @@ static int casadi_leaves(const casadi_real** arg, const casadi_real** ahead, con
   height = casadi_dot(normal, relative);
   share = sqrt(casadi_dot(relative, relative));
   casadi_between(to + 3*point, there, relative);
-  closing = arg[36][10]*(height - casadi_dot(turned, relative));
-  if (!(height>0 && closing>arg[37][28]*share && height<arg[37][27]*closing)) return 0;
-  share = height/closing + arg[37][26];
+  closing = arg[LIMITS][LEAD]*(height - casadi_dot(turned, relative));
+  if (!(height>0 && closing>arg[SHARES][AT_REST]*share && height<arg[SHARES][LATEST]*closing)) return 0;
+  share = height/closing + arg[SHARES][CORNER_SLACK];
   for (j=0; j<count; ++j) {
     past = casadi_beyond(form, from, normal, contact[2], j, dimension, here);
-    moved = arg[36][10]*(casadi_beyond(form, to, turned, contact[2], j, dimension, there) - past);
+    moved = arg[LIMITS][LEAD]*(casadi_beyond(form, to, turned, contact[2], j, dimension, there) - past);
     if (moved>0 && past + share*moved>0) return 1;
   }
   return 0;

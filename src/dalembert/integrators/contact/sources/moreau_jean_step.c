@@ -11,7 +11,7 @@ static int casadi_may_gain(const casadi_real** arg, casadi_real** res, const cas
     push += fabs(res[0][r]);
   }
   for (i=0; i<iw[0]; ++i) {
-    if (-res[24][i*iw[1]]>arg[37][21]*forced) impact = 1;
+    if (-res[24][i*iw[1]]>arg[SHARES][SLOW]*forced) impact = 1;
   }
   return impact && loss<=2*res[11][1]*push;
 }
@@ -41,13 +41,13 @@ static casadi_int casadi_newton_impulses(const casadi_real** arg, casadi_real** 
     r = i*width;
     law = arg[28] + ((const int*) arg[33])[((const int*) res[23])[i]]*(2 + iw[2]);
     res[26][r] = law[0]*before[r];
-    if (arg[36][13]>0 && before[r]>res[26][r]) res[26][r] = before[r];
+    if (arg[LIMITS][PROJECTS]>0 && before[r]>res[26][r]) res[26][r] = before[r];
     for (a=1; a<width; ++a) res[26][r+a] = a<linear ? law[1]*before[r+a] : 0.0;
   }
   casadi_begin_impulses(arg, res, iw, w);
   rounds = casadi_impulses(arg, res, iw, w, limits[1]>0 ? limits[1] : 1.0);
   if (rounds>=0 && casadi_may_gain(arg, res, iw, limits[0])) {
-    casadi_refine(arg, res, iw, w, 1e-3*arg[37][16]*arg[36][1]*limits[1]);
+    casadi_refine(arg, res, iw, w, 1e-3*arg[SHARES][NEWTON_SHARE]*arg[LIMITS][TOLERANCE]*limits[1]);
   }
   return rounds;
 }
@@ -59,18 +59,19 @@ static casadi_real casadi_closing(const casadi_real** arg, casadi_real** res,
   casadi_int r = i*iw[1];
   casadi_real after = res[55][r] + casadi_row(res[51], column, row[r], row[r+1], res[62])
     - casadi_row(res[51], column, row[r], row[r+1], res[49]);
-  return -arg[36][0]/2*(res[54][r] + after);
+  return -arg[LIMITS][LENGTH]/2*(res[54][r] + after);
 }
 /* whether the shapes of a contact that closes may pass through each other */
 static int casadi_closes(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
     casadi_int i) {
   casadi_real closing = casadi_closing(arg, res, iw, i);
-  return closing>arg[36][2] && closing - res[56][i]>arg[36][2];
+  return closing>arg[LIMITS][ROUNDING] && closing - res[56][i]>arg[LIMITS][ROUNDING];
 }
 /* whether a stored gap would close by its rate at the start, though it is open there */
 static int casadi_approaches(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
     casadi_int i) {
-  return res[56][i]>arg[36][2] && res[56][i] + arg[36][0]*res[54][i*iw[1]]<-arg[36][2];
+  return res[56][i]>arg[LIMITS][ROUNDING] && res[56][i]
+    + arg[LIMITS][LENGTH]*res[54][i*iw[1]]<-arg[LIMITS][ROUNDING];
 }
 /* whether a contact with the shapes of a stored one presses */
 static int casadi_pair_presses(const casadi_real** arg, casadi_real** res, casadi_int i) {
@@ -96,7 +97,8 @@ static int casadi_dips(casadi_real gap, casadi_real rate, casadi_real gap_after,
   }
   return 0;
 }
-/* whether an impact along a stored normal at a speed has more than a share of the kinetic energy at the end */
+/* whether an impact along a stored normal at a speed has more than a share of the kinetic energy at the
+   end */
 static int casadi_energetic(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
     casadi_int i, casadi_real speed, casadi_real share) {
   const int* row = (const int*) arg[15];
@@ -122,22 +124,22 @@ static int casadi_energetic(const casadi_real** arg, casadi_real** res, const ca
   }
   return 0.5*speed*speed>share*energy*mobility;
 }
-/* whether a stored gap closes and opens again within the step, as the contact e at the end does: by the speeds
-   at both ends, and by the displacement, with directions at the start that follow from those in the middle.
-   The energy of the impact is not negligible at twice the speed */
+/* whether a stored gap closes and opens again within the step, as the contact e at the end does: by the
+   speeds at both ends, and by the displacement, with directions at the start that follow from those in the
+   middle. The energy of the impact is not negligible at twice the speed */
 static int casadi_returns(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
     casadi_int i, casadi_int e) {
   const int* row = (const int*) res[52];
   const int* w_row = (const int*) arg[9];
   casadi_int r = i*iw[1], q = e*iw[1];
-  casadi_real gap = res[56][i], after = arg[45][e], h = arg[36][0], rate, rate_after;
+  casadi_real gap = res[56][i], after = arg[45][e], h = arg[LIMITS][LENGTH], rate, rate_after;
   if (after<0 || res[24][q]<=0 || !casadi_dips(gap, h*res[54][r], after, h*res[24][q])) return 0;
   if (((const casadi_int*) arg[43])[e]!=((const casadi_int*) res[57])[i]) return 1;
   rate = casadi_row(res[51], (const int*) res[53], row[r], row[r+1], res[28]);
   rate_after = casadi_row(arg[0], (const int*) arg[10], w_row[q], w_row[q+1], res[28]);
-  if (!((const int*) res[59])[i] && arg[36][11]!=1) rate = 2*rate - rate_after;
+  if (!((const int*) res[59])[i] && arg[LIMITS][THETA]!=1) rate = 2*rate - rate_after;
   return casadi_dips(gap, rate, after, rate_after)
-    && casadi_energetic(arg, res, iw, i, 2*rate/h, arg[36][15]);
+    && casadi_energetic(arg, res, iw, i, 2*rate/h, arg[LIMITS][MISSED_ENERGY]);
 }
 /* whether the shapes of a stored contact may have an impact within the step that it misses: the normal of
    the nearest contact at the end is the opposite one, or a gap without impulses returns */
@@ -164,19 +166,19 @@ static void casadi_select(const casadi_real** arg, casadi_real** res, const casa
   const casadi_int* stored = (const casadi_int*) res[57];
   int* state = (int*) res[61];
   casadi_int i, e, a, r;
-  casadi_real forced = res[11][5], h = arg[36][0];
+  casadi_real forced = res[11][5], h = arg[LIMITS][LENGTH];
   for (i=0; i<sizes[9]; ++i) {
     if (state[i]!=1) continue;
     r = i*iw[1];
-    if (res[56][i]<=h*forced/2 && fabs(res[54][r])<=arg[37][21]*forced
-        && -casadi_closing(arg, res, iw, i)<=arg[36][2]) state[i] = 3;
+    if (res[56][i]<=h*forced/2 && fabs(res[54][r])<=arg[SHARES][SLOW]*forced
+        && -casadi_closing(arg, res, iw, i)<=arg[LIMITS][ROUNDING]) state[i] = 3;
     for (e=0; e<iw[0] && state[i]==1; ++e) {
-      if (keys[e]==stored[i] && arg[45][e]<-arg[36][2]) state[i] = 3;
+      if (keys[e]==stored[i] && arg[45][e]<-arg[LIMITS][ROUNDING]) state[i] = 3;
     }
     if (state[i]==3) ++sizes[10];
   }
   for (e=0; e<iw[0] && sizes[10]==0; ++e) {
-    if (!(arg[45][e]<-arg[36][2])) continue;
+    if (!(arg[45][e]<-arg[LIMITS][ROUNDING])) continue;
     for (i=0; i<sizes[9] && !(stored[i]==keys[e] && state[i]==2); ++i) {}
     if (i<sizes[9]) continue;
     ((casadi_int*) res[65])[sizes[14]] = keys[e];
@@ -214,7 +216,7 @@ static casadi_int casadi_check_end(const casadi_real** arg, casadi_real** res, c
     other = casadi_approaches(arg, res, iw, i);
     if (one || other) sizes[11] = casadi_missed(arg, res, iw, i, one, other);
   }
-  if (res[11][4]>=-arg[36][2]) return 0;
+  if (res[11][4]>=-arg[LIMITS][ROUNDING]) return 0;
   if (sizes[12]) casadi_select(arg, res, iw);
   return 4;
 }

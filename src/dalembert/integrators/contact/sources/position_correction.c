@@ -18,15 +18,15 @@ static casadi_int casadi_correct(const casadi_real** arg, casadi_real** res, cas
   reach[0] = 0;
   reach[1] = 0;
   casadi_fastest(arg, iw, arg[22], reach);
-  for (i=0; i<2; ++i) reach[i] = 2*arg[36][0]*reach[i];
+  for (i=0; i<2; ++i) reach[i] = 2*arg[LIMITS][LENGTH]*reach[i];
   for (k=0; k<20; ++k) {
     res[11][3] = reach[0]>reach[1] ? reach[0] : reach[1];
     if (!casadi_listed(arg, iw, res[11][3])) return 2;
     res[11][4] = casadi_contacts(arg, res, iw, reach);
     if (iw[0]>iw[19]) return 7;
-    if (res[11][4]>=-arg[36][2]) return 0;
+    if (res[11][4]>=-arg[LIMITS][ROUNDING]) return 0;
     if (casadi_invert(inputs, outputs, iw, w)) return 1;
-    scale = -res[11][4]>arg[36][14] ? -res[11][4] : arg[36][14];
+    scale = -res[11][4]>arg[LIMITS][LEAST_PENETRATION] ? -res[11][4] : arg[LIMITS][LEAST_PENETRATION];
     contact = (const int*) arg[51];
     for (i=0; i<iw[0]; ++i, contact+=6) {
       casadi_response_rows(inputs, outputs, iw, i, contact[1], contact[3]);
@@ -38,8 +38,8 @@ static casadi_int casadi_correct(const casadi_real** arg, casadi_real** res, cas
     }
     if (casadi_contact_places(inputs, outputs, iw)) return 5;
     casadi_begin_impulses(inputs, outputs, iw, w);
-    casadi_solution(inputs, outputs, iw, w, arg[36][1], scale);
-    if (!(res[11][1]<=arg[36][1]*casadi_size(arg, iw, res[0], scale))) return 6;
+    casadi_solution(inputs, outputs, iw, w, arg[LIMITS][TOLERANCE], scale);
+    if (!(res[11][1]<=arg[LIMITS][TOLERANCE]*casadi_size(arg, iw, res[0], scale))) return 6;
     casadi_shorten(arg, res[0], iw);
     casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], res[0], iw[0]*width, iw[3],
       res[28]);

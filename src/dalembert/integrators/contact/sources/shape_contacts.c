@@ -60,7 +60,7 @@ static int casadi_listed(const casadi_real** arg, const casadi_int* iw, casadi_r
     casadi_between(old + 3*s, center + 3*s, moved);
     if (!(casadi_dot(moved, moved)<=largest)) largest = casadi_dot(moved, moved);
   }
-  return same && reach + 2*sqrt(largest)<=arg[36][3];
+  return same && reach + 2*sqrt(largest)<=arg[LIMITS][REACH];
 }
 /* rows of X of a contact of shapes i and j */
 static void casadi_response_rows(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
@@ -184,7 +184,7 @@ static void casadi_add_contact(const casadi_real** arg, casadi_real** res, casad
   if (count>=iw[19]) return;
   casadi_direction_rows(arg, iw, count, contact[1], contact[3], direction, place, gap);
   ((casadi_real*) arg[45])[count] = gap;
-  res[22][count] = gap>arg[36][9] ? gap : arg[36][9];
+  res[22][count] = gap>arg[LIMITS][LEAST_GAP] ? gap : arg[LIMITS][LEAST_GAP];
   ((int*) res[23])[count] = pair;
   ((casadi_int*) arg[43])[count] = key;
   for (a=0; a<6; ++a) ((int*) arg[51])[6*count+a] = contact[a];
@@ -358,8 +358,8 @@ static int casadi_strikes(const casadi_real** arg, casadi_real** res, const casa
     change = res[47][((const int*) arg[30])[body]];
     if (!(change<=largest)) largest = change;
   }
-  return casadi_fast(res[22][i], res[24][r], res[25][r], arg[36][0], largest, arg[37][21],
-    arg[37][24]);
+  return casadi_fast(res[22][i], res[24][r], res[25][r], arg[LIMITS][LENGTH], largest, arg[SHARES][SLOW],
+    arg[SHARES][SLOWEST]);
 }
 /* directions of the contacts: those in the middle of the step, means over its path, or, of impacts, those
    at its start, as all of implicit steps; with them the velocities at the end of the step, the clearance
@@ -373,7 +373,7 @@ static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const
   int* kept = (int*) res[45];
   int* leaves = (int*) res[50];
   casadi_int i, r, slot, width = iw[1];
-  casadi_real gap, direction[9], normal[9], point[3], middle, end, clearance, h = arg[36][0];
+  casadi_real gap, direction[9], normal[9], point[3], middle, end, clearance, h = arg[LIMITS][LENGTH];
   for (i=0; i<64; ++i) ahead[i] = arg[i];
   ahead[40] = arg[59];
   ahead[24] = arg[60];
@@ -384,11 +384,11 @@ static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const
   casadi_changes(arg, res, iw);
   for (i=0; i<iw[0]; ++i, contact+=6) {
     r = i*width;
-    kept[i] = res[24][r]<0 && -h*res[24][r]>arg[36][5] && casadi_strikes(arg, res, iw, i);
+    kept[i] = res[24][r]<0 && -h*res[24][r]>arg[LIMITS][LEAST_TRAVEL] && casadi_strikes(arg, res, iw, i);
     slot = casadi_on_path(arg, key[i]);
     leaves[i] = slot<0 && contact[0]==1 && !(res[0][r]>0)
       && casadi_leaves(arg, ahead, contact, iw[18]);
-    if (arg[36][11]==1) {
+    if (arg[LIMITS][THETA]==1) {
       kept[i] = 0;
       casadi_response_rows(arg, res, iw, i, contact[1], contact[3]);
       continue;
@@ -410,10 +410,10 @@ static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const
       res[22][i] += 10*res[11][3];
     } else if (kept[i]) {
       casadi_direction_rows(arg, iw, i, contact[1], contact[3], normal, point, gap);
-    } else if (h*fabs(middle - res[24][r])>arg[36][6]) {
+    } else if (h*fabs(middle - res[24][r])>arg[LIMITS][LEAST_TURN]) {
       middle = h*fabs(middle - res[24][r]);
-      clearance = arg[36][7];
-      while (0.1*clearance>arg[37][25]*middle) clearance = 0.1*clearance;
+      clearance = arg[LIMITS][CLEARANCE];
+      while (0.1*clearance>arg[SHARES][TURNS]*middle) clearance = 0.1*clearance;
       res[22][i] = res[22][i]>clearance ? res[22][i] - clearance : 0.0;
     }
     for (r=i*width; r<(i+1)*width && (slot>=0 || !kept[i]); ++r) {
@@ -440,12 +440,12 @@ static void casadi_path(const casadi_real** arg, casadi_real** res, const casadi
   for (k=0; k<sizes[7]; ++k) {
     contact = (const int*) arg[53] + 6*k;
     gaps[k] = casadi_described_gap(arg, iw, contact, direction, point);
-    if (arg[36][4]==0) continue;
+    if (arg[LIMITS][PATH_WEIGHT]==0) continue;
     casadi_direction_rows(arg, iw, 0, contact[1], contact[3], direction, point, gaps[k]);
     for (a=0; a<width; ++a) {
       for (c=row[a]; c<row[a+1]; ++c) {
         share = a==0 ? arg[52][column[c]] : 1.0;
-        mean[(k*width+a)*widest+c-row[a]] += arg[36][4]*share*arg[0][c];
+        mean[(k*width+a)*widest+c-row[a]] += arg[LIMITS][PATH_WEIGHT]*share*arg[0][c];
       }
     }
   }

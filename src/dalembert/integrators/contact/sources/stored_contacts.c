@@ -1,12 +1,12 @@
-/* Contacts near each other at the start of a step, of which some are active. They are stored: directions
-   in res[51] with rows and columns in res[52] and res[53], velocities before and at the end without
-   impulses in res[54] and res[55], gaps, keys, descriptions and kept directions in res[56] to res[59],
-   normals from the shape with the lower number in res[60], and states in res[61]: whether a contact leaves
-   its face (0), is idle (1), active (2), or about to be added (3). The speeds at the end are in res[62].
-   Sizes are, from the tenth one, the numbers of stored contacts and of those about to be added, whether
-   shapes may have an impact that the step misses, contacts may be added, and those about to be added are final, and the
-   number of contacts of other features that are closed at the end, whose keys and descriptions are in
-   res[65] and res[66] */
+/* Contacts near each other at the start of a step, of which some are active. They are stored: directions in
+   res[51] with rows and columns in res[52] and res[53], velocities before and at the end without impulses in
+   res[54] and res[55], gaps, keys, descriptions and kept directions in res[56] to res[59], normals from the
+   shape with the lower number in res[60], and states in res[61]: whether a contact leaves its face (0), is
+   idle (1), active (2), or about to be added (3). The speeds at the end are in res[62]. Sizes are, from the
+   tenth one, the numbers of stored contacts and of those about to be added, whether shapes may have an impact
+   that the step misses, contacts may be added, and those about to be added are final, and the number of
+   contacts of other features that are closed at the end, whose keys and descriptions are in res[65] and
+   res[66] */
 /* normal of a contact from the shape with the lower number */
 static void casadi_signed_normal(const casadi_real** arg, const casadi_int* iw,
     const int* contact, casadi_real* normal) {
@@ -56,7 +56,8 @@ static void casadi_store_all(const casadi_real** arg, casadi_real** res, const c
   for (i=0; i<iw[0]; ++i) {
     if (((const int*) res[50])[i]) state[i] = 0;
     if (state[i]==0) continue;
-    if (res[56][i] + arg[36][12]*arg[36][0]*res[24][i*width]<=arg[36][2]) state[i] = 2;
+    if (res[56][i] + arg[LIMITS][GAMMA]*arg[LIMITS][LENGTH]*res[24][i*width]<=arg[LIMITS][ROUNDING])
+      state[i] = 2;
     speed = fabs(res[25][i*width] - res[24][i*width]);
     if (!(speed<=forced)) forced = speed;
     for (a=i*width; a<i*width+linear; ++a) {
@@ -64,7 +65,7 @@ static void casadi_store_all(const casadi_real** arg, casadi_real** res, const c
       if (!(fabs(res[25][a])<=fastest)) fastest = fabs(res[25][a]);
     }
   }
-  sizes[12] = arg[36][13]>0 && forced>arg[37][16]*arg[36][1]*fastest;
+  sizes[12] = arg[LIMITS][PROJECTS]>0 && forced>arg[SHARES][NEWTON_SHARE]*arg[LIMITS][TOLERANCE]*fastest;
   res[11][5] = forced;
 }
 /* store the contacts of other features, where the shapes are at the start of the step; 1 if there are more
@@ -160,7 +161,7 @@ static casadi_int casadi_join(const casadi_real** arg, casadi_real** res, casadi
   if (!impact) return 0;
   casadi_largest(arg, res, iw, limits);
   for (i=0; i<sizes[9]; ++i) {
-    if (state[i]!=3 || res[54][i*iw[1]]<=arg[37][21]*limits[0]) continue;
+    if (state[i]!=3 || res[54][i*iw[1]]<=arg[SHARES][SLOW]*limits[0]) continue;
     state[i] = 1;
     --sizes[10];
   }

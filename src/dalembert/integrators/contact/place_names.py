@@ -1,0 +1,155 @@
+"""Names of places in the C text of loops over contacts, and their numbers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from enum import IntEnum
+from functools import lru_cache
+
+from dalembert.integrators.contact.places import Counts, Inputs, Outputs, Settings, Status
+from dalembert.integrators.contact.step_places import (
+    Descriptions,
+    Limits,
+    RecordColumns,
+    ShapePlaces,
+    Shares,
+    Sizes,
+)
+
+Places = type[IntEnum]
+
+
+class SweepOutputs(IntEnum):
+    """``res`` of sweeps."""
+
+    IMPULSE = 0
+    SPEEDS = 1  # of the bodies
+
+
+class SweepCounts(IntEnum):
+    """``iw`` of sweeps."""
+
+    CONTACTS = 0
+    COMPONENTS = 1  # of a contact
+    GROUPS = 2  # of tangential components
+    MAX_SWEEPS = 3
+    SPEEDS = 4  # of the bodies
+    DEPTH = 5  # stored sweeps
+
+
+class SweepSettings(IntEnum):
+    """``arg[SETTINGS]`` of sweeps."""
+
+    TOLERANCE = 0  # change of velocity [m/s]
+    GROWTH = 1  # of the squared changes after which stored sweeps are forgotten
+    REGULARIZATION = 2  # of the least-squares problem
+
+
+class SearchInputs(IntEnum):
+    """``arg`` of the search for features of hulls."""
+
+    CORNERS = 0  # of all hulls
+    REACH = 1  # of each pair, without the radii
+    PAIRS = 2  # both hulls
+    ROUNDED = 3  # whether one hull of a pair has a radius
+    PLACES = 4  # of the record, the corners and the axes of each hull
+    FORMS = 5  # records of the hulls (hull_axes.c)
+
+
+class SearchOutputs(IntEnum):
+    """``res`` of the search for features of hulls."""
+
+    FEATURES = 0  # kind, pair, whether the second hull is first, both features
+    PAIR_FEATURES = 1  # memory for those of one pair
+    AXES = 2  # of all hulls
+
+
+class SearchCounts(IntEnum):
+    """``iw`` of the search for features of hulls."""
+
+    PAIRS = 0
+    HULLS = 1
+    DIMENSION = 2
+    MAX_FEATURES = 3  # memory
+    FEATURES = 4  # above the memory if that does not suffice
+
+
+TABLES: Mapping[str, Places] = {
+    "arg": Inputs,
+    "ahead": Inputs,
+    "inputs": Inputs,
+    "res": Outputs,
+    "outputs": Outputs,
+    "iw": Counts,
+    "settings": Settings,
+    "arg[SETTINGS]": Settings,
+    "arg[LIMITS]": Limits,
+    "arg[SHARES]": Shares,
+    "sizes": Sizes,
+    "arg[SIZES]": Sizes,
+    "status": Status,
+    "res[STATUS]": Status,
+    "numbers": RecordColumns,
+    "last": RecordColumns,
+    "contact": Descriptions,
+    "place": ShapePlaces,
+    "number": ShapePlaces,
+}
+"""Places of each array, by its name in the C text."""
+OTHER_TABLES: Mapping[str, Mapping[str, Places]] = {
+    "sweeps.c": {"res": SweepOutputs, "iw": SweepCounts, "settings": SweepSettings},
+    "hull_search.c": {"arg": SearchInputs, "res": SearchOutputs, "iw": SearchCounts},
+}
+"""The same of files of other loops, where they differ."""
+NAME = re.compile(r"\b[A-Z][A-Z_]+\b")
+"""Name of a place."""
+ARRAY = re.compile(r"(\w+(?:\[\w+\])?)\)?$")
+"""Name of an array before an index, perhaps with a cast."""
+LONGEST = 80
+"""Upper limit of the length of the name of an array."""
+
+
+@lru_cache
+def with_numbers(text: str, file: str) -> str:
+    """A C text with numbers in place of the names in its indices.
+
+    Parameters
+    ----------
+    file : name of its file
+
+    Raises
+    ------
+    LookupError
+        An array has no place of some name.
+    """
+    tables = {**TABLES, **OTHER_TABLES.get(file, {})}
+
+    def number(match: re.Match[str]) -> str:
+        array, name = _indexed(text, match.start()), match[0]
+        if array is None:
+            return name
+        if array not in tables:
+            raise LookupError(
+                f"{file}: {name} is an index of {array!r}, whose places have no names"
+            )
+        places = tables[array]
+        if name not in places.__members__:
+            names = ", ".join(places.__members__)
+            raise LookupError(f"{file}: {array}[{name}] is unknown; {places.__name__} has {names}")
+        return str(int(places[name]))
+
+    return NAME.sub(number, text)
+
+
+def _indexed(text: str, place: int) -> str | None:
+    """The array of which a place in a text is an index; None outside of brackets."""
+    depth = 0
+    for k in range(place - 1, -1, -1):
+        if text[k] in ";{}":
+            return None
+        depth += (text[k] == "]") - (text[k] == "[")
+        if depth < 0:
+            array = ARRAY.search(text[max(k - LONGEST, 0) : k])
+            return array[1] if array else ""
+    return None
