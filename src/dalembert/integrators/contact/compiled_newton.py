@@ -14,7 +14,7 @@ from dalembert.integrators.contact.machine_code import (
     machine_code,
     problem_arrays,
 )
-from dalembert.integrators.contact.places import Inputs, numbers_by_place
+from dalembert.integrators.contact.places import Inputs
 from dalembert.integrators.contact.solution_settings import (
     FEW_PROXIMAL,
     INTERIOR_POINTS,
@@ -107,9 +107,7 @@ class CompiledNewton:
         counts = [count, width, len(problem.groups), self.speeds, entries, size]
         if proximal is not None:
             none = np.zeros(1)
-            inputs += [none] * (Inputs.SHARES - len(inputs)) + [
-                numbers_by_place(Shares, SOLUTION_SHARES)
-            ]
+            inputs += [none] * (Inputs.SHARES - len(inputs)) + [Shares.numbers(SOLUTION_SHARES)]
             memory = [4 * rows, *[rows] * 8, count, rows * width]
             outputs += [none] * (ORIGINAL - len(outputs)) + [np.zeros(size) for size in memory]
         work = 12 * width**2 + 3 * width * (width + 1) + 2 * width

@@ -84,7 +84,7 @@ def machine_code(*names: str, constants: tuple[tuple[int, int], ...] = ()) -> Ca
     files = [_source(name) for name in (COMMON, *names)]
     texts = [with_numbers(file.read_text(encoding="utf-8"), file.name) for file in files]
     for place, value in constants:
-        texts = [text.replace(f"iw[{int(place)}]", str(value)) for text in texts]
+        texts = [text.replace(f"iw[{place}]", str(value)) for text in texts]
     try:
         return compiled_loop(_whole(texts), toolchain.for_loops())
     except (UnsupportedError, OSError):  # an optional acceleration

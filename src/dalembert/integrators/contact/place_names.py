@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from enum import IntEnum
 from functools import lru_cache
 
-from dalembert.integrators.contact.places import Counts, Inputs, Outputs, Settings, Status
+from dalembert.integrators.contact.places import Counts, Inputs, Outputs, Places, Settings, Status
 from dalembert.integrators.contact.step_places import (
     Descriptions,
     Limits,
@@ -17,17 +16,15 @@ from dalembert.integrators.contact.step_places import (
     Sizes,
 )
 
-Places = type[IntEnum]
 
-
-class SweepOutputs(IntEnum):
+class SweepOutputs(Places):
     """``res`` of sweeps."""
 
     IMPULSE = 0
     SPEEDS = 1  # of the bodies
 
 
-class SweepCounts(IntEnum):
+class SweepCounts(Places):
     """``iw`` of sweeps."""
 
     CONTACTS = 0
@@ -38,7 +35,7 @@ class SweepCounts(IntEnum):
     DEPTH = 5  # stored sweeps
 
 
-class SweepSettings(IntEnum):
+class SweepSettings(Places):
     """``arg[SETTINGS]`` of sweeps."""
 
     TOLERANCE = 0  # change of velocity [m/s]
@@ -46,7 +43,7 @@ class SweepSettings(IntEnum):
     REGULARIZATION = 2  # of the least-squares problem
 
 
-class SearchInputs(IntEnum):
+class SearchInputs(Places):
     """``arg`` of the search for features of hulls."""
 
     CORNERS = 0  # of all hulls
@@ -57,7 +54,7 @@ class SearchInputs(IntEnum):
     FORMS = 5  # records of the hulls (hull_axes.c)
 
 
-class SearchOutputs(IntEnum):
+class SearchOutputs(Places):
     """``res`` of the search for features of hulls."""
 
     FEATURES = 0  # kind, pair, whether the second hull is first, both features
@@ -65,7 +62,7 @@ class SearchOutputs(IntEnum):
     AXES = 2  # of all hulls
 
 
-class SearchCounts(IntEnum):
+class SearchCounts(Places):
     """``iw`` of the search for features of hulls."""
 
     PAIRS = 0
@@ -75,7 +72,7 @@ class SearchCounts(IntEnum):
     FEATURES = 4  # above the memory if that does not suffice
 
 
-TABLES: Mapping[str, Places] = {
+TABLES: Mapping[str, type[Places]] = {
     "arg": Inputs,
     "ahead": Inputs,
     "inputs": Inputs,
@@ -97,7 +94,7 @@ TABLES: Mapping[str, Places] = {
     "number": ShapePlaces,
 }
 """Places of each array, by its name in the C text."""
-OTHER_TABLES: Mapping[str, Mapping[str, Places]] = {
+OTHER_TABLES: Mapping[str, Mapping[str, type[Places]]] = {
     "sweeps.c": {"res": SweepOutputs, "iw": SweepCounts, "settings": SweepSettings},
     "hull_search.c": {"arg": SearchInputs, "res": SearchOutputs, "iw": SearchCounts},
 }
@@ -133,11 +130,11 @@ def with_numbers(text: str, file: str) -> str:
             raise LookupError(
                 f"{file}: {name} is an index of {array!r}, whose places have no names"
             )
-        places = tables[array]
-        if name not in places.__members__:
-            names = ", ".join(places.__members__)
-            raise LookupError(f"{file}: {array}[{name}] is unknown; {places.__name__} has {names}")
-        return str(int(places[name]))
+        place = getattr(tables[array], name, None)
+        if place is None:
+            owner, names = tables[array].__name__, ", ".join(tables[array].table())
+            raise LookupError(f"{file}: {array}[{name}] is unknown; {owner} has {names}")
+        return str(place)
 
     return NAME.sub(number, text)
 

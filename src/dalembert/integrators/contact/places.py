@@ -9,22 +9,32 @@ same number of components each: the normal one, then groups of tangential ones.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from enum import IntEnum
-from typing import TypeVar
 
 import numpy as np
 
-Place = TypeVar("Place", bound=IntEnum)
+
+class Places:
+    """Places in an array, by their names in upper case."""
+
+    @classmethod
+    def table(cls) -> dict[str, int]:
+        """Place of each name."""
+        return {name: place for name, place in vars(cls).items() if name.isupper()}
+
+    @classmethod
+    def size(cls) -> int:
+        """Number of places."""
+        return max(cls.table().values()) + 1
+
+    @classmethod
+    def numbers(cls, values: Mapping[int, float]) -> np.ndarray:
+        """Array with some values at their places, and zeros at the others."""
+        array = np.zeros(cls.size())
+        array[list(values)] = list(values.values())
+        return array
 
 
-def numbers_by_place(places: type[Place], values: Mapping[Place, float]) -> np.ndarray:
-    """Array with the values at their places, and zeros at the others."""
-    array = np.zeros(max(places) + 1)
-    array[list(values)] = list(values.values())
-    return array
-
-
-class Inputs(IntEnum):
+class Inputs(Places):
     """``arg``: arrays that are read; steps of free bodies change some of them, too."""
 
     # problem
@@ -98,7 +108,7 @@ class Inputs(IntEnum):
     MASS = 64  # entries of the mass matrix where the shapes are
 
 
-class Outputs(IntEnum):
+class Outputs(Places):
     """``res``: arrays that are written, among them the memory from call to call."""
 
     IMPULSE = 0  # of the contacts; on entry the initial guess
@@ -173,7 +183,7 @@ class Outputs(IntEnum):
     OTHER_DESCRIPTIONS = 66
 
 
-class Counts(IntEnum):
+class Counts(Places):
     """``iw``: sizes of the problem, upper limits, and results that are counted."""
 
     CONTACTS = 0
@@ -209,7 +219,7 @@ class Counts(IntEnum):
     FEW_PROXIMAL = 29  # proximal problems before interior points
 
 
-class Settings(IntEnum):
+class Settings(Places):
     """``arg[SETTINGS]``: of Newton's method."""
 
     TOLERANCE = 0  # of the residual [m/s]
@@ -219,7 +229,7 @@ class Settings(IntEnum):
     SCALE = 4  # lower limit of the reference speed [m/s]
 
 
-class Status(IntEnum):
+class Status(Places):
     """``res[STATUS]``: results of the solution and of a step."""
 
     MERIT = 0  # squared

@@ -5,10 +5,10 @@ They are entries of arrays in ``places``. Shares of lengths, speeds and times ha
 
 from __future__ import annotations
 
-from enum import IntEnum
+from dalembert.integrators.contact.places import Places
 
 
-class Limits(IntEnum):
+class Limits(Places):
     """``arg[LIMITS]``: of a step of free bodies."""
 
     LENGTH = 0  # of the step [s]
@@ -29,7 +29,7 @@ class Limits(IntEnum):
     MISSED_ENERGY = 15  # of an impact that counts as missed, by the kinetic energy [-]
 
 
-class Shares(IntEnum):
+class Shares(Places):
     """``arg[SHARES]``: parameters of the solution (``solution_settings``), then of the steps."""
 
     WEIGHT = 0  # initial proximal weight
@@ -65,7 +65,7 @@ class Shares(IntEnum):
     AT_REST = 28  # closing of a gap that counts as rest, by the size of the face
 
 
-class Sizes(IntEnum):
+class Sizes(Places):
     """``arg[SIZES]``: of the contacts of a step, and the kind of the call."""
 
     LAST_IMPULSES = 0  # initial impulses
@@ -86,7 +86,7 @@ class Sizes(IntEnum):
     OTHERS = 14  # contacts of other features that are closed at the end
 
 
-class RecordColumns(IntEnum):
+class RecordColumns(Places):
     """``res[RECORD]``: numbers of a step in the record."""
 
     DEPTH = 0  # smallest gap at the start [m]
@@ -97,7 +97,7 @@ class RecordColumns(IntEnum):
     PRESSING = 5  # contacts that press
 
 
-class Descriptions(IntEnum):
+class Descriptions(Places):
     """Columns of ``arg[DESCRIPTIONS]``: what a contact is between."""
 
     KIND = (
@@ -110,7 +110,7 @@ class Descriptions(IntEnum):
     PAIR = 5  # listed pair
 
 
-class ShapePlaces(IntEnum):
+class ShapePlaces(Places):
     """Columns of ``arg[PLACES]``: first entries of a shape in other arrays; -1 for none."""
 
     FORM = 0  # in FORMS

@@ -31,7 +31,6 @@ from dalembert.integrators.contact.compiled_newton import (
 )
 from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.integrators.contact.machine_code import Loop, machine_code
-from dalembert.integrators.contact.places import numbers_by_place
 from dalembert.integrators.contact.schemes import CLOSING, ROUNDING
 from dalembert.integrators.contact.solution_settings import (
     FEW_PROXIMAL,
@@ -117,12 +116,12 @@ class FreeBodySteps(PairLists):
         self.velocities = np.zeros((shapes, TWIST, widest))
         geometry = self.corners, self.references, self.normals, self.velocities
         self.ahead = list(map(np.zeros_like, geometry))
-        self.limits = numbers_by_place(Limits, self._scheme_limits(step))
+        self.limits = Limits.numbers(self._scheme_limits(step))
         used = [0, 1, *range(FIRST, FIRST + len(step.groups))]
         self.radii, self.body, self._reserved = motion.radii(step.p), motion.body.copy(), 0
         self._laws = np.ascontiguousarray(motion.laws(step.p)[used].T)
         self._settings = np.array([0.0, BLOCK_REGULARIZATION, OVERSHOOT])
-        self._shares = numbers_by_place(Shares, STEP_SHARES)
+        self._shares = Shares.numbers(STEP_SHARES)
         self._groups = np.cumsum([1, *step.groups]).astype(np.int32)
         self._loop: Loop | None = None
         self._pressed, self._kept = np.zeros(0, np.int64), np.zeros(0, np.int32)
@@ -177,7 +176,7 @@ class FreeBodySteps(PairLists):
             self._allocate(1, 1, 1)
             self._renew_order()
 
-    def _scheme_limits(self, step: ContactStep) -> dict[Limits, float]:
+    def _scheme_limits(self, step: ContactStep) -> dict[int, float]:
         """Limits of the steps; others change from call to call."""
         return {
             Limits.TOLERANCE: step.solver.tolerance,

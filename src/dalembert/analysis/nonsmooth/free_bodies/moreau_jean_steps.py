@@ -48,7 +48,7 @@ class MoreauJeanSteps(FreeBodySteps):
         self._mass_inverses = np.zeros(bodies * widest**2), np.full(self.mass.size, np.nan)
         super().__init__(step, motion)
 
-    def _scheme_limits(self, step: ContactStep) -> dict[Limits, float]:
+    def _scheme_limits(self, step: ContactStep) -> dict[int, float]:
         scheme = step.scheme
         assert isinstance(scheme, MoreauJean)
         return {
