@@ -20,7 +20,7 @@ from dalembert.analysis.nonsmooth.advance import advance
 from dalembert.analysis.nonsmooth.free_bodies import free_body_march, free_body_steps
 from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
 from dalembert.analysis.nonsmooth.free_bodies.path_repeats import PathRepeats
-from dalembert.analysis.nonsmooth.free_bodies.step_outcome import StepOutcome
+from dalembert.integrators.contact.step_calls import StepOutcome
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
 

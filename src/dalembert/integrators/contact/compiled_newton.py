@@ -14,7 +14,7 @@ from dalembert.integrators.contact.machine_code import (
     machine_code,
     problem_arrays,
 )
-from dalembert.integrators.contact.places import Inputs
+from dalembert.integrators.contact.places import Counts, Inputs, Settings, Status
 from dalembert.integrators.contact.solution_settings import (
     FEW_PROXIMAL,
     INTERIOR_POINTS,
@@ -25,14 +25,11 @@ from dalembert.integrators.contact.solution_settings import (
     SOLUTION_FILES,
     SOLUTION_SHARES,
 )
+from dalembert.integrators.contact.step_calls import Modes
 from dalembert.integrators.contact.step_places import Shares
 from dalembert.sparse.factorise import SuperLUFactors
 
-MODE, ASSEMBLE, SEARCH, ITERATE, SOLVE = 6, 0, 1, 2, 3
-"""Place of the mode of the loop among its counts, and the modes."""
 FILES = *SOLUTION_FILES, "newton_modes.c"
-PROXIMAL = 24
-"""Place of the limit of proximal problems among the counts."""
 ORIGINAL = 34
 """Place of the memory of the solution among the outputs."""
 VECTORS, FRICTION, MINIMUM, ROWS, INERTIA = [2, 5, 6, 7], 3, 4, [9, 11], 15
@@ -104,7 +101,6 @@ class CompiledNewton:
         outputs = [self.impulses, self.system, self.push, np.zeros(rows), np.zeros(rows * width)]
         outputs += [np.zeros(rows) for _ in range(5)]
         outputs += [np.zeros(self.speeds), self.status, constant, self.solution, *indices]
-        counts = [count, width, len(problem.groups), self.speeds, entries, size]
         if proximal is not None:
             none = np.zeros(1)
             inputs += [none] * (Inputs.SHARES - len(inputs)) + [Shares.numbers(SOLUTION_SHARES)]
@@ -113,21 +109,38 @@ class CompiledNewton:
         work = 12 * width**2 + 3 * width * (width + 1) + 2 * width
         work += 2 * width * widest + widest**2
         work = max(work, sizes[0] * sizes[1] + sizes[1] ** 2)
-        counts += [ASSEMBLE, widest, *sizes, max_iterations, MEMORY, JUMPS, work]
-        counts += [0] * (PROXIMAL - len(counts)) + [proximal or 0, 0]
-        counts += [INTERIOR_POINTS, POLISHING, SHORT_STEPS, FEW_PROXIMAL]
+        counts = {
+            Counts.CONTACTS: count,
+            Counts.COMPONENTS: width,
+            Counts.GROUPS: len(problem.groups),
+            Counts.SPEEDS: self.speeds,
+            Counts.ENTRIES: entries,
+            Counts.UNKNOWNS: size,
+            Counts.CONTACT_SPEEDS: widest,
+            Counts.BLOCKS: sizes[0],
+            Counts.BLOCK_SIZE: sizes[1],
+            Counts.MAX_ITERATIONS: max_iterations,
+            Counts.MERITS: MEMORY,
+            Counts.MAX_JUMPS: JUMPS,
+            Counts.WORK: work,
+            Counts.MAX_PROXIMAL: proximal or 0,
+            Counts.MAX_INTERIOR: INTERIOR_POINTS,
+            Counts.MAX_POLISHING: POLISHING,
+            Counts.MAX_SHORT_STEPS: SHORT_STEPS,
+            Counts.FEW_PROXIMAL: FEW_PROXIMAL,
+        }
         work += rows + MEMORY + count + 2 + entries
         self._settings, self._lengths = inputs[8], (len(inputs), len(outputs))
-        self._loop = Loop(code, inputs, outputs, counts, work)
+        self._loop = Loop(code, inputs, outputs, Counts.listed(counts), work)
 
     @property
     def residual(self) -> float:
         """Residual of the impulses when the last system was assembled [m/s]."""
-        return float(self.status[1])
+        return float(self.status[Status.RESIDUAL])
 
     def assemble(self) -> bool:
         """The residual and, above the tolerance, the equations; false if they are singular."""
-        self._loop.counts[MODE] = ASSEMBLE
+        self._loop.counts[Counts.MODE] = Modes.ASSEMBLE
         return self._loop()
 
     def advance(self) -> bool:
@@ -135,13 +148,17 @@ class CompiledNewton:
         entries = self.system, self.pattern.rows, self.pattern.pointers
         matrix = scipy.sparse.csc_array(entries, shape=(self.push.size, self.push.size))
         self.solution[:] = SuperLUFactors(matrix, **self.options).solve(self.push)
-        self._loop.counts[MODE] = SEARCH
-        return bool(np.isfinite(self.solution).all()) and self._loop() and self.status[2] > 0
+        self._loop.counts[Counts.MODE] = Modes.SEARCH
+        return (
+            bool(np.isfinite(self.solution).all())
+            and self._loop()
+            and self.status[Status.DESCENDS] > 0
+        )
 
     def iterate(self, tolerance: float) -> None:
         """Steps until the residual is within the tolerance, or none reduces the merit."""
         if self.ordering is not None:
-            self._loop.counts[MODE] = ITERATE
+            self._loop.counts[Counts.MODE] = Modes.ITERATE
             self._loop()
             return
         for _ in range(self.iterations):
@@ -155,8 +172,8 @@ class CompiledNewton:
 
     def solve(self) -> int:
         """The whole solution; the number of proximal problems."""
-        self._loop.counts[MODE] = SOLVE
-        return int(self.status[3]) if self._loop() else 0
+        self._loop.counts[Counts.MODE] = Modes.SOLVE
+        return int(self.status[Status.ROUNDS]) if self._loop() else 0
 
     def solve_part(self, begin: int, end: int, number: int, scale: float) -> None:
         """The whole solution of some contacts that do not act on the others.
@@ -169,14 +186,14 @@ class CompiledNewton:
         scale : lower limit of the reference speed
         """
         counts, speeds = self._loop.counts, self.speeds
-        width, groups = int(counts[1]), int(counts[2])
+        width, groups = int(counts[Counts.COMPONENTS]), int(counts[Counts.GROUPS])
         inputs, outputs = (np.zeros(length, dtype=np.uint64) for length in self._lengths)
         inputs[VECTORS] = 8 * width * begin
         inputs[FRICTION], inputs[MINIMUM] = 8 * groups * begin, 8 * begin
         inputs[ROWS], inputs[INERTIA] = 4 * width * begin, 4 * speeds * number
         outputs[0] = 8 * width * begin
         self._loop.shift(inputs, outputs)
-        counts[0], self._settings[-1] = end - begin, scale
+        counts[Counts.CONTACTS], self._settings[Settings.SCALE] = end - begin, scale
         self.solve()
 
 

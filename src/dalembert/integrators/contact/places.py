@@ -33,6 +33,11 @@ class Places:
         array[list(values)] = list(values.values())
         return array
 
+    @classmethod
+    def listed(cls, counts: Mapping[int, int]) -> list[int]:
+        """Some counts at their places, and zeros at the others."""
+        return [counts.get(place, 0) for place in range(cls.size())]
+
 
 class Inputs(Places):
     """``arg``: arrays that are read; steps of free bodies change some of them, too."""

@@ -21,13 +21,12 @@ from dalembert.integrators.contact.machine_code import (
     machine_code,
     problem_arrays,
 )
+from dalembert.integrators.contact.other_places import SweepCounts
 from dalembert.symbolic.native.toolchain import Call
 
 DEPTH, GROWTH, REGULARIZATION = 10, 4.0, 1e-12
 """Stored sweeps; growth of the squared changes after which they are forgotten; regularisation of
 the least-squares problem relative to its diagonal [-]."""
-LIMIT = 3
-"""Place of the limit of sweeps among the integers of the loop."""
 SWEEPS = 300
 """Upper limit of sweeps before Newton's method takes over."""
 
@@ -64,7 +63,16 @@ def swept(
 
 def _counts(problem: FrictionProblem, limit: int, speeds: int) -> list[int]:
     """Integers of the loop."""
-    return [*problem.shape, len(problem.groups), limit, speeds, DEPTH]
+    contacts, components = problem.shape
+    counts = {
+        SweepCounts.CONTACTS: contacts,
+        SweepCounts.COMPONENTS: components,
+        SweepCounts.GROUPS: len(problem.groups),
+        SweepCounts.MAX_SWEEPS: limit,
+        SweepCounts.SPEEDS: speeds,
+        SweepCounts.DEPTH: DEPTH,
+    }
+    return SweepCounts.listed(counts)
 
 
 def _work(problem: FrictionProblem, speeds: int) -> int:
@@ -116,7 +124,7 @@ class DenseSweeps:
         self._shift[:] = operator.shift.reshape(problem.shape)
         self._settings[:] = tolerance, GROWTH, REGULARIZATION
         self._impulses[:], self._speeds[:] = impulses, operator.product @ impulses.ravel()
-        self._loop.counts[LIMIT] = limit
+        self._loop.counts[SweepCounts.MAX_SWEEPS] = limit
         self._loop()
         return self._impulses.copy()
 

@@ -10,9 +10,7 @@ import numpy as np
 from dalembert.analysis.nonsmooth.contact_step import PATHS, SAME_MEANS, ContactStep
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
 from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import CHUNK, FreeBodySteps
-from dalembert.analysis.nonsmooth.free_bodies.recorded_contacts import STEPS
 from dalembert.analysis.nonsmooth.free_bodies.sleeping_bodies import SleepingBodies
-from dalembert.analysis.nonsmooth.free_bodies.step_outcome import DEPTH, StepOutcome
 from dalembert.analysis.nonsmooth.gyroscopic import turn_error
 from dalembert.analysis.nonsmooth.step_log import StepLog
 from dalembert.analysis.nonsmooth.step_state import (
@@ -20,6 +18,9 @@ from dalembert.analysis.nonsmooth.step_state import (
     LastImpulses,
     convergence_rate,
 )
+from dalembert.integrators.contact.places import Counts
+from dalembert.integrators.contact.step_calls import StepOutcome
+from dalembert.integrators.contact.step_places import RecordColumns
 from dalembert.symbolic.evaluation.fixed_call import FixedCalls
 
 REPORTED = 16
@@ -148,7 +149,9 @@ class FreeBodyLoop(ABC):
         uncorrected : (CHUNK, n_y) positions before their corrections; by default the same
         """
         steps = self._steps
-        count = min(end - begin, int(steps.counts[STEPS]))  # a repetition may be interrupted
+        count = min(
+            end - begin, int(steps.counts[Counts.RECORDED_STEPS])
+        )  # a repetition may be interrupted
         if count <= 0:
             return begin
         end = begin + count
@@ -156,12 +159,12 @@ class FreeBodyLoop(ABC):
         y, v = self._ys[:count].copy(), self._vs[:count].copy()
         before = y if uncorrected is None else uncorrected[:count].copy()
         depth = self._step.deepest(self._step.at(grid[end], y[-1]))
-        depths = np.abs(np.append(steps.numbers[1:count, DEPTH], depth))
+        depths = np.abs(np.append(steps.numbers[1:count, RecordColumns.DEPTH], depth))
         log.extend(grid[begin + 1 : end + 1], (y, before, v), depths, part)
         contacts = part.key.size
         own = slice(contacts - int(part.count[-1]), contacts)
         self._last = LastImpulses((part.key[own], part.impulse[own]), part.key[:0])
-        rest = int(steps.counts[STEPS]) - count
+        rest = int(steps.counts[Counts.RECORDED_STEPS]) - count
         for states in (self._ys, self._vs, *([] if uncorrected is None else [uncorrected])):
             states[:rest] = states[count:][:rest]
         steps.forget(count, contacts)

@@ -16,17 +16,17 @@ from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import (
 from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import CHUNK, FreeBodySteps
 from dalembert.analysis.nonsmooth.free_bodies.moreau_jean_march import MoreauJeanMarch
 from dalembert.analysis.nonsmooth.free_bodies.path_repeats import PathRepeats
-from dalembert.analysis.nonsmooth.free_bodies.recorded_contacts import PRESSING, STEPS
 from dalembert.analysis.nonsmooth.free_bodies.sleeping_bodies import (
     NO_SLEEP,
     SleepingBodies,
     SleepRule,
 )
-from dalembert.analysis.nonsmooth.free_bodies.step_outcome import DEPTH, StepOutcome
 from dalembert.analysis.nonsmooth.step_log import StepLog
 from dalembert.analysis.nonsmooth.step_state import LastImpulses
 from dalembert.errors import UnsupportedError
-from dalembert.integrators.contact.step_places import Limits
+from dalembert.integrators.contact.places import Counts
+from dalembert.integrators.contact.step_calls import StepOutcome
+from dalembert.integrators.contact.step_places import Limits, RecordColumns
 
 
 class FreeBodyMarch(FreeBodyLoop):
@@ -135,7 +135,7 @@ class FreeBodyMarch(FreeBodyLoop):
                     k -= 1
         finally:
             self._transfer(grid, begin, k, log)
-            steps.counts[[STEPS, PRESSING]] = 0
+            steps.counts[[Counts.RECORDED_STEPS, Counts.RECORDED_CONTACTS]] = 0
         return k, self._last
 
     def _deepens(self, grid: np.ndarray, k: int, begin: int, log: StepLog) -> bool:
@@ -152,7 +152,9 @@ class FreeBodyMarch(FreeBodyLoop):
         open as its impulses are exact; the next step then starts with these."""
         steps, gaps = self._steps, self._steps.contacts()[2]
         inexact = inexact_depth(self._step, float(steps.limits[Limits.LENGTH]), steps.fastest())
-        before = abs(float(steps.numbers[steps.counts[STEPS] - 1, DEPTH]))
+        before = abs(
+            float(steps.numbers[steps.counts[Counts.RECORDED_STEPS] - 1, RecordColumns.DEPTH])
+        )
         inexact = max(inexact, lasting_depth(before, self._step.rounding))
         if not self._repeats.settles(k, -float(gaps.min(initial=0.0)), inexact):
             return False

@@ -10,14 +10,7 @@ from dalembert.analysis.nonsmooth.advance import AHEAD
 from dalembert.analysis.nonsmooth.contact_step import JAMMED, ROUNDS, ContactStep
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
 from dalembert.analysis.nonsmooth.free_bodies.pair_lists import GROWTH, PairLists
-from dalembert.analysis.nonsmooth.free_bodies.path_contacts import (
-    FEATURES,
-    OFFSET,
-    SIZES,
-    contact_arrays,
-)
-from dalembert.analysis.nonsmooth.free_bodies.recorded_contacts import PRESSING, RECORDED
-from dalembert.analysis.nonsmooth.free_bodies.step_outcome import NUMBERS
+from dalembert.analysis.nonsmooth.free_bodies.path_contacts import contact_arrays
 from dalembert.analysis.nonsmooth.gaps import corners_over_faces
 from dalembert.analysis.nonsmooth.gaps.hulls.compiled_features import GEOMETRY
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
@@ -31,6 +24,7 @@ from dalembert.integrators.contact.compiled_newton import (
 )
 from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.integrators.contact.machine_code import Loop, machine_code
+from dalembert.integrators.contact.places import Counts
 from dalembert.integrators.contact.schemes import CLOSING, ROUNDING
 from dalembert.integrators.contact.solution_settings import (
     FEW_PROXIMAL,
@@ -42,7 +36,7 @@ from dalembert.integrators.contact.solution_settings import (
     SOLUTION_FILES,
     SOLUTION_SHARES,
 )
-from dalembert.integrators.contact.step_places import Limits, Shares
+from dalembert.integrators.contact.step_places import Limits, RecordColumns, Shares, Sizes
 
 FILES = (
     *SOLUTION_FILES,
@@ -57,6 +51,14 @@ FILES = (
 """Files of the machine code of steps by all schemes."""
 CHUNK, RECORDS = 512, 16_384
 """Steps between transfers of the record, and least number of its contacts."""
+CONSTANT = (
+    Counts.COMPONENTS,
+    Counts.GROUPS,
+    Counts.CONTACT_SPEEDS,
+    Counts.BLOCK_SIZE,
+    Counts.DIMENSION,
+)
+"""Counts that are constants of the compiled code."""
 STEP_SHARES = {
     **SOLUTION_SHARES,
     Shares.REACH: 2 * AHEAD,
@@ -71,15 +73,6 @@ STEP_SHARES = {
     Shares.AT_REST: corners_over_faces.ROUNDING,
 }
 """Parameters of the solution and of the steps."""
-WIDTH, GROUPS, SPEEDS = range(1, 4)
-UNKNOWNS = 5
-WIDEST, BLOCKS, SIZE, ITERATIONS, MERITS, JUMPING, WORK, SHAPES, BALLS, BODIES = range(7, 17)
-DIMENSION, CONTACTS = 18, 19
-INERTIA, PROXIMAL, REPEATS = range(23, 26)
-CENTRAL, POLISH, STALLED, FEW, LAST = range(26, 31)
-"""Places among the counts of the loop, and their number."""
-NUMBERED, SLOTS, HULLS = 2, 4, 5
-"""Places among the sizes of the shapes."""
 
 
 class FreeBodySteps(PairLists):
@@ -134,43 +127,43 @@ class FreeBodySteps(PairLists):
         self._keys, self._described, self._gaps = contact_arrays(0)
         self._path = contact_arrays(0)
         self._before = contact_arrays(0)[:2]
-        self._sizes = np.zeros(SIZES, dtype=np.int64)
-        self._sizes[FEATURES], self._sizes[OFFSET] = motion.shapes.features, motion.shapes.offset
-        self._sizes[NUMBERED] = motion.shapes.numbered
-        self._sizes[HULLS] = not motion.shapes.only_balls
+        self._sizes = np.zeros(Sizes.size(), dtype=np.int64)
+        self._sizes[Sizes.FEATURES] = motion.shapes.features
+        self._sizes[Sizes.OFFSET] = motion.shapes.offset
+        self._sizes[Sizes.NUMBERED] = motion.shapes.numbered
+        self._sizes[Sizes.HULLS] = not motion.shapes.only_balls
         bodies = motion.first.size - 1
         self._order = [np.zeros(size, dtype=np.int32) for size in (n, n, bodies + 1, 1)]
         self._order.append(np.full((bodies, widest), -1, dtype=np.int32))
         self._inverses = np.zeros(bodies * widest**2), np.full(self.inertia.size, np.nan)
         counts = {
-            WIDTH: self.width,
-            GROUPS: len(step.groups),
-            SPEEDS: n,
-            UNKNOWNS: n,
-            WIDEST: 2 * widest,
-            BLOCKS: bodies,
-            SIZE: widest,
-            ITERATIONS: NEWTON_STEPS,
-            MERITS: MEMORY,
-            JUMPING: JUMPS,
-            SHAPES: shapes,
-            BALLS: motion.shapes.hulls,
-            BODIES: bodies,
-            DIMENSION: motion.shapes.dimension,
-            INERTIA: self.inertia.size,
-            PROXIMAL: min(MANY_PROXIMAL, step.solver.max_iterations),
-            REPEATS: ROUNDS,
-            CENTRAL: INTERIOR_POINTS,
-            POLISH: POLISHING,
-            STALLED: SHORT_STEPS,
-            FEW: FEW_PROXIMAL,
+            Counts.COMPONENTS: self.width,
+            Counts.GROUPS: len(step.groups),
+            Counts.SPEEDS: n,
+            Counts.UNKNOWNS: n,
+            Counts.CONTACT_SPEEDS: 2 * widest,
+            Counts.BLOCKS: bodies,
+            Counts.BLOCK_SIZE: widest,
+            Counts.MAX_ITERATIONS: NEWTON_STEPS,
+            Counts.MERITS: MEMORY,
+            Counts.MAX_JUMPS: JUMPS,
+            Counts.SHAPES: shapes,
+            Counts.BALLS_AND_HULLS: motion.shapes.hulls,
+            Counts.BODIES: bodies,
+            Counts.DIMENSION: motion.shapes.dimension,
+            Counts.INERTIA_ENTRIES: self.inertia.size,
+            Counts.MAX_PROXIMAL: min(MANY_PROXIMAL, step.solver.max_iterations),
+            Counts.MAX_OFFSETS: ROUNDS,
+            Counts.MAX_INTERIOR: INTERIOR_POINTS,
+            Counts.MAX_POLISHING: POLISHING,
+            Counts.MAX_SHORT_STEPS: SHORT_STEPS,
+            Counts.FEW_PROXIMAL: FEW_PROXIMAL,
         }
-        fixed = (WIDTH, GROUPS, WIDEST, SIZE, DIMENSION)
-        constants = tuple((place, int(counts[place])) for place in fixed)
+        constants = tuple((place, int(counts[place])) for place in CONSTANT)
         self._code = machine_code(*FILES, *self.files, constants=constants)
-        self.counts = np.zeros(LAST, dtype=np.int64)
+        self.counts = np.zeros(Counts.size(), dtype=np.int64)
         self.counts[list(counts)] = list(counts.values())
-        self.numbers = np.zeros((CHUNK, NUMBERS))
+        self.numbers = np.zeros((CHUNK, RecordColumns.size()))
         motion.orderings.forget()
         if self.available:
             self._allocate(1, 1, 1)
@@ -201,7 +194,7 @@ class FreeBodySteps(PairLists):
         if self._pressed.size < RECORDS + 16 * contacts:
             self._allocate(self._pairs.shape[1], self._contacts, self._entries)
         else:
-            self.counts[RECORDED] = self._pressed.size - contacts
+            self.counts[Counts.MAX_RECORDED] = self._pressed.size - contacts
 
     def _reserve(self, contacts: int) -> None:
         contacts = int(GROWTH * max(contacts, self._contacts)) + 1
@@ -209,7 +202,12 @@ class FreeBodySteps(PairLists):
 
     def _allocate(self, pairs: int, contacts: int, entries: int) -> None:
         """Arrays for numbers of listed pairs, of contacts and of matrix entries."""
-        n, k, widest, groups = self.v.size, self.width, self._motion.widest, self.counts[GROUPS]
+        n, k, widest, groups = (
+            self.v.size,
+            self.width,
+            self._motion.widest,
+            self.counts[Counts.GROUPS],
+        )
         rows, pattern, old = contacts * k, contacts * k * 2 * widest, self._pairs
         self._contacts, self._entries = contacts, entries
 
@@ -229,7 +227,7 @@ class FreeBodySteps(PairLists):
             own[: old_part.shape[0]] = old_part
         records = max(RECORDS + 32 * self._reserved, 4 * contacts, self._pressed.size)
         recorded = np.zeros(records, np.int64), *np.zeros((2, records, k)), whole(records)
-        used = self.counts[PRESSING]
+        used = self.counts[Counts.RECORDED_CONTACTS]
         for own, old_part in zip(recorded, self._recorded, strict=True):
             own[:used] = old_part[:used]
         self._pressed, self._impulses, self._offsets, self._kept = recorded
@@ -248,7 +246,7 @@ class FreeBodySteps(PairLists):
         inputs += [whole(slots), self._sizes, self._centers, self.arms, real(3 * shapes.longest)]
         inputs += [self._described, self._shares_of_path, path[1], path[0], self._means, path[2]]
         inputs += [*before, *self.ahead, real(3 * shapes.axes)]
-        self._sizes[SLOTS] = slots
+        self._sizes[Sizes.SLOTS] = slots
         self._status, self._pair_of = real(8), whole(contacts)
         self._solved = real(rows)
         outputs = [self._solved, real(entries), real(n), real(rows), real(rows * k)]
@@ -263,10 +261,11 @@ class FreeBodySteps(PairLists):
         outputs += [whole(contacts), self._kept, real(n), real(rows), real(n), whole(contacts)]
         inputs += self._more_inputs()
         outputs += self._more_outputs(contacts)
-        blocks, size = self.counts[[BLOCKS, SIZE]]
+        blocks, size = self.counts[[Counts.BLOCKS, Counts.BLOCK_SIZE]]
         work = 12 * k**2 + 3 * k * (k + 1) + 2 * k + 4 * k * widest + (2 * widest) ** 2
         work = int(max(work, blocks * size + size**2))
-        self.counts[[WORK, CONTACTS, RECORDED]] = work, contacts, records - self._reserved
+        self.counts[Counts.WORK], self.counts[Counts.MAX_CONTACTS] = work, contacts
+        self.counts[Counts.MAX_RECORDED] = records - self._reserved
         assert self._code is not None
         memory = work + rows + MEMORY + contacts + 2 + entries
         self._loop = Loop(self._code, inputs, outputs, list(self.counts), memory)

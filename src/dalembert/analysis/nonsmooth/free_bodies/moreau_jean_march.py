@@ -13,11 +13,11 @@ from dalembert.analysis.nonsmooth.free_bodies.free_body_loop import REPORTED, Fr
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
 from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import CHUNK
 from dalembert.analysis.nonsmooth.free_bodies.moreau_jean_steps import MoreauJeanSteps
-from dalembert.analysis.nonsmooth.free_bodies.recorded_contacts import PRESSING, STEPS
-from dalembert.analysis.nonsmooth.free_bodies.step_outcome import LOSS, StepOutcome
 from dalembert.analysis.nonsmooth.step_log import StepLog
 from dalembert.analysis.nonsmooth.step_state import LastImpulses
-from dalembert.integrators.contact.step_places import Limits
+from dalembert.integrators.contact.places import Counts
+from dalembert.integrators.contact.step_calls import StepOutcome
+from dalembert.integrators.contact.step_places import Limits, RecordColumns
 from dalembert.symbolic.evaluation.fixed_call import FixedCalls
 
 
@@ -81,7 +81,7 @@ class MoreauJeanMarch(FreeBodyLoop):
                     report((grid[k] - grid[0]) / span)
         finally:
             self._transfer(grid, begin, k, log, self._uncorrected)
-            steps.counts[[STEPS, PRESSING]] = 0
+            steps.counts[[Counts.RECORDED_STEPS, Counts.RECORDED_CONTACTS]] = 0
         return k, self._last
 
     def _attempt(self, start: float, end: float, row: int) -> StepOutcome:
@@ -114,7 +114,7 @@ class MoreauJeanMarch(FreeBodyLoop):
         """The step from the speeds ``before`` with the contacts that are added to its own, unless
         they supply energy."""
         steps, after = self._steps, self._steps.v.copy()
-        loss = steps.numbers[steps.counts[STEPS] - 1, LOSS]
+        loss = steps.numbers[steps.counts[Counts.RECORDED_STEPS] - 1, RecordColumns.LOSS]
         steps.v[:] = before
         if steps.adds_others:
             self._place()
@@ -122,7 +122,7 @@ class MoreauJeanMarch(FreeBodyLoop):
         if outcome is StepOutcome.UNCHANGED:
             steps.v[:] = after
         elif outcome is StepOutcome.DONE:
-            own = steps.numbers[steps.counts[STEPS] - 1, LOSS]
+            own = steps.numbers[steps.counts[Counts.RECORDED_STEPS] - 1, RecordColumns.LOSS]
             if own < min(loss, -steps.inexact_work):
                 steps.v[:] = before
                 parted = self._turned_step(steps.parted)

@@ -9,27 +9,11 @@ from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import SHARE
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
 from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import FreeBodySteps
-from dalembert.analysis.nonsmooth.free_bodies.pair_lists import OUTCOME, PAIRS, RENEWALS
-from dalembert.analysis.nonsmooth.free_bodies.path_contacts import (
-    ADDED,
-    AT_END,
-    CALL,
-    CORRECTION,
-    COUNT,
-    JOINED,
-    MISSES,
-    OTHERS,
-    PARTED,
-    STEP,
-    STORED,
-)
-from dalembert.analysis.nonsmooth.free_bodies.step_outcome import StepOutcome
+from dalembert.analysis.nonsmooth.free_bodies.pair_lists import RENEWALS
+from dalembert.integrators.contact.places import Counts, Status
 from dalembert.integrators.contact.schemes import ROUNDING, MoreauJean
-from dalembert.integrators.contact.step_places import Limits
-
-DEEPEST, EXCHANGED, PUSHES = 4, 6, 7
-"""Places in the status: the smallest gap where the shapes are, the work of the impulses by the
-changes of speed that they cause, and the sum of their magnitudes."""
+from dalembert.integrators.contact.step_calls import Calls, StepOutcome
+from dalembert.integrators.contact.step_places import Limits, Sizes
 
 
 class MoreauJeanSteps(FreeBodySteps):
@@ -65,31 +49,31 @@ class MoreauJeanSteps(FreeBodySteps):
     def joined(self) -> StepOutcome:
         """The last step with the contacts that are added, from its start; its entry in the record
         replaces the last one."""
-        self._sizes[CALL] = JOINED
+        self._sizes[Sizes.CALL] = Calls.JOINED
         outcome = self._kept_contacts()
-        self._sizes[CALL] = STEP
+        self._sizes[Sizes.CALL] = Calls.STEP
         return outcome
 
     def parted(self) -> StepOutcome:
         """The last step again without the contacts that were added last."""
-        self._sizes[CALL] = PARTED
+        self._sizes[Sizes.CALL] = Calls.PARTED
         outcome = self._kept_contacts()
-        self._sizes[CALL] = STEP
+        self._sizes[Sizes.CALL] = Calls.STEP
         return outcome
 
     def at_end(self) -> StepOutcome:
         """Gaps at the end of the last step, where the shapes are: ``CLOSED`` if one is."""
-        self._sizes[CALL] = AT_END
+        self._sizes[Sizes.CALL] = Calls.AT_END
         outcome = self._kept_contacts()
-        self._sizes[CALL] = STEP
+        self._sizes[Sizes.CALL] = Calls.STEP
         return outcome
 
     def correction(self) -> StepOutcome:
         """``CLOSED`` if a gap is closed where the shapes are, with the displacement that opens it;
         other lists of pairs and orders of elimination are made where these are needed."""
-        self._sizes[CALL] = CORRECTION
+        self._sizes[Sizes.CALL] = Calls.CORRECTION
         outcome = self()
-        self._sizes[CALL] = STEP
+        self._sizes[Sizes.CALL] = Calls.STEP
         return outcome
 
     def _kept_contacts(self) -> StepOutcome:
@@ -98,16 +82,18 @@ class MoreauJeanSteps(FreeBodySteps):
         for _ in range(RENEWALS):
             assert self._loop is not None
             self._loop()
-            outcome = StepOutcome(int(self.counts[OUTCOME]))
-            if outcome is StepOutcome.OUTDATED and np.isfinite(self._status[3]):
-                super()._renew_list(float(self._status[3]))
-                described = stored[: 6 * self._sizes[STORED]].reshape(-1, 6)
-                if not self.pair_numbers(self._pairs[:2, : self.counts[PAIRS]], described).all():
+            outcome = StepOutcome(int(self.counts[Counts.OUTCOME]))
+            if outcome is StepOutcome.OUTDATED and np.isfinite(self._status[Status.REACH]):
+                super()._renew_list(float(self._status[Status.REACH]))
+                described = stored[: 6 * self._sizes[Sizes.STORED]].reshape(-1, 6)
+                if not self.pair_numbers(
+                    self._pairs[:2, : self.counts[Counts.PAIRS]], described
+                ).all():
                     break
             elif outcome is StepOutcome.UNORDERED:
                 self._renew_order()
             elif outcome is StepOutcome.MORE:
-                self._reserve(int(self.counts[COUNT]))
+                self._reserve(int(self.counts[Counts.CONTACTS]))
             else:
                 return outcome
             if self._stored is not stored:
@@ -117,40 +103,42 @@ class MoreauJeanSteps(FreeBodySteps):
     @property
     def adds(self) -> bool:
         """Whether contacts are added."""
-        return bool(self._sizes[ADDED]) or self.adds_others
+        return bool(self._sizes[Sizes.ADDED]) or self.adds_others
 
     @property
     def adds_others(self) -> bool:
         """Whether these are of features that are not near each other at the start of the step,
         where the shapes have to be in the next call."""
-        return bool(self._sizes[OTHERS])
+        return bool(self._sizes[Sizes.OTHERS])
 
     @property
     def misses(self) -> bool:
         """Whether the step may miss an impact: shapes pass through each other, or overlap and part
         again."""
-        return bool(self._sizes[MISSES])
+        return bool(self._sizes[Sizes.MISSES])
 
     @property
     def deepest(self) -> float:
         """The smallest gap where the shapes are [m]."""
-        return float(self._status[DEEPEST])
+        return float(self._status[Status.DEEPEST])
 
     @property
     def inexact_work(self) -> float:
         """Work of contacts that may result from rounding and from the residual of the impulses of
         the last step [J]."""
-        residual = self._status[1] if self.counts[COUNT] else 0.0
-        return float(ROUNDING * self._status[EXCHANGED] + residual * self._status[PUSHES])
+        residual = self._status[Status.RESIDUAL] if self.counts[Counts.CONTACTS] else 0.0
+        return float(
+            ROUNDING * self._status[Status.EXCHANGED] + residual * self._status[Status.PUSHES]
+        )
 
     def _ordered_pairs(self) -> np.ndarray:
         """Those of all contacts near each other at the start of the step, too, as the active ones
         change within it."""
-        stored = self._stored[: 6 * self._sizes[STORED]].reshape(-1, 6)
+        stored = self._stored[: 6 * self._sizes[Sizes.STORED]].reshape(-1, 6)
         return np.concatenate([super()._ordered_pairs(), stored[:, 5]])
 
     def _renew_list(self, reach: float) -> None:
-        self._sizes[STORED] = 0  # their pairs have other numbers
+        self._sizes[Sizes.STORED] = 0  # their pairs have other numbers
         super()._renew_list(reach)
 
     def _more_inputs(self) -> list[np.ndarray]:
@@ -166,7 +154,7 @@ class MoreauJeanSteps(FreeBodySteps):
         directions = np.zeros(pattern), whole(rows + 1), whole(pattern)
         velocities, gaps = np.zeros((2, rows)), np.zeros(contacts)
         keys = np.zeros(contacts, dtype=np.int64)
-        self._sizes[STORED], self._stored = 0, whole(6 * contacts)
+        self._sizes[Sizes.STORED], self._stored = 0, whole(6 * contacts)
         states = whole(contacts), np.zeros(3 * contacts), whole(contacts), np.zeros(n)
         stored = [*directions, *velocities, gaps, keys, self._stored, *states]
         others = np.zeros(contacts, dtype=np.int64), whole(6 * contacts)

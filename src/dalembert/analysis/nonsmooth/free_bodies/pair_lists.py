@@ -6,15 +6,13 @@ from abc import abstractmethod
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.free_bodies.path_contacts import AGAIN, CALL, COUNT, STEP
 from dalembert.analysis.nonsmooth.free_bodies.recorded_contacts import RecordedContacts
-from dalembert.analysis.nonsmooth.free_bodies.step_outcome import StepOutcome
 from dalembert.analysis.nonsmooth.free_bodies.step_shapes import StepShapes
 from dalembert.analysis.nonsmooth.gaps.neighbours import Neighbours
-from dalembert.integrators.contact.step_places import Limits
+from dalembert.integrators.contact.places import Counts, Status
+from dalembert.integrators.contact.step_calls import Calls, StepOutcome
+from dalembert.integrators.contact.step_places import Limits, Sizes
 
-ENTRIES, OUTCOME, PAIRS = 4, 6, 17
-"""Places among the counts of the loop: entries of the blocks, outcome, and listed pairs."""
 GROWTH = 1.5
 """Ratio of new memory for pairs or contacts to the number that first exceeded it [-]."""
 RENEWALS = 4
@@ -54,13 +52,13 @@ class PairLists(RecordedContacts):
         for _ in range(RENEWALS):
             assert self._loop is not None
             self._loop()
-            outcome = StepOutcome(int(self.counts[OUTCOME]))
-            if outcome is StepOutcome.OUTDATED and np.isfinite(self._status[3]):
-                self._renew_list(float(self._status[3]))
+            outcome = StepOutcome(int(self.counts[Counts.OUTCOME]))
+            if outcome is StepOutcome.OUTDATED and np.isfinite(self._status[Status.REACH]):
+                self._renew_list(float(self._status[Status.REACH]))
             elif outcome is StepOutcome.UNORDERED:
                 self._renew_order()
             elif outcome is StepOutcome.MORE:
-                self._reserve(int(self.counts[COUNT]))
+                self._reserve(int(self.counts[Counts.CONTACTS]))
             else:
                 return outcome
         return StepOutcome.UNSOLVED
@@ -68,9 +66,9 @@ class PairLists(RecordedContacts):
     def again(self) -> StepOutcome:
         """The last step, whose entry in the record is removed, with the forces in the arrays."""
         self.remove_last()
-        self._sizes[CALL] = AGAIN
+        self._sizes[Sizes.CALL] = Calls.AGAIN
         outcome = self()
-        self._sizes[CALL] = STEP
+        self._sizes[Sizes.CALL] = Calls.STEP
         return outcome
 
     def _renew_list(self, reach: float) -> None:
@@ -81,7 +79,7 @@ class PairLists(RecordedContacts):
         self.renumber(pairs)
         if pairs.shape[1] > self._pairs.shape[1]:
             self._allocate(int(GROWTH * pairs.shape[1]), self._contacts, self._entries)
-        self.counts[PAIRS] = count = pairs.shape[1]
+        self.counts[Counts.PAIRS] = count = pairs.shape[1]
         self._pairs[:2, :count], self._pairs[2, :count] = pairs, laws
         self._old[0][:], self._old[1][:] = near.positions, near.normals
         self.lists += 1
@@ -99,11 +97,11 @@ class PairLists(RecordedContacts):
             self._allocate(self._pairs.shape[1], self._contacts, entries)
         for array, part in zip(self._order, parts, strict=True):
             array.ravel()[: part.size] = part.ravel()
-        self.counts[ENTRIES] = order.entries
+        self.counts[Counts.ENTRIES] = order.entries
 
     def _ordered_pairs(self) -> np.ndarray:
         """Listed pairs that an order of elimination covers."""
-        return self._pair_of[: self.counts[COUNT]]
+        return self._pair_of[: self.counts[Counts.CONTACTS]]
 
     def reorder(self) -> None:
         """Order of elimination without the bodies that take no part."""

@@ -7,29 +7,10 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
-from dalembert.analysis.nonsmooth.free_bodies.step_outcome import StepOutcome
 from dalembert.integrators.contact.machine_code import Loop
-from dalembert.integrators.contact.step_places import Limits
-
-CALL, PATH, BEFORE = range(6, 9)
-"""Places among the sizes of the shapes: kind of the call, and the numbers of contacts of the path
-and of the step before."""
-STORED, ADDED, MISSES, OPENS, FINAL, OTHERS, SIZES = range(9, 16)
-"""Places among the sizes, for the scheme of Moreau and Jean: numbers of the stored contacts and of
-those about to be added, whether the step may miss an impact, whether contacts may be added,
-whether those about to be added are final, and the number of contacts of other features that are
-closed at the end; number of all sizes."""
-STEP, ON_PATH, ALL, AGAIN = range(4)
-"""Kinds of calls: a step, evaluations of the contacts of the path or of all contacts, and the last
-step with other forces."""
-JOINED, PARTED, AT_END, CORRECTION = range(4, 8)
-"""Kinds of calls of the scheme of Moreau and Jean: the last step with more contacts, or again
-without these, gaps at its end, and a correction of positions."""
-FEATURES, OFFSET = 1, 3
-"""Places of the number of features of all hulls, and of the offset of the keys of their contacts,
-among the sizes of the shapes."""
-COUNT = 0
-"""Place of the number of contacts among the counts of the loop."""
+from dalembert.integrators.contact.places import Counts
+from dalembert.integrators.contact.step_calls import Calls, StepOutcome
+from dalembert.integrators.contact.step_places import Limits, Sizes
 
 
 class PathContacts(ABC):
@@ -64,26 +45,26 @@ class PathContacts(ABC):
 
     def contacts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Keys, descriptions and gaps of the contacts at the start of the last call."""
-        count = self.counts[COUNT]
+        count = self.counts[Counts.CONTACTS]
         return self._keys[:count].copy(), self._described[:count].copy(), self._gaps[:count].copy()
 
     def fastest(self) -> float:
         """The largest component of a relative velocity of the contacts [m/s]; rotations count as
         velocities."""
-        rows = int(self.counts[COUNT]) * self.width
+        rows = int(self.counts[Counts.CONTACTS]) * self.width
         return float(max(np.abs(speeds[:rows]).max(initial=0.0) for speeds in self._speeds))
 
     def contacts_before(self) -> tuple[np.ndarray, np.ndarray]:
         """Keys and descriptions of the contacts of the last completed step."""
-        count = self._sizes[BEFORE]
+        count = self._sizes[Sizes.BEFORE]
         return self._before[0][:count].copy(), self._before[1][:count].copy()
 
     def keys_of(self, described: np.ndarray) -> np.ndarray:
         """Keys of contacts between hulls, by their descriptions."""
-        features, first = int(self._sizes[FEATURES]), self._motion.shapes.places[:, 3]
+        features, first = int(self._sizes[Sizes.FEATURES]), self._motion.shapes.places[:, 3]
         kind, i, own, j, other = described[:, :5].T.astype(np.int64)
         keys = (kind * features + first[i] + own) * features + first[j] + other
-        return np.asarray(self._sizes[OFFSET] + keys)
+        return np.asarray(self._sizes[Sizes.OFFSET] + keys)
 
     def face_contacts(self, first: int, second: int, pair: int) -> np.ndarray:
         """Descriptions of the contacts of each face of a hull and each corner of another one; none
@@ -101,10 +82,10 @@ class PathContacts(ABC):
     def renumber(self, pairs: np.ndarray) -> None:
         """Numbers of the pairs of the contacts before in another list; contacts of shapes that are
         no longer listed are removed."""
-        count = self._sizes[BEFORE]
+        count = self._sizes[Sizes.BEFORE]
         keys, described = (part[:count].copy() for part in self._before)
         listed = self.pair_numbers(pairs, described)
-        self._sizes[BEFORE] = left = int(listed.sum())
+        self._sizes[Sizes.BEFORE] = left = int(listed.sum())
         self._before[0][:left], self._before[1][:left] = keys[listed], described[listed]
 
     def pair_numbers(self, pairs: np.ndarray, described: np.ndarray) -> np.ndarray:
@@ -120,7 +101,7 @@ class PathContacts(ABC):
 
     def set_path(self, keys: np.ndarray, described: np.ndarray) -> None:
         """Contacts of the path, with means that are zero."""
-        self._sizes[PATH] = count = keys.size
+        self._sizes[Sizes.PATH] = count = keys.size
         if count > self._path[0].size:
             self._reserve(count)
         self._path[0][:count], self._path[1][:count] = keys, described
@@ -129,22 +110,22 @@ class PathContacts(ABC):
     def path_gaps(self, weight: float = 0.0, shares: np.ndarray | None = None) -> np.ndarray:
         """Gaps of the contacts of the path where the shapes are; with a weight in the means."""
         assert self._loop is not None
-        self.limits[Limits.PATH_WEIGHT], self._sizes[CALL] = weight, ON_PATH
+        self.limits[Limits.PATH_WEIGHT], self._sizes[Sizes.CALL] = weight, Calls.ON_PATH
         if shares is not None:
             self._shares_of_path[:] = shares
         self._loop()
-        self._sizes[CALL] = STEP
-        return self._path[2][: self._sizes[PATH]].copy()
+        self._sizes[Sizes.CALL] = Calls.STEP
+        return self._path[2][: self._sizes[Sizes.PATH]].copy()
 
     def forced(self) -> float:
         """The largest change of a normal speed by the forces in the arrays, of the contacts of the
         path where the shapes are and of those within reach [m/s]; infinite if the call failed."""
         self._means[:] = 0.0
         self.path_gaps(1.0, np.ones(self._shares_of_path.size))
-        self._sizes[CALL] = ALL
+        self._sizes[Sizes.CALL] = Calls.ALL
         done = self() is StepOutcome.DONE
-        self._sizes[CALL] = STEP
-        rows = slice(0, int(self.counts[COUNT]) * self.width, self.width)
+        self._sizes[Sizes.CALL] = Calls.STEP
+        rows = slice(0, int(self.counts[Counts.CONTACTS]) * self.width, self.width)
         before, free = (speeds[rows] for speeds in self._speeds)
         return float(np.abs(free - before).max(initial=0.0)) if done else np.inf
 
@@ -160,11 +141,11 @@ class PathContacts(ABC):
     @property
     def on_path(self) -> bool:
         """Whether contacts have means over a path."""
-        return bool(self._sizes[PATH])
+        return bool(self._sizes[Sizes.PATH])
 
     def leave_path(self) -> None:
         """No means over a path in the following steps."""
-        self._sizes[PATH] = 0
+        self._sizes[Sizes.PATH] = 0
 
 
 def contact_arrays(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -6,21 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.free_bodies.path_contacts import COUNT, PathContacts
-from dalembert.analysis.nonsmooth.free_bodies.step_outcome import (
-    FRICTION,
-    LOSS,
-    PRESSED,
-    RESIDUAL,
-    ROUNDS_OF,
-    StepOutcome,
-)
+from dalembert.analysis.nonsmooth.free_bodies.path_contacts import PathContacts
 from dalembert.analysis.nonsmooth.step_log import StepEntries
-
-LAST_IMPULSES = 0
-"""Place of the number of initial impulses among the sizes of the shapes."""
-STEPS, PRESSING, RECORDED = range(20, 23)
-"""Places among the counts of the loop: recorded steps, recorded contacts, and their upper limit."""
+from dalembert.integrators.contact.places import Counts
+from dalembert.integrators.contact.step_calls import StepOutcome
+from dalembert.integrators.contact.step_places import RecordColumns, Sizes
 
 
 class RecordedContacts(PathContacts):
@@ -46,51 +36,60 @@ class RecordedContacts(PathContacts):
         if count > self._last[0].size:
             self._reserve(count)
         self._last[0][:count], self._last[1][:count] = keys, impulses
-        self._sizes[LAST_IMPULSES] = count
+        self._sizes[Sizes.LAST_IMPULSES] = count
 
     def warm_more(self, keys: np.ndarray, impulses: np.ndarray) -> None:
         """Initial impulses of more contacts."""
-        count = self._sizes[LAST_IMPULSES]
+        count = self._sizes[Sizes.LAST_IMPULSES]
         others = ~np.isin(self._last[0][:count], keys)
         first, second = (part[:count][others] for part in self._last)
         self.warm(np.concatenate([first, keys]), np.concatenate([second, impulses]))
 
     def pressing_shapes(self) -> np.ndarray:
         """(2, n) shapes of the pressing contacts of the last step."""
-        count = int(self.counts[COUNT])
+        count = int(self.counts[Counts.CONTACTS])
         pressing = self._solved[: count * self.width : self.width] > 0
         return np.asarray(self._pairs[:2, self._pair_of[:count][pressing]])
 
     def near_shapes(self, reach: float) -> np.ndarray:
         """(2, n) shapes of the contacts of the last step that pressed or were within reach [m]."""
-        count = int(self.counts[COUNT])
+        count = int(self.counts[Counts.CONTACTS])
         near = self._solved[: count * self.width : self.width] > 0
         near |= self._gaps[:count] <= reach
         return np.asarray(self._pairs[:2, self._pair_of[:count][near]])
 
     def last_recorded(self) -> list[np.ndarray]:
         """Keys, impulses and offsets of the pressing contacts of the last step."""
-        end, count = int(self.counts[PRESSING]), self.pressing_shapes().shape[1]
-        begin = end - int(self.numbers[self.counts[STEPS] - 1, PRESSED])
+        end, count = int(self.counts[Counts.RECORDED_CONTACTS]), self.pressing_shapes().shape[1]
+        begin = end - int(
+            self.numbers[self.counts[Counts.RECORDED_STEPS] - 1, RecordColumns.PRESSING]
+        )
         return [array[begin : begin + count].copy() for array in self._recorded[:3]]
 
     def rest(self) -> StepOutcome:
         """A step in which no body moves, without contacts."""
-        if self.counts[PRESSING] >= self.counts[RECORDED]:
+        if self.counts[Counts.RECORDED_CONTACTS] >= self.counts[Counts.MAX_RECORDED]:
             return StepOutcome.FULL
-        self.numbers[self.counts[STEPS]] = 0.0
-        self.counts[STEPS] += 1
-        self.counts[COUNT], self._sizes[LAST_IMPULSES], self.displacement[:] = 0, 0, 0.0
+        self.numbers[self.counts[Counts.RECORDED_STEPS]] = 0.0
+        self.counts[Counts.RECORDED_STEPS] += 1
+        self.counts[Counts.CONTACTS], self._sizes[Sizes.LAST_IMPULSES], self.displacement[:] = (
+            0,
+            0,
+            0.0,
+        )
         return StepOutcome.DONE
 
     def append(self, keys: np.ndarray, impulses: np.ndarray, offsets: np.ndarray) -> None:
         """Append contacts to the record of the last step."""
-        own = slice(int(self.counts[PRESSING]), int(self.counts[PRESSING]) + keys.size)
+        own = slice(
+            int(self.counts[Counts.RECORDED_CONTACTS]),
+            int(self.counts[Counts.RECORDED_CONTACTS]) + keys.size,
+        )
         kept = np.zeros(keys.size, dtype=np.int32)
         for array, part in zip(self._recorded, (keys, impulses, offsets, kept), strict=True):
             array[own] = part
-        self.counts[PRESSING] += keys.size
-        self.numbers[self.counts[STEPS] - 1, PRESSED] += keys.size
+        self.counts[Counts.RECORDED_CONTACTS] += keys.size
+        self.numbers[self.counts[Counts.RECORDED_STEPS] - 1, RecordColumns.PRESSING] += keys.size
 
     def entries(self, steps: int, longest: float, curved: Mapping[int, np.ndarray]) -> StepEntries:
         """The first recorded steps, with their contacts in the order of the keys.
@@ -101,7 +100,7 @@ class RecordedContacts(PathContacts):
         curved : keys of contacts with means over the path, by the number of the step
         """
         numbers = self.numbers[:steps].copy()
-        count = numbers[:, PRESSED].astype(int)
+        count = numbers[:, RecordColumns.PRESSING].astype(int)
         keys, impulses, offsets, kept = (array[: count.sum()] for array in self._recorded)
         owner = np.repeat(np.arange(steps), count)
         order = np.lexsort((keys, owner))
@@ -119,12 +118,12 @@ class RecordedContacts(PathContacts):
             curved=means,
             kept=kept[order] > 0,
             longest=np.full(steps, longest),
-            loss=numbers[:, LOSS],
-            friction=numbers[:, FRICTION],
+            loss=numbers[:, RecordColumns.LOSS],
+            friction=numbers[:, RecordColumns.FRICTION],
             work=zero,
             fraction=zero,
-            residual=numbers[:, RESIDUAL],
-            rounds=numbers[:, ROUNDS_OF].astype(int),
+            residual=numbers[:, RecordColumns.RESIDUAL],
+            rounds=numbers[:, RecordColumns.ROUNDS].astype(int),
             converged=np.ones(steps, dtype=bool),
         )
 
@@ -134,14 +133,16 @@ class RecordedContacts(PathContacts):
 
     def forget(self, steps: int, contacts: int) -> None:
         """Remove the first steps, and their contacts, from the record."""
-        done, pressing = self.counts[STEPS], self.counts[PRESSING]
+        done, pressing = self.counts[Counts.RECORDED_STEPS], self.counts[Counts.RECORDED_CONTACTS]
         self.numbers[: done - steps] = self.numbers[steps:done].copy()
         for array in self._recorded:
             array[: pressing - contacts] = array[contacts:pressing].copy()
-        self.counts[STEPS] -= steps
-        self.counts[PRESSING] -= contacts
+        self.counts[Counts.RECORDED_STEPS] -= steps
+        self.counts[Counts.RECORDED_CONTACTS] -= contacts
 
     def remove_last(self) -> None:
         """Remove the last step from the record."""
-        self.counts[STEPS] -= 1
-        self.counts[PRESSING] -= int(self.numbers[self.counts[STEPS], PRESSED])
+        self.counts[Counts.RECORDED_STEPS] -= 1
+        self.counts[Counts.RECORDED_CONTACTS] -= int(
+            self.numbers[self.counts[Counts.RECORDED_STEPS], RecordColumns.PRESSING]
+        )

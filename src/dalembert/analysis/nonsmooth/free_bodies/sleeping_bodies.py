@@ -10,8 +10,8 @@ import scipy
 
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
 from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import FreeBodySteps
-from dalembert.analysis.nonsmooth.free_bodies.recorded_contacts import STEPS
-from dalembert.analysis.nonsmooth.free_bodies.step_outcome import LOSS
+from dalembert.integrators.contact.places import Counts
+from dalembert.integrators.contact.step_places import RecordColumns
 
 AWAKE = -1
 """Island of a body that does not sleep."""
@@ -163,7 +163,9 @@ class SleepingBodies:
         self._next += self._island.size
         self._asleep = self._island[self._owner] != AWAKE
         self._fresh |= new[self._owner]
-        steps.numbers[steps.counts[STEPS] - 1, LOSS] += self._kinetic_energy(new)
+        steps.numbers[steps.counts[Counts.RECORDED_STEPS] - 1, RecordColumns.LOSS] += (
+            self._kinetic_energy(new)
+        )
         steps.v[new[self._owner]] = 0.0
         self._keep(new)
         self._apply()

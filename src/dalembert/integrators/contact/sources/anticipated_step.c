@@ -41,13 +41,13 @@ static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
   const int* law = (const int*) arg[33];
   const int* pair = (const int*) res[23];
   const int* group = (const int*) arg[13];
-  casadi_int i, a, r, width = iw[1], linear = iw[2]>0 ? group[1] : 1, laws = 2 + iw[2];
+  casadi_int i, a, r, width = iw[COMPONENTS], linear = iw[GROUPS]>0 ? group[1] : 1, laws = 2 + iw[GROUPS];
   const int* row = (const int*) arg[9];
   const int* column = (const int*) arg[10];
   casadi_real h = arg[LIMITS][LENGTH], longest = arg[LIMITS][LONGEST], restitution, margin, room, turning;
   int fast;
   casadi_changes(arg, res, iw);
-  for (i=0; i<iw[0]; ++i) {
+  for (i=0; i<iw[CONTACTS]; ++i) {
     r = i*width;
     restitution = arg[28][law[pair[i]]*laws];
     for (a=1; a<width; ++a) {
@@ -78,7 +78,7 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
   const int* pair = (const int*) res[23];
   casadi_real* offset = res[26];
   casadi_real* changed = res[27];
-  casadi_int i, a, r, width = iw[1], rows = iw[0]*iw[1], differs = 0;
+  casadi_int i, a, r, width = iw[COMPONENTS], rows = iw[CONTACTS]*iw[COMPONENTS], differs = 0;
   casadi_real bounce, total = 0, magnitude = 0, work;
   int fast;
   for (r=0; r<rows; ++r) {
@@ -86,11 +86,11 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
     total += impulse[r]*(after[r] + before[r]);
     magnitude += fabs(impulse[r])*(fabs(after[r]) + fabs(before[r]));
   }
-  for (i=0; i<iw[0]; ++i) {
+  for (i=0; i<iw[CONTACTS]; ++i) {
     r = i*width;
     fast = casadi_strikes(arg, res, iw, i);
     bounce = casadi_bounce(res[22][i], before[r], arg[LIMITS][LENGTH], arg[LIMITS][LONGEST],
-      arg[28][law[pair[i]]*(2+iw[2])], forced, arg[SHARES][CLOSING], fast);
+      arg[28][law[pair[i]]*(2+iw[GROUPS])], forced, arg[SHARES][CLOSING], fast);
     if (impulse[r]>0 && -offset[r]<bounce && (before[r]<=0 || offset[r]!=before[r])) {
       changed[r] = -bounce;
     }
@@ -117,7 +117,7 @@ static casadi_int casadi_anticipated_impulses(const casadi_real** arg, casadi_re
   casadi_first_offsets(arg, res, iw, limits[0]);
   scale = limits[1]>0 ? limits[1] : 1.0;
   casadi_begin_impulses(arg, res, iw, w);
-  for (k=0; k<iw[25]; ++k) {
+  for (k=0; k<iw[MAX_OFFSETS]; ++k) {
     more = casadi_impulses(arg, res, iw, w, scale);
     if (more<0) return -1;
     rounds += more;
@@ -127,37 +127,37 @@ static casadi_int casadi_anticipated_impulses(const casadi_real** arg, casadi_re
   res[11][1] = residual;
   return rounds;
 }
-/* a step; iw[6] is its outcome: 0 done, 1 singular inertia, 2 the list is outdated, 3 more
+/* a step; iw[OUTCOME] is its outcome: 0 done, 1 singular inertia, 2 the list is outdated, 3 more
    contacts than memory of the record, 4 a gap is closed, 5 the order of elimination misses a pair of
    bodies, 6 the impulses did not converge, 7 more contacts than memory */
 static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w,
     int mem) {
-  const casadi_real* last = res[30] + 6*iw[20];
+  const casadi_real* last = res[30] + 6*iw[RECORDED_STEPS];
   casadi_real deepest[1];
-  casadi_int j, rounds = 0, call = ((const casadi_int*) arg[47])[6];
-  iw[6] = 0;
+  casadi_int j, rounds = 0, call = ((const casadi_int*) arg[SIZES])[CALL];
+  iw[OUTCOME] = 0;
   if (call==1) {
     casadi_path(arg, res, iw);
     return 0;
   }
-  iw[6] = 1;
+  iw[OUTCOME] = 1;
   if (casadi_free_speeds(arg, res, iw, w)) return 0;
   if (call==3) {
     casadi_other_forces(arg, res, iw);
     deepest[0] = last[0];
   } else {
-    iw[6] = casadi_prepare(arg, res, iw, 1.0, deepest);
-    if (iw[6] || call==2) return 0;
-    if (iw[21]+iw[0]>iw[22]) iw[6] = 3;
-    else if (!(deepest[0]>=-arg[LIMITS][ROUNDING])) iw[6] = 4;
-    else if (casadi_contact_places(arg, res, iw)) iw[6] = 5;
-    if (iw[6]) return 0;
+    iw[OUTCOME] = casadi_prepare(arg, res, iw, 1.0, deepest);
+    if (iw[OUTCOME] || call==2) return 0;
+    if (iw[RECORDED_CONTACTS]+iw[CONTACTS]>iw[MAX_RECORDED]) iw[OUTCOME] = 3;
+    else if (!(deepest[0]>=-arg[LIMITS][ROUNDING])) iw[OUTCOME] = 4;
+    else if (casadi_contact_places(arg, res, iw)) iw[OUTCOME] = 5;
+    if (iw[OUTCOME]) return 0;
   }
-  iw[6] = 6;
-  for (j=0; j<iw[3]; ++j) res[10][j] = 0;
-  if (iw[0]>0) rounds = casadi_anticipated_impulses(arg, res, iw, w);
+  iw[OUTCOME] = 6;
+  for (j=0; j<iw[SPEEDS]; ++j) res[10][j] = 0;
+  if (iw[CONTACTS]>0) rounds = casadi_anticipated_impulses(arg, res, iw, w);
   if (rounds<0) return 0;
   if (call==3) rounds += last[4];
-  if (!casadi_finish(arg, res, iw, deepest[0], rounds)) iw[6] = 0;
+  if (!casadi_finish(arg, res, iw, deepest[0], rounds)) iw[OUTCOME] = 0;
   return 0;
 }

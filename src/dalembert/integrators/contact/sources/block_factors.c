@@ -140,7 +140,8 @@ static int casadi_contact_places(const casadi_real** arg, casadi_real** res,
   int* local = (int*) res[16];
   int* block = (int*) res[17];
   int* place = (int*) res[18];
-  casadi_int count = iw[0], width = iw[1], size = iw[9], i, j, k, b, c, own, next = 0;
+  casadi_int count = iw[CONTACTS], width = iw[COMPONENTS], size = iw[BLOCK_SIZE], i, j, k, b, c, own,
+    next = 0;
   casadi_int last_row, last_column, same, number = 0;
   start[0] = 0;
   for (i=0; i<count; ++i) {
@@ -167,7 +168,7 @@ static int casadi_contact_places(const casadi_real** arg, casadi_real** res,
         if (owner[j]!=last_row || owner[k]!=last_column) {
           last_row = owner[j];
           last_column = owner[k];
-          number = casadi_block(first, row, iw[8], last_row, last_column);
+          number = casadi_block(first, row, iw[BLOCKS], last_row, last_column);
           if (number<0) return 1;
         }
         place[next] = number*size*size + position[j]*size + position[k];
@@ -187,12 +188,12 @@ static int casadi_inertia_blocks(const casadi_real** arg, casadi_real** res,
   const int* position = (const int*) arg[18];
   const int* members = (const int*) arg[21];
   casadi_real* constant = res[12];
-  casadi_int blocks = iw[8], size = iw[9], i, j, k;
-  for (j=0; j<iw[4]; ++j) constant[j] = 0;
+  casadi_int blocks = iw[BLOCKS], size = iw[BLOCK_SIZE], i, j, k;
+  for (j=0; j<iw[ENTRIES]; ++j) constant[j] = 0;
   for (k=0; k<blocks*size; ++k) {
     if (members[k]<0) constant[k/size*size*size + k%size*(size+1)] = 1;
   }
-  for (k=0; k<iw[3]; ++k) {
+  for (k=0; k<iw[SPEEDS]; ++k) {
     for (j=a_row[k]; j<a_row[k+1]; ++j) {
       i = casadi_block((const int*) arg[19], (const int*) arg[20], blocks, owner[k],
         owner[a_column[j]]);

@@ -24,9 +24,9 @@ static void casadi_mobilities(const casadi_real** arg, casadi_real** res, const 
   casadi_real* mobility = (casadi_real*) arg[5];
   casadi_real* weight = (casadi_real*) arg[6];
   const int* group = (const int*) arg[13];
-  casadi_int width = iw[1], groups = iw[2], i, g, a, r, linear = iw[2]>0 ? group[1] : 1;
+  casadi_int width = iw[COMPONENTS], groups = iw[GROUPS], i, g, a, r, linear = iw[GROUPS]>0 ? group[1] : 1;
   casadi_real along;
-  for (i=0; i<iw[0]; ++i) {
+  for (i=0; i<iw[CONTACTS]; ++i) {
     r = i*width;
     for (a=0; a<width; ++a) mobility[r+a] = shift[r+a] + casadi_own_response(arg, r + a);
     if (!(mobility[r]>0)) mobility[r] = 1;
@@ -44,12 +44,12 @@ static void casadi_mobilities(const casadi_real** arg, casadi_real** res, const 
 static casadi_real casadi_size(const casadi_real** arg, const casadi_int* iw,
     const casadi_real* impulse, casadi_real scale) {
   const int* group = (const int*) arg[13];
-  casadi_int i, a, linear = iw[2]>0 ? group[1] : 1;
+  casadi_int i, a, linear = iw[GROUPS]>0 ? group[1] : 1;
   casadi_real square;
-  for (i=0; i<iw[0]; ++i) {
+  for (i=0; i<iw[CONTACTS]; ++i) {
     square = 0;
-    for (a=0; a<linear; ++a) square += impulse[i*iw[1]+a]*impulse[i*iw[1]+a];
-    square = sqrt(square)*arg[5][i*iw[1]];
+    for (a=0; a<linear; ++a) square += impulse[i*iw[COMPONENTS]+a]*impulse[i*iw[COMPONENTS]+a];
+    square = sqrt(square)*arg[5][i*iw[COMPONENTS]];
     if (square>scale) scale = square;
   }
   return scale;
@@ -58,7 +58,7 @@ static casadi_real casadi_size(const casadi_real** arg, const casadi_int* iw,
 static casadi_real casadi_newton(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real tolerance) {
   casadi_real* settings = (casadi_real*) arg[8];
-  settings[0] = tolerance;
+  settings[TOLERANCE] = tolerance;
   casadi_iterate(arg, res, iw, w);
   casadi_state(arg, res, iw, w);
   return res[11][1];
@@ -75,19 +75,19 @@ static casadi_real casadi_keep(casadi_real** res, casadi_int rows, casadi_real l
 static casadi_real casadi_central(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real allowed, casadi_real largest, casadi_real start,
     casadi_real least) {
-  casadi_int most = iw[10], rows = iw[0]*iw[1], k, short_steps = 0;
+  casadi_int most = iw[MAX_ITERATIONS], rows = iw[CONTACTS]*iw[COMPONENTS], k, short_steps = 0;
   casadi_real limit = arg[SHARES][INTERIOR_SHARE]*largest, share;
   casadi_interior_start(arg, res, iw, largest, start, w);
-  for (k=0; k<iw[26] && short_steps<iw[28]; ++k) {
+  for (k=0; k<iw[MAX_INTERIOR] && short_steps<iw[MAX_SHORT_STEPS]; ++k) {
     casadi_interior_impulses(arg, res, iw, w);
     least = casadi_keep(res, rows, least);
     if (!(res[11][1]<1e300) || least<=allowed) break;
     if (res[11][1]<=limit) {
       limit = arg[SHARES][INTERIOR_FACTOR]*res[11][1];
-      iw[10] = iw[27];
-      casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
+      iw[MAX_ITERATIONS] = iw[MAX_POLISHING];
+      casadi_forget(w + iw[WORK] + rows + iw[MERITS], iw[CONTACTS]);
       casadi_newton(arg, res, iw, w, arg[SHARES][NEWTON_SHARE]*allowed);
-      iw[10] = most;
+      iw[MAX_ITERATIONS] = most;
       least = casadi_keep(res, rows, least);
       if (least<=allowed || least<arg[SHARES][INTERIOR_END]*largest) break;
       casadi_interior_impulses(arg, res, iw, w);
@@ -103,16 +103,16 @@ static casadi_real casadi_central(const casadi_real** arg, casadi_real** res, ca
 static casadi_real casadi_centered(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real allowed, casadi_real largest) {
   const int* group = (const int*) arg[13];
-  casadi_int rows = iw[0]*iw[1], r;
+  casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], r;
   casadi_real least = casadi_keep(res, rows, 1e300);
-  if (iw[2]>1 || (iw[2]==1 && group[1]!=iw[1])) return least;
+  if (iw[GROUPS]>1 || (iw[GROUPS]==1 && group[1]!=iw[COMPONENTS])) return least;
   least = casadi_central(arg, res, iw, w, allowed, largest, arg[SHARES][FIRST_START], least);
   if (least>arg[SHARES][INTERIOR_END]*largest) {
     for (r=0; r<rows; ++r) res[0][r] = 0;
     least = casadi_central(arg, res, iw, w, allowed, largest, arg[SHARES][SECOND_START], least);
   }
   for (r=0; r<rows; ++r) res[0][r] = res[35][r];
-  casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
+  casadi_forget(w + iw[WORK] + rows + iw[MERITS], iw[CONTACTS]);
   res[11][1] = least;
   return least;
 }
@@ -128,13 +128,13 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
   casadi_real* shift = (casadi_real*) arg[7];
   casadi_real* impulse = res[0];
   casadi_real* original = res[34];
-  casadi_real* center = original + iw[0]*iw[1];
-  casadi_real* best = center + iw[0]*iw[1];
-  casadi_real* move = best + iw[0]*iw[1];
-  casadi_int rows = iw[0]*iw[1], steps = iw[10], rounds, r, solved = 1;
+  casadi_real* center = original + iw[CONTACTS]*iw[COMPONENTS];
+  casadi_real* best = center + iw[CONTACTS]*iw[COMPONENTS];
+  casadi_real* move = best + iw[CONTACTS]*iw[COMPONENTS];
+  casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], steps = iw[MAX_ITERATIONS], rounds, r, solved = 1;
   casadi_real weight = arg[SHARES][WEIGHT], residual = res[11][1], least = residual, tolerance, allowed;
   casadi_real ahead, moved = 0;
-  if (few==most) iw[10] = arg[SHARES][LAST_ITERATIONS];
+  if (few==most) iw[MAX_ITERATIONS] = arg[SHARES][LAST_ITERATIONS];
   for (r=0; r<rows; ++r) {
     original[r] = velocity[r];
     center[r] = impulse[r];
@@ -152,7 +152,7 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
       impulse[r] = center[r] + ahead*move[r];
     }
     casadi_mobilities(arg, res, iw);
-    casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
+    casadi_forget(w + iw[WORK] + rows + iw[MERITS], iw[CONTACTS]);
     tolerance = arg[SHARES][RESIDUAL_SHARE]*residual;
     if (arg[SHARES][TOLERANCE_SHARE]*allowed>tolerance) tolerance = arg[SHARES][TOLERANCE_SHARE]*allowed;
     solved = casadi_newton(arg, res, iw, w, tolerance)<=tolerance;
@@ -167,7 +167,7 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
     if (weight>arg[SHARES][WEIGHT_MAX]) weight = arg[SHARES][WEIGHT_MAX];
     if (weight<arg[SHARES][WEIGHT_MIN]) weight = arg[SHARES][WEIGHT_MIN];
     casadi_mobilities(arg, res, iw);
-    casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
+    casadi_forget(w + iw[WORK] + rows + iw[MERITS], iw[CONTACTS]);
     if (solved || weight==arg[SHARES][WEIGHT_MAX]) {
       casadi_state(arg, res, iw, w);
       residual = res[11][1];
@@ -179,7 +179,7 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
     }
   }
   for (r=0; r<rows; ++r) impulse[r] = best[r];
-  iw[10] = steps;
+  iw[MAX_ITERATIONS] = steps;
   res[11][1] = least;
   return rounds;
 }
@@ -188,12 +188,12 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
 static casadi_int casadi_solution(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real tolerance, casadi_real scale) {
   casadi_real allowed = tolerance*casadi_size(arg, iw, res[0], scale);
-  casadi_int rounds, most = 5*iw[29]<iw[24] ? 5*iw[29] : iw[24];
+  casadi_int rounds, most = 5*iw[FEW_PROXIMAL]<iw[MAX_PROXIMAL] ? 5*iw[FEW_PROXIMAL] : iw[MAX_PROXIMAL];
   if (casadi_newton(arg, res, iw, w, arg[SHARES][NEWTON_SHARE]*allowed)
       <=tolerance*casadi_size(arg, iw, res[0], scale)) return 0;
-  rounds = casadi_proximal(arg, res, iw, w, tolerance, scale, most, iw[29]);
+  rounds = casadi_proximal(arg, res, iw, w, tolerance, scale, most, iw[FEW_PROXIMAL]);
   allowed = tolerance*casadi_size(arg, iw, res[0], scale);
   if (res[11][1]<=allowed) return rounds;
   casadi_centered(arg, res, iw, w, allowed, scale);
-  return rounds + casadi_proximal(arg, res, iw, w, tolerance, scale, iw[24], iw[24]);
+  return rounds + casadi_proximal(arg, res, iw, w, tolerance, scale, iw[MAX_PROXIMAL], iw[MAX_PROXIMAL]);
 }

@@ -48,7 +48,8 @@ static int casadi_invert(const casadi_real** arg, casadi_real** res, const casad
   const int* start = (const int*) arg[30];
   casadi_real* inverse = res[20];
   casadi_real* last = res[21];
-  casadi_int bodies = iw[16], widest = iw[9], entries = iw[23], b, k, j, size, changed = 0;
+  casadi_int bodies = iw[BODIES], widest = iw[BLOCK_SIZE], entries = iw[INERTIA_ENTRIES], b, k, j, size,
+    changed = 0;
   for (k=0; k<entries; ++k) {
     if (inertia[k]!=last[k]) changed = 1;
     last[k] = inertia[k];

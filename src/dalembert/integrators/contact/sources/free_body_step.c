@@ -4,11 +4,11 @@ static void casadi_largest(const casadi_real** arg, casadi_real** res, const cas
     casadi_real* limits) {
   const casadi_real* before = res[24];
   const casadi_real* free = res[25];
-  casadi_int i, a, r, linear = iw[2]>0 ? ((const int*) arg[13])[1] : 1;
+  casadi_int i, a, r, linear = iw[GROUPS]>0 ? ((const int*) arg[13])[1] : 1;
   limits[0] = 0;
   limits[1] = 0;
-  for (i=0; i<iw[0]; ++i) {
-    r = i*iw[1];
+  for (i=0; i<iw[CONTACTS]; ++i) {
+    r = i*iw[COMPONENTS];
     if (!(fabs(free[r] - before[r])<=limits[0])) limits[0] = fabs(free[r] - before[r]);
     for (a=0; a<linear; ++a) {
       if (!(fabs(before[r+a])<=limits[1])) limits[1] = fabs(before[r+a]);
@@ -19,18 +19,18 @@ static void casadi_largest(const casadi_real** arg, casadi_real** res, const cas
 /* begin to solve for the impulses of the contacts */
 static void casadi_begin_impulses(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw, casadi_real* w) {
-  casadi_int rows = iw[0]*iw[1], r;
+  casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], r;
   for (r=0; r<rows; ++r) ((casadi_real*) arg[7])[r] = 0;
   casadi_mobilities(arg, res, iw);
   casadi_inertia_blocks(arg, res, iw);
-  casadi_forget(w + iw[13] + rows + iw[11], iw[0]);
+  casadi_forget(w + iw[WORK] + rows + iw[MERITS], iw[CONTACTS]);
 }
 /* impulses within their cones, and velocities without offsets in res[5] */
 static void casadi_velocities(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
   const int* row = (const int*) arg[9];
-  casadi_int rows = iw[0]*iw[1], r;
+  casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], r;
   casadi_shorten(arg, res[0], iw);
-  casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], res[0], rows, iw[3], res[10]);
+  casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], res[0], rows, iw[SPEEDS], res[10]);
   for (r=0; r<rows; ++r) {
     res[5][r] = res[48][r]
       + casadi_row(arg[0], (const int*) arg[10], row[r], row[r+1], res[10]);
@@ -40,7 +40,7 @@ static void casadi_velocities(const casadi_real** arg, casadi_real** res, const 
    number of proximal problems, or -1 if they did not converge */
 static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real scale) {
-  casadi_int rows = iw[0]*iw[1], r, rounds;
+  casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], r, rounds;
   casadi_real allowed;
   for (r=0; r<rows; ++r) ((casadi_real*) arg[2])[r] = res[48][r] + res[26][r];
   rounds = casadi_solution(arg, res, iw, w, arg[LIMITS][TOLERANCE], scale);
@@ -57,10 +57,10 @@ static void casadi_record(const casadi_real** arg, casadi_real** res, casadi_int
   casadi_int* sizes = (casadi_int*) arg[47];
   casadi_int* keys = (casadi_int*) res[31];
   casadi_real* impulse = res[0];
-  casadi_real* numbers = res[30] + 6*iw[20];
-  casadi_int i, a, r, width = iw[1], rows = iw[0]*iw[1], pressing = 0;
+  casadi_real* numbers = res[30] + 6*iw[RECORDED_STEPS];
+  casadi_int i, a, r, width = iw[COMPONENTS], rows = iw[CONTACTS]*iw[COMPONENTS], pressing = 0;
   casadi_real loss = 0, friction = 0;
-  for (i=0; i<iw[0]; ++i) {
+  for (i=0; i<iw[CONTACTS]; ++i) {
     r = i*width;
     for (a=0; a<width; ++a) {
       loss -= 0.5*impulse[r+a]*(res[5][r+a] + res[24][r+a]);
@@ -68,12 +68,12 @@ static void casadi_record(const casadi_real** arg, casadi_real** res, casadi_int
     }
     if (!(impulse[r]>0)) continue;
     last[pressing] = key[i];
-    keys[iw[21]+pressing] = key[i];
-    ((int*) res[46])[iw[21]+pressing] = ((const int*) res[45])[i];
+    keys[iw[RECORDED_CONTACTS]+pressing] = key[i];
+    ((int*) res[46])[iw[RECORDED_CONTACTS]+pressing] = ((const int*) res[45])[i];
     for (a=0; a<width; ++a) {
       res[29][pressing*width+a] = impulse[r+a];
-      res[32][(iw[21]+pressing)*width+a] = impulse[r+a];
-      res[33][(iw[21]+pressing)*width+a] = res[26][r+a];
+      res[32][(iw[RECORDED_CONTACTS]+pressing)*width+a] = impulse[r+a];
+      res[33][(iw[RECORDED_CONTACTS]+pressing)*width+a] = res[26][r+a];
     }
     ++pressing;
   }
@@ -83,23 +83,23 @@ static void casadi_record(const casadi_real** arg, casadi_real** res, casadi_int
   numbers[3] = rows>0 ? res[11][1] : 0.0;
   numbers[4] = rounds;
   numbers[5] = pressing;
-  sizes[0] = pressing;
-  sizes[8] = iw[0];
-  for (i=0; i<iw[0]; ++i) {
+  sizes[LAST_IMPULSES] = pressing;
+  sizes[BEFORE] = iw[CONTACTS];
+  for (i=0; i<iw[CONTACTS]; ++i) {
     ((casadi_int*) arg[57])[i] = key[i];
     for (a=0; a<6; ++a) ((int*) arg[58])[6*i+a] = ((const int*) arg[51])[6*i+a];
   }
-  iw[21] += pressing;
-  ++iw[20];
+  iw[RECORDED_CONTACTS] += pressing;
+  ++iw[RECORDED_STEPS];
 }
 /* other forces of the same step: its responses, and the velocities at its end without impulses */
 static void casadi_other_forces(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
   const int* contact = (const int*) arg[51];
   const int* row = (const int*) arg[9];
   casadi_int i, j, r;
-  for (j=0; j<iw[3]; ++j) res[10][j] = res[19][j] - res[49][j];
-  for (i=0; i<iw[0]; ++i, contact+=6) casadi_response_rows(arg, res, iw, i, contact[1], contact[3]);
-  for (r=0; r<iw[0]*iw[1]; ++r) {
+  for (j=0; j<iw[SPEEDS]; ++j) res[10][j] = res[19][j] - res[49][j];
+  for (i=0; i<iw[CONTACTS]; ++i, contact+=6) casadi_response_rows(arg, res, iw, i, contact[1], contact[3]);
+  for (r=0; r<iw[CONTACTS]*iw[COMPONENTS]; ++r) {
     res[48][r] = res[25][r]
       + casadi_row(arg[0], (const int*) arg[10], row[r], row[r+1], res[10]);
   }
@@ -109,8 +109,9 @@ static int casadi_free_speeds(const casadi_real** arg, casadi_real** res, const 
     casadi_real* w) {
   casadi_int j;
   if (casadi_invert(arg, res, iw, w)) return 1;
-  for (j=0; j<iw[3]; ++j) res[19][j] = arg[22][j];
-  casadi_accelerate(res[20], (const int*) arg[30], iw[16], iw[9], arg[LIMITS][LENGTH], arg[23], res[19]);
+  for (j=0; j<iw[SPEEDS]; ++j) res[19][j] = arg[22][j];
+  casadi_accelerate(res[20], (const int*) arg[30], iw[BODIES], iw[BLOCK_SIZE], arg[LIMITS][LENGTH], arg[23],
+    res[19]);
   return 0;
 }
 /* contacts of a step, with the velocities that it has without impulses, also in res[48], and the speeds
@@ -127,10 +128,10 @@ static casadi_int casadi_prepare(const casadi_real** arg, casadi_real** res, cas
   res[11][3] = multiple*(reach[0]>reach[1] ? reach[0] : reach[1]);
   if (!casadi_listed(arg, iw, res[11][3])) return 2;
   deepest[0] = casadi_contacts(arg, res, iw, reach);
-  if (iw[0]>iw[19]) return 7;
+  if (iw[CONTACTS]>iw[MAX_CONTACTS]) return 7;
   casadi_take_middle(arg, res, iw);
-  for (r=0; r<iw[0]*iw[1]; ++r) res[48][r] = res[25][r];
-  for (j=0; j<iw[3]; ++j) res[49][j] = res[19][j];
+  for (r=0; r<iw[CONTACTS]*iw[COMPONENTS]; ++r) res[48][r] = res[25][r];
+  for (j=0; j<iw[SPEEDS]; ++j) res[49][j] = res[19][j];
   return 0;
 }
 /* speeds and displacement of a step by its impulses, if they are finite, and its record; 1 if they are
@@ -141,12 +142,12 @@ static int casadi_finish(const casadi_real** arg, casadi_real** res, casadi_int*
   casadi_real* free = res[19];
   casadi_real theta = arg[LIMITS][THETA];
   casadi_int j;
-  for (j=0; j<iw[3]; ++j) {
+  for (j=0; j<iw[SPEEDS]; ++j) {
     free[j] += res[10][j];
     if (!(fabs(free[j])<1e300)) return 1;
   }
   casadi_record(arg, res, iw, deepest, rounds);
-  for (j=0; j<iw[3]; ++j) {
+  for (j=0; j<iw[SPEEDS]; ++j) {
     res[28][j] = arg[LIMITS][LENGTH]*(theta*free[j] + (1 - theta)*v[j]);
     v[j] = free[j];
   }

@@ -15,16 +15,16 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   casadi_int k, r, c, i, j, count, total = 0;
   const int* a;
   const int* b;
-  for (k=0; k<iw[1]; ++k) {
+  for (k=0; k<iw[HULLS]; ++k) {
     if (place[3*k]<0) continue;
-    casadi_axes(forms + place[3*k], corners + 3*place[3*k+1], iw[2], axes + 3*place[3*k+2]);
+    casadi_axes(forms + place[3*k], corners + 3*place[3*k+1], iw[DIMENSION], axes + 3*place[3*k+2]);
   }
-  for (k=0; k<iw[0]; ++k) {
+  for (k=0; k<iw[PAIRS]; ++k) {
     i = 3*pair[2*k];
     j = 3*pair[2*k+1];
     a = forms + place[i];
     b = forms + place[j];
-    if (iw[2]==2) {
+    if (iw[DIMENSION]==2) {
       count = casadi_planar_features(a, corners + 3*place[i+1], axes + 3*place[i+2], b,
         corners + 3*place[j+1], axes + 3*place[j+2], rounded[k], limit[k], part);
     } else {
@@ -32,7 +32,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
         corners + 3*place[j+1], axes + 3*place[j+2], rounded[k], limit[k], part, w);
     }
     for (r=0; r<count; ++r) {
-      if (total<iw[3]) {
+      if (total<iw[MAX_FEATURES]) {
         rows[5*total] = part[4*r];
         rows[5*total+1] = k;
         for (c=1; c<4; ++c) rows[5*total+1+c] = part[4*r+c];
@@ -40,6 +40,6 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
       ++total;
     }
   }
-  iw[4] = total;
+  iw[FEATURES] = total;
   return 0;
 }

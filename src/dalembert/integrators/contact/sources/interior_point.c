@@ -15,7 +15,7 @@ static casadi_real casadi_determinant(const casadi_real* x, casadi_int size) {
 }
 /* dimension of the cone of a contact, one without friction; the other components are zero */
 static casadi_int casadi_cone(const casadi_real** arg, const casadi_int* iw, casadi_int i) {
-  return iw[2]>0 && arg[3][i]>0 ? iw[1] : 1;
+  return iw[GROUPS]>0 && arg[3][i]>0 ? iw[COMPONENTS] : 1;
 }
 /* ratio of x_0 to the normal impulse */
 static casadi_real casadi_slope(const casadi_real** arg, const casadi_int* iw, casadi_int i) {
@@ -89,7 +89,7 @@ static void casadi_target(const casadi_real* scaled, const casadi_real* dx, cons
 static int casadi_linearise(const casadi_real** arg, const casadi_int* iw, casadi_int i,
     const casadi_real* axis, casadi_real scale, const casadi_real* speed, casadi_real shift,
     casadi_real* gain, casadi_real* inverse, casadi_real* w) {
-  casadi_int width = iw[1], size = casadi_cone(arg, iw, i), a, b, k;
+  casadi_int width = iw[COMPONENTS], size = casadi_cone(arg, iw, i), a, b, k;
   casadi_real slope = casadi_slope(arg, iw, i), length = casadi_length(speed, width), sum;
   casadi_real* left = w;
   casadi_real* own = left + width*width;
@@ -121,11 +121,11 @@ static void casadi_interior_start(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw, casadi_real largest, casadi_real share, casadi_real* w) {
   casadi_real* x = res[36];
   casadi_real* s = res[37];
-  casadi_int width = iw[1], i, a, r, size;
+  casadi_int width = iw[COMPONENTS], i, a, r, size;
   casadi_real slope, length;
   casadi_shorten(arg, res[0], iw);
   casadi_state(arg, res, iw, w);
-  for (i=0; i<iw[0]; ++i) {
+  for (i=0; i<iw[CONTACTS]; ++i) {
     r = i*width;
     size = casadi_cone(arg, iw, i);
     slope = casadi_slope(arg, iw, i);
@@ -141,9 +141,9 @@ static void casadi_interior_start(const casadi_real** arg, casadi_real** res,
 static void casadi_interior_impulses(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw, casadi_real* w) {
   casadi_int i, a;
-  for (i=0; i<iw[0]; ++i) {
-    for (a=0; a<iw[1]; ++a) res[0][i*iw[1]+a] = res[36][i*iw[1]+a];
-    res[0][i*iw[1]] = res[0][i*iw[1]]/casadi_slope(arg, iw, i);
+  for (i=0; i<iw[CONTACTS]; ++i) {
+    for (a=0; a<iw[COMPONENTS]; ++a) res[0][i*iw[COMPONENTS]+a] = res[36][i*iw[COMPONENTS]+a];
+    res[0][i*iw[COMPONENTS]] = res[0][i*iw[COMPONENTS]]/casadi_slope(arg, iw, i);
   }
   casadi_state(arg, res, iw, w);
 }
@@ -152,9 +152,9 @@ static casadi_real casadi_interior_state(const casadi_real** arg, casadi_real** 
     const casadi_int* iw) {
   const casadi_real* x = res[36];
   const casadi_real* s = res[37];
-  casadi_int width = iw[1], i, a, r, size;
+  casadi_int width = iw[COMPONENTS], i, a, r, size;
   casadi_real gap = 0;
-  for (i=0; i<iw[0]; ++i) {
+  for (i=0; i<iw[CONTACTS]; ++i) {
     r = i*width;
     size = casadi_cone(arg, iw, i);
     res[43][i] = casadi_scaling(x + r, s + r, width, res[41] + r, res[42] + r);
@@ -167,15 +167,15 @@ static casadi_real casadi_interior_state(const casadi_real** arg, casadi_real** 
       res[39][r+a] = 0;
     }
   }
-  return gap/iw[0];
+  return gap/iw[CONTACTS];
 }
 /* matrix of the steps; 1 if a contact is singular */
 static int casadi_interior_matrix(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw, casadi_real shift, casadi_real* w) {
-  casadi_int width = iw[1], square = iw[1]*iw[1], last = -1, i, j;
+  casadi_int width = iw[COMPONENTS], square = iw[COMPONENTS]*iw[COMPONENTS], last = -1, i, j;
   casadi_real* sums = w + 4*square;
-  for (j=0; j<iw[4]; ++j) res[1][j] = res[12][j];
-  for (i=0; i<iw[0]; ++i) {
+  for (j=0; j<iw[ENTRIES]; ++j) res[1][j] = res[12][j];
+  for (i=0; i<iw[CONTACTS]; ++i) {
     if (casadi_linearise(arg, iw, i, res[42] + i*width, res[43][i], res[5] + i*width, shift,
         res[4] + i*square, res[44] + i*square, w)) return 1;
     last = casadi_add_blocks(arg, res, iw, i, res[4] + i*square, sums, last);
@@ -186,11 +186,11 @@ static int casadi_interior_matrix(const casadi_real** arg, casadi_real** res,
 /* equations of a step to a centre, after the predictor in res[38] and res[39] */
 static void casadi_interior_equations(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw, casadi_real center, casadi_real* w) {
-  casadi_int width = iw[1], i, a, b, r, size;
+  casadi_int width = iw[COMPONENTS], i, a, b, r, size;
   casadi_real* q = w;
   casadi_real* right = q + 3*width;
   casadi_real scale;
-  for (i=0; i<iw[0]; ++i) {
+  for (i=0; i<iw[CONTACTS]; ++i) {
     r = i*width;
     size = casadi_cone(arg, iw, i);
     scale = res[43][i];
@@ -215,14 +215,14 @@ static casadi_real casadi_interior_step(const casadi_real** arg, casadi_real** r
   const casadi_real* speed = res[5];
   casadi_real* dx = res[38];
   casadi_real* ds = res[39];
-  casadi_int width = iw[1], i, a, b, r, j, size;
+  casadi_int width = iw[COMPONENTS], i, a, b, r, j, size;
   casadi_real slope, length, share = 1;
   casadi_real* z = w;
-  for (j=0; j<iw[5]; ++j) res[2][j] = 0;
-  for (i=0; i<iw[0]; ++i) casadi_add_push(arg, res, iw, i, res[3]);
-  casadi_solve(res[1], (const int*) arg[19], (const int*) arg[20], (const int*) arg[21], iw[8],
-    iw[9], used, res[2], res[13], w);
-  for (i=0; i<iw[0]; ++i) {
+  for (j=0; j<iw[UNKNOWNS]; ++j) res[2][j] = 0;
+  for (i=0; i<iw[CONTACTS]; ++i) casadi_add_push(arg, res, iw, i, res[3]);
+  casadi_solve(res[1], (const int*) arg[19], (const int*) arg[20], (const int*) arg[21], iw[BLOCKS],
+    iw[BLOCK_SIZE], used, res[2], res[13], w);
+  for (i=0; i<iw[CONTACTS]; ++i) {
     r = i*width;
     size = casadi_cone(arg, iw, i);
     slope = casadi_slope(arg, iw, i);
@@ -251,9 +251,9 @@ static void casadi_interior_move(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw, casadi_real share, casadi_real largest) {
   casadi_real* x = res[36];
   casadi_real* s = res[37];
-  casadi_int width = iw[1], i, a, r;
+  casadi_int width = iw[COMPONENTS], i, a, r;
   casadi_real length;
-  for (i=0; i<iw[0]; ++i) {
+  for (i=0; i<iw[CONTACTS]; ++i) {
     r = i*width;
     for (a=0; a<width; ++a) {
       x[r+a] += share*res[38][r+a];
@@ -281,14 +281,14 @@ static casadi_real casadi_interior(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw, casadi_real* w, casadi_real largest) {
   casadi_real shift = arg[SHARES][res[11][1]<arg[SHARES][INTERIOR_END]*largest ? LAST_REGULARIZATION
     : REGULARIZATION];
-  casadi_real* used = w + iw[13] + iw[0]*iw[1] + iw[11] + iw[0] + 2;
+  casadi_real* used = w + iw[WORK] + iw[CONTACTS]*iw[COMPONENTS] + iw[MERITS] + iw[CONTACTS] + 2;
   casadi_real gap = casadi_interior_state(arg, res, iw), share, center;
   if (casadi_interior_matrix(arg, res, iw, shift, w)) return -1;
-  if (casadi_factorise(res[1], (const int*) arg[19], (const int*) arg[20], iw[8], iw[9], used,
+  if (casadi_factorise(res[1], (const int*) arg[19], (const int*) arg[20], iw[BLOCKS], iw[BLOCK_SIZE], used,
       w)) return -1;
   casadi_interior_equations(arg, res, iw, 0.0, w);
   share = casadi_interior_step(arg, res, iw, shift, used, w);
-  center = casadi_interior_center(res, iw[0]*iw[1], share, gap*iw[0]);
+  center = casadi_interior_center(res, iw[CONTACTS]*iw[COMPONENTS], share, gap*iw[CONTACTS]);
   casadi_interior_equations(arg, res, iw, center*gap, w);
   share = arg[SHARES][TO_BOUNDARY]*casadi_interior_step(arg, res, iw, shift, used, w);
   casadi_interior_move(arg, res, iw, share, largest);

@@ -4,28 +4,28 @@
    closes faster than forces change speeds, and the contacts dissipate no more than by the residual */
 static int casadi_may_gain(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
     casadi_real forced) {
-  casadi_int i, r, rows = iw[0]*iw[1], impact = 0;
+  casadi_int i, r, rows = iw[CONTACTS]*iw[COMPONENTS], impact = 0;
   casadi_real loss = 0, push = 0;
   for (r=0; r<rows; ++r) {
     loss -= 0.5*res[0][r]*(res[5][r] + res[24][r]);
     push += fabs(res[0][r]);
   }
-  for (i=0; i<iw[0]; ++i) {
-    if (-res[24][i*iw[1]]>arg[SHARES][SLOW]*forced) impact = 1;
+  for (i=0; i<iw[CONTACTS]; ++i) {
+    if (-res[24][i*iw[COMPONENTS]]>arg[SHARES][SLOW]*forced) impact = 1;
   }
   return impact && loss<=2*res[11][1]*push;
 }
 /* two more steps of Newton's method, if they reduce the residual */
 static void casadi_refine(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real tolerance) {
-  casadi_int rows = iw[0]*iw[1], most = iw[10], r;
+  casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], most = iw[MAX_ITERATIONS], r;
   casadi_real least = casadi_keep(res, rows, 1e300);
-  iw[10] = 2;
+  iw[MAX_ITERATIONS] = 2;
   if (!(casadi_newton(arg, res, iw, w, tolerance)<=least)) {
     for (r=0; r<rows; ++r) res[0][r] = res[35][r];
     res[11][1] = least;
   }
-  iw[10] = most;
+  iw[MAX_ITERATIONS] = most;
   casadi_velocities(arg, res, iw);
 }
 /* impulses of all contacts by Newton's law of impact; contacts that part do no work if positions are
@@ -35,11 +35,11 @@ static casadi_int casadi_newton_impulses(const casadi_real** arg, casadi_real** 
   const casadi_real* before = res[24];
   const casadi_real* law;
   casadi_real limits[2];
-  casadi_int i, a, r, rounds, width = iw[1], linear = iw[2]>0 ? ((const int*) arg[13])[1] : 1;
+  casadi_int i, a, r, rounds, width = iw[COMPONENTS], linear = iw[GROUPS]>0 ? ((const int*) arg[13])[1] : 1;
   casadi_largest(arg, res, iw, limits);
-  for (i=0; i<iw[0]; ++i) {
+  for (i=0; i<iw[CONTACTS]; ++i) {
     r = i*width;
-    law = arg[28] + ((const int*) arg[33])[((const int*) res[23])[i]]*(2 + iw[2]);
+    law = arg[28] + ((const int*) arg[33])[((const int*) res[23])[i]]*(2 + iw[GROUPS]);
     res[26][r] = law[0]*before[r];
     if (arg[LIMITS][PROJECTS]>0 && before[r]>res[26][r]) res[26][r] = before[r];
     for (a=1; a<width; ++a) res[26][r+a] = a<linear ? law[1]*before[r+a] : 0.0;
@@ -56,7 +56,7 @@ static casadi_real casadi_closing(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw, casadi_int i) {
   const int* row = (const int*) res[52];
   const int* column = (const int*) res[53];
-  casadi_int r = i*iw[1];
+  casadi_int r = i*iw[COMPONENTS];
   casadi_real after = res[55][r] + casadi_row(res[51], column, row[r], row[r+1], res[62])
     - casadi_row(res[51], column, row[r], row[r+1], res[49]);
   return -arg[LIMITS][LENGTH]/2*(res[54][r] + after);
@@ -71,7 +71,7 @@ static int casadi_closes(const casadi_real** arg, casadi_real** res, const casad
 static int casadi_approaches(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
     casadi_int i) {
   return res[56][i]>arg[LIMITS][ROUNDING] && res[56][i]
-    + arg[LIMITS][LENGTH]*res[54][i*iw[1]]<-arg[LIMITS][ROUNDING];
+    + arg[LIMITS][LENGTH]*res[54][i*iw[COMPONENTS]]<-arg[LIMITS][ROUNDING];
 }
 /* whether a contact with the shapes of a stored one presses */
 static int casadi_pair_presses(const casadi_real** arg, casadi_real** res, casadi_int i) {
@@ -79,9 +79,9 @@ static int casadi_pair_presses(const casadi_real** arg, casadi_real** res, casad
   const casadi_int* last = (const casadi_int*) arg[44];
   const int* contact = (const int*) res[58];
   casadi_int j, k;
-  for (j=0; j<sizes[9]; ++j) {
+  for (j=0; j<sizes[STORED]; ++j) {
     if (contact[6*j+5]!=contact[6*i+5]) continue;
-    for (k=0; k<sizes[0]; ++k) {
+    for (k=0; k<sizes[LAST_IMPULSES]; ++k) {
       if (last[k]==((const casadi_int*) res[57])[j]) return 1;
     }
   }
@@ -105,18 +105,18 @@ static int casadi_energetic(const casadi_real** arg, casadi_real** res, const ca
   const int* start = (const int*) arg[30];
   const int* contact = (const int*) res[58] + 6*i;
   const casadi_real* v = arg[22];
-  const casadi_real* normal = res[51] + ((const int*) res[52])[i*iw[1]];
+  const casadi_real* normal = res[51] + ((const int*) res[52])[i*iw[COMPONENTS]];
   const casadi_real* inverse;
   casadi_int j, k, c, s, body, size;
   casadi_real energy = 0, mobility = 0;
-  for (j=0; j<iw[3]; ++j) {
+  for (j=0; j<iw[SPEEDS]; ++j) {
     energy += 0.5*v[j]*casadi_row(arg[14], (const int*) arg[16], row[j], row[j+1], v);
   }
   for (s=1; s<4; s+=2) {
     body = ((const int*) arg[29])[contact[s]];
     if (body<0) continue;
     size = start[body+1] - start[body];
-    inverse = res[20] + body*iw[9]*iw[9];
+    inverse = res[20] + body*iw[BLOCK_SIZE]*iw[BLOCK_SIZE];
     for (k=0; k<size; ++k) {
       for (c=0; c<size; ++c) mobility += normal[k]*inverse[k*size+c]*normal[c];
     }
@@ -131,7 +131,7 @@ static int casadi_returns(const casadi_real** arg, casadi_real** res, const casa
     casadi_int i, casadi_int e) {
   const int* row = (const int*) res[52];
   const int* w_row = (const int*) arg[9];
-  casadi_int r = i*iw[1], q = e*iw[1];
+  casadi_int r = i*iw[COMPONENTS], q = e*iw[COMPONENTS];
   casadi_real gap = res[56][i], after = arg[45][e], h = arg[LIMITS][LENGTH], rate, rate_after;
   if (after<0 || res[24][q]<=0 || !casadi_dips(gap, h*res[54][r], after, h*res[24][q])) return 0;
   if (((const casadi_int*) arg[43])[e]!=((const casadi_int*) res[57])[i]) return 1;
@@ -148,7 +148,7 @@ static int casadi_missed(const casadi_real** arg, casadi_real** res, const casad
   const int* contact = (const int*) arg[51];
   casadi_int e, nearest = -1;
   casadi_real normal[3];
-  for (e=0; e<iw[0]; ++e) {
+  for (e=0; e<iw[CONTACTS]; ++e) {
     if (contact[6*e+5]!=((const int*) res[58])[6*i+5]) continue;
     if (nearest<0 || arg[45][e]<arg[45][nearest]) nearest = e;
   }
@@ -167,23 +167,23 @@ static void casadi_select(const casadi_real** arg, casadi_real** res, const casa
   int* state = (int*) res[61];
   casadi_int i, e, a, r;
   casadi_real forced = res[11][5], h = arg[LIMITS][LENGTH];
-  for (i=0; i<sizes[9]; ++i) {
+  for (i=0; i<sizes[STORED]; ++i) {
     if (state[i]!=1) continue;
-    r = i*iw[1];
+    r = i*iw[COMPONENTS];
     if (res[56][i]<=h*forced/2 && fabs(res[54][r])<=arg[SHARES][SLOW]*forced
         && -casadi_closing(arg, res, iw, i)<=arg[LIMITS][ROUNDING]) state[i] = 3;
-    for (e=0; e<iw[0] && state[i]==1; ++e) {
+    for (e=0; e<iw[CONTACTS] && state[i]==1; ++e) {
       if (keys[e]==stored[i] && arg[45][e]<-arg[LIMITS][ROUNDING]) state[i] = 3;
     }
-    if (state[i]==3) ++sizes[10];
+    if (state[i]==3) ++sizes[ADDED];
   }
-  for (e=0; e<iw[0] && sizes[10]==0; ++e) {
+  for (e=0; e<iw[CONTACTS] && sizes[ADDED]==0; ++e) {
     if (!(arg[45][e]<-arg[LIMITS][ROUNDING])) continue;
-    for (i=0; i<sizes[9] && !(stored[i]==keys[e] && state[i]==2); ++i) {}
-    if (i<sizes[9]) continue;
-    ((casadi_int*) res[65])[sizes[14]] = keys[e];
-    for (a=0; a<6; ++a) ((int*) res[66])[6*sizes[14]+a] = ((const int*) arg[51])[6*e+a];
-    ++sizes[14];
+    for (i=0; i<sizes[STORED] && !(stored[i]==keys[e] && state[i]==2); ++i) {}
+    if (i<sizes[STORED]) continue;
+    ((casadi_int*) res[65])[sizes[OTHERS]] = keys[e];
+    for (a=0; a<6; ++a) ((int*) res[66])[6*sizes[OTHERS]+a] = ((const int*) arg[51])[6*e+a];
+    ++sizes[OTHERS];
   }
 }
 /* gaps at the end of the step, where the shapes are: the smallest one in res[11][4], the contacts that are
@@ -195,7 +195,7 @@ static casadi_int casadi_check_end(const casadi_real** arg, casadi_real** res, c
   casadi_real reach[2];
   reach[0] = 0;
   reach[1] = 0;
-  for (i=0; i<sizes[9] && !closes; ++i) {
+  for (i=0; i<sizes[STORED] && !closes; ++i) {
     closes = casadi_closes(arg, res, iw, i) || casadi_approaches(arg, res, iw, i);
   }
   if (closes) casadi_fastest(arg, iw, res[28], reach);
@@ -205,22 +205,22 @@ static casadi_int casadi_check_end(const casadi_real** arg, casadi_real** res, c
   }
   if (!casadi_listed(arg, iw, reach[0]>reach[1] ? reach[0] : reach[1])) return 2;
   res[11][4] = casadi_contacts(arg, res, iw, reach);
-  if (iw[0]>iw[19]) return 7;
-  sizes[10] = 0;
-  sizes[11] = 0;
-  sizes[13] = 0;
-  sizes[14] = 0;
-  casadi_exchange(res, sizes[9], 3, 2);
-  for (i=0; i<sizes[9] && closes && !sizes[11]; ++i) {
+  if (iw[CONTACTS]>iw[MAX_CONTACTS]) return 7;
+  sizes[ADDED] = 0;
+  sizes[MISSES] = 0;
+  sizes[FINAL] = 0;
+  sizes[OTHERS] = 0;
+  casadi_exchange(res, sizes[STORED], 3, 2);
+  for (i=0; i<sizes[STORED] && closes && !sizes[MISSES]; ++i) {
     one = casadi_closes(arg, res, iw, i);
     other = casadi_approaches(arg, res, iw, i);
-    if (one || other) sizes[11] = casadi_missed(arg, res, iw, i, one, other);
+    if (one || other) sizes[MISSES] = casadi_missed(arg, res, iw, i, one, other);
   }
   if (res[11][4]>=-arg[LIMITS][ROUNDING]) return 0;
-  if (sizes[12]) casadi_select(arg, res, iw);
+  if (sizes[OPENS]) casadi_select(arg, res, iw);
   return 4;
 }
-/* a call; iw[6] is its outcome, of a step as of anticipated impacts; 4 a gap is closed at the end; 8 no
+/* a call; iw[OUTCOME] is its outcome, of a step as of anticipated impacts; 4 a gap is closed at the end; 8 no
    contact is added. Calls are a step (0), the last step with other forces (3), with more contacts (4) or
    again without these (5), gaps at its end (6), and a correction (7) */
 static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w,
@@ -228,49 +228,49 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   const casadi_int* sizes = (const casadi_int*) arg[47];
   const casadi_real* last;
   casadi_real deepest[1];
-  casadi_int j, r, rounds = 0, call = sizes[6], joins = call==4 || call==5;
+  casadi_int j, r, rounds = 0, call = sizes[CALL], joins = call==4 || call==5;
   if (call>=6) {
-    iw[6] = call==6 ? casadi_check_end(arg, res, iw) : casadi_correct(arg, res, iw, w);
+    iw[OUTCOME] = call==6 ? casadi_check_end(arg, res, iw) : casadi_correct(arg, res, iw, w);
     return 0;
   }
-  last = res[30] + 6*(joins ? iw[20] - 1 : iw[20]);
-  iw[6] = 1;
+  last = res[30] + 6*(joins ? iw[RECORDED_STEPS] - 1 : iw[RECORDED_STEPS]);
+  iw[OUTCOME] = 1;
   if (casadi_free_speeds(arg, res, iw, w)) return 0;
-  iw[6] = 0;
+  iw[OUTCOME] = 0;
   deepest[0] = last[0];
   if (call==3) casadi_other_forces(arg, res, iw);
-  if (call==4 && sizes[14]>0 && casadi_store_others(arg, res, iw)) iw[6] = 7;
-  if (call==4 && iw[6]==0) iw[6] = casadi_join(arg, res, iw);
+  if (call==4 && sizes[OTHERS]>0 && casadi_store_others(arg, res, iw)) iw[OUTCOME] = 7;
+  if (call==4 && iw[OUTCOME]==0) iw[OUTCOME] = casadi_join(arg, res, iw);
   if (call==5) {
-    casadi_exchange(res, sizes[9], 3, 1);
+    casadi_exchange(res, sizes[STORED], 3, 1);
     casadi_gather(arg, res, iw);
   }
   if (call==0) {
-    iw[6] = casadi_prepare(arg, res, iw, 1.5, deepest);
-    if (iw[6]) return 0;
-    if (iw[21]+iw[0]>iw[22]) iw[6] = 3;
+    iw[OUTCOME] = casadi_prepare(arg, res, iw, 1.5, deepest);
+    if (iw[OUTCOME]) return 0;
+    if (iw[RECORDED_CONTACTS]+iw[CONTACTS]>iw[MAX_RECORDED]) iw[OUTCOME] = 3;
     casadi_store_all(arg, res, iw);
     casadi_gather(arg, res, iw);
   }
-  if (iw[6]) return 0;
-  iw[6] = 5;
+  if (iw[OUTCOME]) return 0;
+  iw[OUTCOME] = 5;
   if (call!=3 && casadi_contact_places(arg, res, iw)) return 0;
-  iw[6] = 6;
-  for (j=0; j<iw[3]; ++j) res[10][j] = 0;
-  if (iw[0]>0) rounds = casadi_newton_impulses(arg, res, iw, w);
+  iw[OUTCOME] = 6;
+  for (j=0; j<iw[SPEEDS]; ++j) res[10][j] = 0;
+  if (iw[CONTACTS]>0) rounds = casadi_newton_impulses(arg, res, iw, w);
   if (rounds<0) return 0;
   res[11][6] = 0;
   res[11][7] = 0;
-  for (r=0; r<iw[0]*iw[1]; ++r) {
+  for (r=0; r<iw[CONTACTS]*iw[COMPONENTS]; ++r) {
     res[11][6] += res[0][r]*(res[5][r] - res[48][r]);
     res[11][7] += fabs(res[0][r]);
   }
   if (joins) {
-    iw[21] -= last[5];
-    --iw[20];
+    iw[RECORDED_CONTACTS] -= last[5];
+    --iw[RECORDED_STEPS];
   }
   if (casadi_finish(arg, res, iw, deepest[0], rounds)) return 0;
-  for (j=0; j<iw[3]; ++j) res[62][j] = res[19][j];
-  iw[6] = 0;
+  for (j=0; j<iw[SPEEDS]; ++j) res[62][j] = res[19][j];
+  iw[OUTCOME] = 0;
   return 0;
 }

@@ -2,12 +2,12 @@
    solution, whose number of proximal problems is in status[3] */
 static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w,
     int mem) {
-  casadi_real* pieces = w + iw[13] + iw[0]*iw[1] + iw[11];
-  casadi_forget(pieces, iw[0]);
-  if (iw[6]==0) return casadi_assemble(arg, res, iw, w, pieces, 0);
-  if (iw[6]==1) return casadi_search(arg, res, iw, w);
+  casadi_real* pieces = w + iw[WORK] + iw[CONTACTS]*iw[COMPONENTS] + iw[MERITS];
+  casadi_forget(pieces, iw[CONTACTS]);
+  if (iw[MODE]==0) return casadi_assemble(arg, res, iw, w, pieces, 0);
+  if (iw[MODE]==1) return casadi_search(arg, res, iw, w);
   if (casadi_contact_places(arg, res, iw) || casadi_inertia_blocks(arg, res, iw)) return 1;
-  if (iw[6]==2) return casadi_iterate(arg, res, iw, w);
-  res[11][3] = casadi_solution(arg, res, iw, w, arg[8][3], arg[8][4]);
+  if (iw[MODE]==2) return casadi_iterate(arg, res, iw, w);
+  res[11][3] = casadi_solution(arg, res, iw, w, arg[SETTINGS][RELATIVE_TOLERANCE], arg[SETTINGS][SCALE]);
   return 0;
 }

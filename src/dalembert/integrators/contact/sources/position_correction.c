@@ -6,7 +6,7 @@ static casadi_int casadi_correct(const casadi_real** arg, casadi_real** res, cas
   const casadi_real* inputs[65];
   casadi_real* outputs[65];
   const int* contact;
-  casadi_int i, k, r, a, width = iw[1], groups = iw[2];
+  casadi_int i, k, r, a, width = iw[COMPONENTS], groups = iw[GROUPS];
   casadi_real reach[2], other[2], scale;
   for (i=0; i<65; ++i) {
     inputs[i] = arg[i];
@@ -23,12 +23,12 @@ static casadi_int casadi_correct(const casadi_real** arg, casadi_real** res, cas
     res[11][3] = reach[0]>reach[1] ? reach[0] : reach[1];
     if (!casadi_listed(arg, iw, res[11][3])) return 2;
     res[11][4] = casadi_contacts(arg, res, iw, reach);
-    if (iw[0]>iw[19]) return 7;
+    if (iw[CONTACTS]>iw[MAX_CONTACTS]) return 7;
     if (res[11][4]>=-arg[LIMITS][ROUNDING]) return 0;
     if (casadi_invert(inputs, outputs, iw, w)) return 1;
     scale = -res[11][4]>arg[LIMITS][LEAST_PENETRATION] ? -res[11][4] : arg[LIMITS][LEAST_PENETRATION];
     contact = (const int*) arg[51];
-    for (i=0; i<iw[0]; ++i, contact+=6) {
+    for (i=0; i<iw[CONTACTS]; ++i, contact+=6) {
       casadi_response_rows(inputs, outputs, iw, i, contact[1], contact[3]);
       for (a=0; a<groups; ++a) ((casadi_real*) arg[3])[i*groups+a] = 0;
       for (r=i*width; r<(i+1)*width; ++r) {
@@ -41,7 +41,7 @@ static casadi_int casadi_correct(const casadi_real** arg, casadi_real** res, cas
     casadi_solution(inputs, outputs, iw, w, arg[LIMITS][TOLERANCE], scale);
     if (!(res[11][1]<=arg[LIMITS][TOLERANCE]*casadi_size(arg, iw, res[0], scale))) return 6;
     casadi_shorten(arg, res[0], iw);
-    casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], res[0], iw[0]*width, iw[3],
+    casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], res[0], iw[CONTACTS]*width, iw[SPEEDS],
       res[28]);
     other[0] = 0;
     other[1] = 0;

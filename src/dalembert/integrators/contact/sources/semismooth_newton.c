@@ -11,14 +11,14 @@ static void casadi_state(const casadi_real** arg, casadi_real** res, const casad
   casadi_real* speed = res[5];
   casadi_real* moved = res[10];
   casadi_real* status = res[11];
-  casadi_int rows = iw[0]*iw[1], r;
-  casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], impulse, rows, iw[3], moved);
+  casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], r;
+  casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], impulse, rows, iw[SPEEDS], moved);
   for (r=0; r<rows; ++r) {
     speed[r] = velocity[r] + shift[r]*impulse[r];
     speed[r] += casadi_row(directions, w_column, w_row[r], w_row[r+1], moved);
   }
   status[0] = casadi_merit(impulse, speed, arg[5], arg[6], arg[3], arg[4], (const int*) arg[13],
-    iw[2], iw[0], iw[1], violation, status + 1);
+    iw[GROUPS], iw[CONTACTS], iw[COMPONENTS], violation, status + 1);
 }
 /* forget the pieces of the matrix, so that the next step assembles another */
 static void casadi_forget(casadi_real* pieces, casadi_int count) {
@@ -47,8 +47,8 @@ static casadi_real casadi_piece(const casadi_real* z, const casadi_real* frictio
 }
 /* add the sum of W^T gain W of contacts with the bodies of a contact to the matrix; none if negative */
 static void casadi_add_sum(casadi_real** res, const casadi_int* iw, casadi_int i, casadi_real* w) {
-  casadi_int widest = iw[7], size, b, c;
-  casadi_real* sum = w + 2*iw[1]*widest;
+  casadi_int widest = iw[CONTACT_SPEEDS], size, b, c;
+  casadi_real* sum = w + 2*iw[COMPONENTS]*widest;
   const int* place;
   if (i<0) return;
   size = ((const int*) res[14])[i+1] - ((const int*) res[14])[i];
@@ -64,7 +64,7 @@ static casadi_int casadi_add_blocks(const casadi_real** arg, casadi_real** res,
   const int* row = (const int*) arg[9];
   const int* local = (const int*) res[16];
   const int* block = (const int*) res[17];
-  casadi_int width = iw[1], widest = iw[7], a, b, c, j, r = i*width;
+  casadi_int width = iw[COMPONENTS], widest = iw[CONTACT_SPEEDS], a, b, c, j, r = i*width;
   casadi_int size = ((const int*) res[14])[i+1] - ((const int*) res[14])[i];
   casadi_real* sum = w + 2*width*widest;
   casadi_real near[72], far[72], factor[6], share;
@@ -106,7 +106,7 @@ static void casadi_add_push(const casadi_real** arg, casadi_real** res, const ca
   const int* row = (const int*) arg[9];
   const int* column = (const int*) arg[10];
   casadi_int r, j;
-  for (r=i*iw[1]; r<(i+1)*iw[1]; ++r) {
+  for (r=i*iw[COMPONENTS]; r<(i+1)*iw[COMPONENTS]; ++r) {
     for (j=row[r]; j<row[r+1]; ++j) res[2][column[j]] += arg[0][j]*free[r];
   }
 }
@@ -139,8 +139,9 @@ static int casadi_assemble(const casadi_real** arg, casadi_real** res, const cas
   casadi_real* moved = res[10];
   casadi_real* status = res[11];
   const casadi_real* constant = res[12];
-  casadi_int count = iw[0], width = iw[1], groups = iw[2], speeds = iw[3], entries = iw[4];
-  casadi_int unknowns = iw[5], rows = count*width;
+  casadi_int count = iw[CONTACTS], width = iw[COMPONENTS], groups = iw[GROUPS], speeds = iw[SPEEDS],
+    entries = iw[ENTRIES];
+  casadi_int unknowns = iw[UNKNOWNS], rows = count*width;
   casadi_real* own = w;
   casadi_real* coupled = own + width*width;
   casadi_real* z = coupled + width*width;
@@ -149,8 +150,8 @@ static int casadi_assemble(const casadi_real** arg, casadi_real** res, const cas
   casadi_real* across = violation + width;
   casadi_int i, a, b, j, r, varies = 0, last = -1;
   casadi_real share, u;
-  if (!known || !(status[1]>settings[0])) casadi_state(arg, res, iw, violation);
-  if (!(status[1]>settings[0])) return 0;
+  if (!known || !(status[1]>settings[TOLERANCE])) casadi_state(arg, res, iw, violation);
+  if (!(status[1]>settings[TOLERANCE])) return 0;
   pieces[count] = 1;
   for (i=0; i<count; ++i) {
     r = i*width;
@@ -190,7 +191,7 @@ static int casadi_assemble(const casadi_real** arg, casadi_real** res, const cas
       for (b=0; b<width; ++b) {
         share -= coupled[a*width+b]*z[b];
         both[a*(width+1)+b] = coupled[a*width+b];
-        own[a*width+b] += coupled[a*width+b]*(settings[1]*mobility[r+b] + shift[r+b]);
+        own[a*width+b] += coupled[a*width+b]*(settings[REGULARIZATION]*mobility[r+b] + shift[r+b]);
       }
       both[a*(width+1)+width] = share;
     }
@@ -233,7 +234,8 @@ static int casadi_search(const casadi_real** arg, casadi_real** res, const casad
   casadi_real* trial_speed = res[9];
   casadi_real* moved = res[10];
   casadi_real* status = res[11];
-  casadi_int count = iw[0], width = iw[1], groups = iw[2], speeds = iw[3], rows = count*width;
+  casadi_int count = iw[CONTACTS], width = iw[COMPONENTS], groups = iw[GROUPS], speeds = iw[SPEEDS],
+    rows = count*width;
   casadi_real* z = w;
   casadi_real* violation = z + width;
   casadi_int i, a, b, c, r;
@@ -259,7 +261,7 @@ static int casadi_search(const casadi_real** arg, casadi_real** res, const casad
   for (c=0; c<5; ++c) {
     if (c==4) {
       share = casadi_first_change(impulse, speed, step, change, mobility, friction, minimum, group,
-        groups, count, width, settings[2]);
+        groups, count, width, settings[OVERSHOOT]);
     }
     for (r=0; r<rows; ++r) {
       trial[r] = impulse[r] + share*step[r];
@@ -289,15 +291,15 @@ static int casadi_iterate(const casadi_real** arg, casadi_real** res, const casa
   const int* first = (const int*) arg[19];
   const int* row = (const int*) arg[20];
   const int* members = (const int*) arg[21];
-  casadi_int blocks = iw[8], size = iw[9], iterations = iw[10], k, j;
-  casadi_int memory = iw[11], rows = iw[0]*iw[1], jumps = 0, known = 0;
+  casadi_int blocks = iw[BLOCKS], size = iw[BLOCK_SIZE], iterations = iw[MAX_ITERATIONS], k, j;
+  casadi_int memory = iw[MERITS], rows = iw[CONTACTS]*iw[COMPONENTS], jumps = 0, known = 0;
   casadi_real* impulse = res[0];
-  casadi_real* best = w + iw[13];
+  casadi_real* best = w + iw[WORK];
   casadi_real* merits = best + rows;
   casadi_real* pieces = merits + memory;
-  casadi_real* used = pieces + iw[0] + 2;
+  casadi_real* used = pieces + iw[CONTACTS] + 2;
   casadi_real least = 0, reference;
-  pieces[iw[0]+1] = 0;
+  pieces[iw[CONTACTS]+1] = 0;
   for (k=0; k<iterations; ++k) {
     status[3] = k;
     if (casadi_assemble(arg, res, iw, w, pieces, known)) return 1;
@@ -305,26 +307,26 @@ static int casadi_iterate(const casadi_real** arg, casadi_real** res, const casa
       least = status[0];
       for (j=0; j<rows; ++j) best[j] = impulse[j];
     }
-    if (!(status[1]>settings[0])) return 0;
+    if (!(status[1]>settings[TOLERANCE])) return 0;
     merits[k%memory] = status[0];
     reference = status[0];
     for (j=0; j<memory && j<k; ++j) {
       if (merits[j]>reference) reference = merits[j];
     }
     status[0] = reference;
-    if (pieces[iw[0]]==0 && casadi_factorise(res[1], first, row, blocks, size, used, w)) {
+    if (pieces[iw[CONTACTS]]==0 && casadi_factorise(res[1], first, row, blocks, size, used, w)) {
       pieces[0] = 0.5;
       return 1;
     }
     casadi_solve(res[1], first, row, members, blocks, size, used, res[2], res[13], w);
-    for (j=0; j<iw[3]; ++j) {
+    for (j=0; j<iw[SPEEDS]; ++j) {
       if (!(fabs(res[13][j])<1e300)) return 1;
     }
     if (casadi_search(arg, res, iw, w)) return 1;
     known = status[2]>0;
     if (!known) {
       ++jumps;
-      if (jumps>iw[12]) {
+      if (jumps>iw[MAX_JUMPS]) {
         for (j=0; j<rows; ++j) impulse[j] = best[j];
         return 0;
       }

@@ -13,9 +13,9 @@ static void casadi_fastest(const casadi_real** arg, const casadi_int* iw, const 
   const int* place = (const int*) arg[38];
   const casadi_int* sizes = (const casadi_int*) arg[47];
   const casadi_real* shape;
-  casadi_int width = iw[9], s, c, a, size;
+  casadi_int width = iw[BLOCK_SIZE], s, c, a, size;
   casadi_real twist[6], arm[3], turned[3], speed;
-  for (s=0; s<iw[14]; ++s) {
+  for (s=0; s<iw[SHAPES]; ++s) {
     if (body[s]<0) continue;
     size = start[body[s]+1] - start[body[s]];
     shape = arg[27] + 6*width*s;
@@ -23,7 +23,7 @@ static void casadi_fastest(const casadi_real** arg, const casadi_int* iw, const 
       twist[a] = 0;
       for (c=0; c<size; ++c) twist[a] += shape[a*width+c]*v[start[body[s]]+c];
     }
-    if (sizes[5]) {
+    if (sizes[HULLS]) {
       speed = sqrt(casadi_dot(twist, twist));
       speed += arg[49][s]*sqrt(casadi_dot(twist + 3, twist + 3));
       if (!(speed<=largest[1])) largest[1] = speed;
@@ -43,7 +43,7 @@ static int casadi_listed(const casadi_real** arg, const casadi_int* iw, casadi_r
   const casadi_real* old_normal = arg[35];
   const int* place = (const int*) arg[38];
   casadi_real* center = (casadi_real*) arg[48];
-  casadi_int shapes = iw[14], walls = iw[14] - iw[15], s, a, k, corners, same = 1;
+  casadi_int shapes = iw[SHAPES], walls = iw[SHAPES] - iw[BALLS_AND_HULLS], s, a, k, corners, same = 1;
   const casadi_real* corner;
   casadi_real largest = 0, moved[3];
   for (s=0; s<3*walls; ++s) {
@@ -70,7 +70,7 @@ static void casadi_response_rows(const casadi_real** arg, casadi_real** res, con
   const int* row = (const int*) arg[9];
   const int* start = (const int*) arg[30];
   const casadi_real* inverse;
-  casadi_int width = iw[1], widest = iw[9], a, s, k, c, body, size, next;
+  casadi_int width = iw[COMPONENTS], widest = iw[BLOCK_SIZE], a, s, k, c, body, size, next;
   casadi_real sum;
   for (a=0; a<width; ++a) {
     next = row[contact*width+a];
@@ -97,7 +97,8 @@ static void casadi_direction_rows(const casadi_real** arg, const casadi_int* iw,
   int* row = (int*) arg[9];
   int* column = (int*) arg[10];
   const int* start = (const int*) arg[30];
-  casadi_int width = iw[1], widest = iw[9], dimension = iw[18], a, b, s, k, shape, body, size;
+  casadi_int width = iw[COMPONENTS], widest = iw[BLOCK_SIZE], dimension = iw[DIMENSION], a, b, s, k, shape,
+    body, size;
   casadi_int next = row[contact*width], turn;
   const int* number = (const int*) arg[38];
   casadi_real arm[3], half = gap>0 && number[5*i+4]>=0 && number[5*j+4]>=0 ? gap/2 : 0.0;
@@ -135,7 +136,7 @@ static casadi_real casadi_described_gap(const casadi_real** arg, const casadi_in
   const casadi_real* x = arg[40] + 3*place[5*i+1];
   const casadi_real* y = arg[40] + 3*place[5*j+1];
   if (contact[0]==0) {
-    for (a=0; a<3; ++a) direction[a] = arg[25][3*(i-iw[15])+a];
+    for (a=0; a<3; ++a) direction[a] = arg[25][3*(i-iw[BALLS_AND_HULLS])+a];
     return casadi_wall_gap(x, y + 3*contact[4], radius[j], direction, point);
   }
   if (contact[0]==2) {
@@ -143,14 +144,14 @@ static casadi_real casadi_described_gap(const casadi_real** arg, const casadi_in
       point);
   }
   return casadi_feature_gap(contact[0], forms + place[5*i], x, arg[41] + 3*place[5*i+2], radius[i],
-    contact[2], forms + place[5*j], y, radius[j], contact[4], iw[18], direction, point);
+    contact[2], forms + place[5*j], y, radius[j], contact[4], iw[DIMENSION], direction, point);
 }
 /* place of a key on the path, or -1 */
 static casadi_int casadi_on_path(const casadi_real** arg, casadi_int key) {
   const casadi_int* sizes = (const casadi_int*) arg[47];
   const casadi_int* on_path = (const casadi_int*) arg[54];
   casadi_int k;
-  for (k=0; k<sizes[7]; ++k) {
+  for (k=0; k<sizes[PATH]; ++k) {
     if (on_path[k]==key) return k;
   }
   return -1;
@@ -160,7 +161,7 @@ static void casadi_take_means(const casadi_real** arg, const casadi_int* iw, cas
     casadi_int slot) {
   casadi_real* directions = (casadi_real*) arg[0];
   const int* row = (const int*) arg[9];
-  casadi_int a, c, width = iw[1], widest = 2*iw[9], first;
+  casadi_int a, c, width = iw[COMPONENTS], widest = 2*iw[BLOCK_SIZE], first;
   for (a=0; a<width; ++a) {
     first = row[contact*width+a];
     for (c=first; c<row[contact*width+a+1]; ++c) {
@@ -179,9 +180,10 @@ static void casadi_add_contact(const casadi_real** arg, casadi_real** res, casad
   const casadi_int* last = (const casadi_int*) arg[44];
   const casadi_int* sizes = (const casadi_int*) arg[47];
   casadi_real* friction = (casadi_real*) arg[3];
-  casadi_int count = iw[0], width = iw[1], groups = iw[2], g, a, r, slot, pair = contact[5];
-  iw[0] = count + 1;
-  if (count>=iw[19]) return;
+  casadi_int count = iw[CONTACTS], width = iw[COMPONENTS], groups = iw[GROUPS], g, a, r, slot,
+    pair = contact[5];
+  iw[CONTACTS] = count + 1;
+  if (count>=iw[MAX_CONTACTS]) return;
   casadi_direction_rows(arg, iw, count, contact[1], contact[3], direction, place, gap);
   ((casadi_real*) arg[45])[count] = gap;
   res[22][count] = gap>arg[LIMITS][LEAST_GAP] ? gap : arg[LIMITS][LEAST_GAP];
@@ -189,7 +191,7 @@ static void casadi_add_contact(const casadi_real** arg, casadi_real** res, casad
   ((casadi_int*) arg[43])[count] = key;
   for (a=0; a<6; ++a) ((int*) arg[51])[6*count+a] = contact[a];
   for (g=0; g<groups; ++g) friction[count*groups+g] = arg[28][law[pair]*(2+groups)+2+g];
-  slot = table[casadi_slot(table, sizes[4], last, key)];
+  slot = table[casadi_slot(table, sizes[SLOTS], last, key)];
   for (a=0; a<width; ++a) {
     r = count*width + a;
     res[24][r] = casadi_row(arg[0], column, row[r], row[r+1], arg[22]);
@@ -216,7 +218,7 @@ static casadi_real casadi_hull_contacts(const casadi_real** arg, casadi_real** r
   int contact[6];
   casadi_int r, count, one, two, key, rounded = radius[i]>0 || radius[j]>0;
   casadi_real gap, deepest = 0, limit = reach + radius[i] + radius[j], direction[9], point[3];
-  if (iw[18]==2) count = casadi_planar_features(a, x, n, b, y, m, rounded, limit, rows);
+  if (iw[DIMENSION]==2) count = casadi_planar_features(a, x, n, b, y, m, rounded, limit, rows);
   else {
     count = casadi_spatial_features(a, x, n, b, y, m, rounded, limit, rows, (casadi_real*) arg[50]);
   }
@@ -232,8 +234,9 @@ static casadi_real casadi_hull_contacts(const casadi_real** arg, casadi_real** r
     gap = casadi_described_gap(arg, iw, contact, direction, point);
     if (!(gap>=deepest)) deepest = gap;
     if (gap>reach) continue;
-    key = (rows[4*r]*sizes[1] + place[5*one+3] + contact[2])*sizes[1] + place[5*two+3] + contact[4];
-    casadi_add_contact(arg, res, iw, contact, sizes[3] + key, gap, direction, point);
+    key = (rows[4*r]*sizes[FEATURES] + place[5*one+3] + contact[2])*sizes[FEATURES] + place[5*two+3]
+      + contact[4];
+    casadi_add_contact(arg, res, iw, contact, sizes[OFFSET] + key, gap, direction, point);
   }
   return deepest;
 }
@@ -256,8 +259,8 @@ static casadi_real casadi_wall_contacts(const casadi_real** arg, casadi_real** r
     gap = casadi_described_gap(arg, iw, contact, direction, point);
     if (!(gap>=deepest)) deepest = gap;
     if (gap>reach[ball ? 0 : 1]) continue;
-    key = sizes[3] + place[5*i+3]*sizes[1] + place[5*j+3] + k;
-    if (ball) key = place[5*i+4]*sizes[2] + place[5*j+4];
+    key = sizes[OFFSET] + place[5*i+3]*sizes[FEATURES] + place[5*j+3] + k;
+    if (ball) key = place[5*i+4]*sizes[NUMBERED] + place[5*j+4];
     casadi_add_contact(arg, res, iw, contact, key, gap, direction, point);
   }
   return deepest;
@@ -268,8 +271,8 @@ static void casadi_all_axes(const casadi_real** arg, const casadi_int* iw) {
   const int* forms = (const int*) arg[39];
   const casadi_int* sizes = (const casadi_int*) arg[47];
   casadi_int i;
-  for (i=0; i<iw[15] && sizes[5]; ++i) {
-    casadi_axes(forms + place[5*i], arg[40] + 3*place[5*i+1], iw[18],
+  for (i=0; i<iw[BALLS_AND_HULLS] && sizes[HULLS]; ++i) {
+    casadi_axes(forms + place[5*i], arg[40] + 3*place[5*i+1], iw[DIMENSION],
       (casadi_real*) arg[41] + 3*place[5*i+2]);
   }
 }
@@ -286,14 +289,14 @@ static casadi_real casadi_contacts(const casadi_real** arg, casadi_real** res, c
   casadi_real deepest = 0, gap, direction[9], point[3];
   int contact[6];
   ((int*) arg[9])[0] = 0;
-  iw[0] = 0;
-  casadi_index((int*) arg[46], sizes[4], (const casadi_int*) arg[44], sizes[0]);
+  iw[CONTACTS] = 0;
+  casadi_index((int*) arg[46], sizes[SLOTS], (const casadi_int*) arg[44], sizes[LAST_IMPULSES]);
   casadi_all_axes(arg, iw);
-  for (e=0; e<iw[17]; ++e) {
+  for (e=0; e<iw[PAIRS]; ++e) {
     i = ((const int*) arg[31])[e];
     j = ((const int*) arg[32])[e];
     if (body[i]<0 && body[j]<0) continue;
-    if (i>=iw[15]) {
+    if (i>=iw[BALLS_AND_HULLS]) {
       gap = casadi_wall_contacts(arg, res, iw, e, i, j, reach);
     } else if (place[5*i+4]<0 || place[5*j+4]<0) {
       gap = casadi_hull_contacts(arg, res, iw, e, i, j, reach[1]);
@@ -306,15 +309,15 @@ static casadi_real casadi_contacts(const casadi_real** arg, casadi_real** res, c
       contact[5] = e;
       gap = casadi_described_gap(arg, iw, contact, direction, point);
       if (!(gap>reach[0])) {
-        casadi_add_contact(arg, res, iw, contact, place[5*i+4]*sizes[2] + place[5*j+4], gap,
+        casadi_add_contact(arg, res, iw, contact, place[5*i+4]*sizes[NUMBERED] + place[5*j+4], gap,
           direction, point);
       }
     }
     if (!(gap>=deepest)) deepest = gap;
   }
-  for (k=0; k<sizes[7]; ++k) {
-    for (i=0; i<iw[0] && i<iw[19] && keys[i]!=on_path[k]; ++i) {}
-    if (i<iw[0]) continue;
+  for (k=0; k<sizes[PATH]; ++k) {
+    for (i=0; i<iw[CONTACTS] && i<iw[MAX_CONTACTS] && keys[i]!=on_path[k]; ++i) {}
+    if (i<iw[CONTACTS]) continue;
     gap = casadi_described_gap(arg, iw, (const int*) arg[53] + 6*k, direction, point);
     casadi_add_contact(arg, res, iw, (const int*) arg[53] + 6*k, on_path[k], gap, direction, point);
   }
@@ -336,9 +339,9 @@ static void casadi_changes(const casadi_real** arg, casadi_real** res, const cas
   const int* pair = (const int*) res[23];
   casadi_int i, j, s, body;
   casadi_real change;
-  for (j=0; j<iw[3]; ++j) largest[j] = 0;
-  for (i=0; i<iw[0]; ++i) {
-    change = fabs(res[25][i*iw[1]] - res[24][i*iw[1]]);
+  for (j=0; j<iw[SPEEDS]; ++j) largest[j] = 0;
+  for (i=0; i<iw[CONTACTS]; ++i) {
+    change = fabs(res[25][i*iw[COMPONENTS]] - res[24][i*iw[COMPONENTS]]);
     for (s=0; s<2; ++s) {
       body = ((const int*) arg[29])[((const int*) arg[31+s])[pair[i]]];
       if (body<0) continue;
@@ -350,7 +353,7 @@ static void casadi_changes(const casadi_real** arg, casadi_real** res, const cas
 /* whether a contact has an impact, by the changes at its bodies */
 static int casadi_strikes(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
     casadi_int i) {
-  casadi_int s, body, r = i*iw[1];
+  casadi_int s, body, r = i*iw[COMPONENTS];
   casadi_real largest = 0, change;
   for (s=0; s<2; ++s) {
     body = ((const int*) arg[29])[((const int*) arg[31+s])[((const int*) res[23])[i]]];
@@ -372,7 +375,7 @@ static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const
   const int* column = (const int*) arg[10];
   int* kept = (int*) res[45];
   int* leaves = (int*) res[50];
-  casadi_int i, r, slot, width = iw[1];
+  casadi_int i, r, slot, width = iw[COMPONENTS];
   casadi_real gap, direction[9], normal[9], point[3], middle, end, clearance, h = arg[LIMITS][LENGTH];
   for (i=0; i<64; ++i) ahead[i] = arg[i];
   ahead[40] = arg[59];
@@ -382,12 +385,12 @@ static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const
   ahead[41] = arg[63];
   casadi_all_axes(ahead, iw);
   casadi_changes(arg, res, iw);
-  for (i=0; i<iw[0]; ++i, contact+=6) {
+  for (i=0; i<iw[CONTACTS]; ++i, contact+=6) {
     r = i*width;
     kept[i] = res[24][r]<0 && -h*res[24][r]>arg[LIMITS][LEAST_TRAVEL] && casadi_strikes(arg, res, iw, i);
     slot = casadi_on_path(arg, key[i]);
     leaves[i] = slot<0 && contact[0]==1 && !(res[0][r]>0)
-      && casadi_leaves(arg, ahead, contact, iw[18]);
+      && casadi_leaves(arg, ahead, contact, iw[DIMENSION]);
     if (arg[LIMITS][THETA]==1) {
       kept[i] = 0;
       casadi_response_rows(arg, res, iw, i, contact[1], contact[3]);
@@ -433,11 +436,11 @@ static void casadi_path(const casadi_real** arg, casadi_real** res, const casadi
   const int* column = (const int*) arg[10];
   casadi_real* mean = (casadi_real*) arg[55];
   casadi_real* gaps = (casadi_real*) arg[56];
-  casadi_int k, a, c, width = iw[1], widest = 2*iw[9];
+  casadi_int k, a, c, width = iw[COMPONENTS], widest = 2*iw[BLOCK_SIZE];
   casadi_real direction[9], point[3], share;
   casadi_all_axes(arg, iw);
   ((int*) arg[9])[0] = 0;
-  for (k=0; k<sizes[7]; ++k) {
+  for (k=0; k<sizes[PATH]; ++k) {
     contact = (const int*) arg[53] + 6*k;
     gaps[k] = casadi_described_gap(arg, iw, contact, direction, point);
     if (arg[LIMITS][PATH_WEIGHT]==0) continue;

@@ -21,8 +21,8 @@ static void casadi_store(const casadi_real** arg, casadi_real** res, const casad
   casadi_int* sizes = (casadi_int*) arg[47];
   const int* row = (const int*) arg[9];
   const int* contact = (const int*) arg[51];
-  casadi_int first = sizes[9], rows = iw[0]*iw[1], i, j, a, next;
-  int* stored = (int*) res[52] + first*iw[1];
+  casadi_int first = sizes[STORED], rows = iw[CONTACTS]*iw[COMPONENTS], i, j, a, next;
+  int* stored = (int*) res[52] + first*iw[COMPONENTS];
   if (first==0) stored[0] = 0;
   next = stored[0];
   for (j=0; j<=rows; ++j) stored[j] = next + row[j];
@@ -31,10 +31,10 @@ static void casadi_store(const casadi_real** arg, casadi_real** res, const casad
     ((int*) res[53])[next+j] = ((const int*) arg[10])[j];
   }
   for (j=0; j<rows; ++j) {
-    res[54][first*iw[1]+j] = res[24][j];
-    res[55][first*iw[1]+j] = res[25][j];
+    res[54][first*iw[COMPONENTS]+j] = res[24][j];
+    res[55][first*iw[COMPONENTS]+j] = res[25][j];
   }
-  for (i=0; i<iw[0]; ++i, contact+=6) {
+  for (i=0; i<iw[CONTACTS]; ++i, contact+=6) {
     next = first + i;
     res[56][next] = arg[45][i];
     ((casadi_int*) res[57])[next] = ((const casadi_int*) arg[43])[i];
@@ -43,17 +43,17 @@ static void casadi_store(const casadi_real** arg, casadi_real** res, const casad
     casadi_signed_normal(arg, iw, contact, res[60] + 3*next);
     ((int*) res[61])[next] = state;
   }
-  sizes[9] = first + iw[0];
+  sizes[STORED] = first + iw[CONTACTS];
 }
 /* store all contacts; active are those whose gaps would close within a part of the step */
 static void casadi_store_all(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
   casadi_int* sizes = (casadi_int*) arg[47];
   int* state = (int*) res[61];
-  casadi_int i, a, width = iw[1], linear = iw[2]>0 ? ((const int*) arg[13])[1] : 1;
+  casadi_int i, a, width = iw[COMPONENTS], linear = iw[GROUPS]>0 ? ((const int*) arg[13])[1] : 1;
   casadi_real forced = 0, fastest = 0, speed;
-  sizes[9] = 0;
+  sizes[STORED] = 0;
   casadi_store(arg, res, iw, 1);
-  for (i=0; i<iw[0]; ++i) {
+  for (i=0; i<iw[CONTACTS]; ++i) {
     if (((const int*) res[50])[i]) state[i] = 0;
     if (state[i]==0) continue;
     if (res[56][i] + arg[LIMITS][GAMMA]*arg[LIMITS][LENGTH]*res[24][i*width]<=arg[LIMITS][ROUNDING])
@@ -65,7 +65,7 @@ static void casadi_store_all(const casadi_real** arg, casadi_real** res, const c
       if (!(fabs(res[25][a])<=fastest)) fastest = fabs(res[25][a]);
     }
   }
-  sizes[12] = arg[LIMITS][PROJECTS]>0 && forced>arg[SHARES][NEWTON_SHARE]*arg[LIMITS][TOLERANCE]*fastest;
+  sizes[OPENS] = arg[LIMITS][PROJECTS]>0 && forced>arg[SHARES][NEWTON_SHARE]*arg[LIMITS][TOLERANCE]*fastest;
   res[11][5] = forced;
 }
 /* store the contacts of other features, where the shapes are at the start of the step; 1 if there are more
@@ -74,10 +74,10 @@ static int casadi_store_others(const casadi_real** arg, casadi_real** res, casad
   casadi_int* sizes = (casadi_int*) arg[47];
   const int* contact = (const int*) res[66];
   casadi_real gap, direction[9], point[3];
-  casadi_int i, count = sizes[14];
-  sizes[14] = 0;
-  if (sizes[9]+count>iw[19]) return 1;
-  iw[0] = 0;
+  casadi_int i, count = sizes[OTHERS];
+  sizes[OTHERS] = 0;
+  if (sizes[STORED]+count>iw[MAX_CONTACTS]) return 1;
+  iw[CONTACTS] = 0;
   ((int*) arg[9])[0] = 0;
   casadi_all_axes(arg, iw);
   for (i=0; i<count; ++i, contact+=6) {
@@ -87,7 +87,7 @@ static int casadi_store_others(const casadi_real** arg, casadi_real** res, casad
   }
   casadi_take_middle(arg, res, iw);
   casadi_store(arg, res, iw, 3);
-  sizes[10] = count;
+  sizes[ADDED] = count;
   return 0;
 }
 /* the stored contacts that are active or about to be added, with initial impulses by their keys */
@@ -100,16 +100,16 @@ static void casadi_gather(const casadi_real** arg, casadi_real** res, casadi_int
   const int* contact;
   int* table = (int*) arg[46];
   int* row = (int*) arg[9];
-  casadi_int width = iw[1], groups = iw[2], i, j, a, g, n, r, s, next, slot;
-  casadi_index(table, sizes[4], last, sizes[0]);
-  iw[0] = 0;
+  casadi_int width = iw[COMPONENTS], groups = iw[GROUPS], i, j, a, g, n, r, s, next, slot;
+  casadi_index(table, sizes[SLOTS], last, sizes[LAST_IMPULSES]);
+  iw[CONTACTS] = 0;
   row[0] = 0;
-  for (i=0; i<sizes[9]; ++i) {
+  for (i=0; i<sizes[STORED]; ++i) {
     if (((const int*) res[61])[i]<2) continue;
-    n = iw[0];
-    iw[0] = n + 1;
+    n = iw[CONTACTS];
+    iw[CONTACTS] = n + 1;
     contact = (const int*) res[58] + 6*i;
-    slot = table[casadi_slot(table, sizes[4], last, keys[i])];
+    slot = table[casadi_slot(table, sizes[SLOTS], last, keys[i])];
     for (a=0; a<width; ++a) {
       r = n*width + a;
       s = i*width + a;
@@ -152,20 +152,20 @@ static casadi_int casadi_join(const casadi_real** arg, casadi_real** res, casadi
   casadi_int i, impact = 0;
   casadi_real limits[2];
   casadi_gather(arg, res, iw);
-  if (sizes[13]) return 0;
-  sizes[13] = 1;
+  if (sizes[FINAL]) return 0;
+  sizes[FINAL] = 1;
   casadi_changes(arg, res, iw);
-  for (i=0; i<iw[0]; ++i) {
-    if (res[24][i*iw[1]]<0 && casadi_strikes(arg, res, iw, i)) impact = 1;
+  for (i=0; i<iw[CONTACTS]; ++i) {
+    if (res[24][i*iw[COMPONENTS]]<0 && casadi_strikes(arg, res, iw, i)) impact = 1;
   }
   if (!impact) return 0;
   casadi_largest(arg, res, iw, limits);
-  for (i=0; i<sizes[9]; ++i) {
-    if (state[i]!=3 || res[54][i*iw[1]]<=arg[SHARES][SLOW]*limits[0]) continue;
+  for (i=0; i<sizes[STORED]; ++i) {
+    if (state[i]!=3 || res[54][i*iw[COMPONENTS]]<=arg[SHARES][SLOW]*limits[0]) continue;
     state[i] = 1;
-    --sizes[10];
+    --sizes[ADDED];
   }
-  if (sizes[10]==0) return 8;
+  if (sizes[ADDED]==0) return 8;
   casadi_gather(arg, res, iw);
   return 0;
 }

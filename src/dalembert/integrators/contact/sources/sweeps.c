@@ -55,8 +55,9 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   const casadi_real* settings = arg[8];
   casadi_real* impulse = res[0];
   casadi_real* speed = res[1];
-  casadi_int count = iw[0], width = iw[1], groups = iw[2], sweeps = iw[3], speeds = iw[4];
-  casadi_int depth = iw[5], rows = count*width;
+  casadi_int count = iw[CONTACTS], width = iw[COMPONENTS], groups = iw[GROUPS], sweeps = iw[MAX_SWEEPS],
+    speeds = iw[SPEEDS];
+  casadi_int depth = iw[DEPTH], rows = count*width;
   casadi_real* change = w + width;
   casadi_real* old_change = change + rows;
   casadi_real* old_impulse = old_change + rows;
@@ -72,13 +73,13 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   for (sweep=0; sweep<sweeps; ++sweep) {
     casadi_copy_to(impulse, change, rows);
     largest = casadi_sweep(arg, impulse, speed, count, width, groups, w);
-    if (!(largest>settings[0])) return 0;
+    if (!(largest>settings[TOLERANCE])) return 0;
     square = 0;
     for (r=0; r<rows; ++r) {
       change[r] = (impulse[r] - change[r])*sqrt(mobility[r]);
       square += change[r]*change[r];
     }
-    if (sweep==0 || square>settings[1]*last) {
+    if (sweep==0 || square>settings[GROWTH]*last) {
       stored = 0;
       slot = 0;
     } else {
@@ -96,7 +97,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
         share[i] = casadi_product(changes + i*rows, change, rows);
       }
       slot = slot+1<depth ? slot+1 : 0;
-      casadi_shares(gram, stored, depth, settings[2], factor, share);
+      casadi_shares(gram, stored, depth, settings[REGULARIZATION], factor, share);
     }
     last = square;
     casadi_copy_to(change, old_change, rows);

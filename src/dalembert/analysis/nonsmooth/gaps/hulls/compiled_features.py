@@ -8,12 +8,11 @@ from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
 from dalembert.analysis.nonsmooth.gaps.hulls.form_tables import FormTables
 from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import Rows
 from dalembert.integrators.contact.machine_code import Loop, machine_code
+from dalembert.integrators.contact.other_places import SearchCounts
 
 GEOMETRY = "hull_axes.c", "spatial_hulls.c", "planar_hulls.c"
 """Files of the search for features of two hulls."""
 FILES = *GEOMETRY, "hull_search.c"
-PAIRS, HULLS, DIMENSION, MEMORY, TOTAL = range(5)
-"""Places among the counts of the loop."""
 GROWTH = 2
 """Ratio of new memory to the need that first exceeded it."""
 
@@ -64,9 +63,9 @@ class CompiledFeatures:
         self._corners[:] = corners
         self._pair[:count, 0], self._pair[:count, 1] = first, second
         self._rounded[:count], self._limits[:count] = rounded, limits
-        self._loop.counts[PAIRS] = count
+        self._loop.counts[SearchCounts.PAIRS] = count
         self._loop()
-        total = int(self._loop.counts[TOTAL])
+        total = int(self._loop.counts[SearchCounts.FEATURES])
         if total > self._rows:
             self._allocate(self._pairs, GROWTH * total)
             return self(corners, first, second, rounded, limits)
@@ -85,7 +84,13 @@ class CompiledFeatures:
         part, axes = np.zeros((tables.most, 4), np.int32), np.zeros((tables.axes, 3))
         inputs: list[np.ndarray] = [self._corners, self._limits, self._pair, self._rounded]
         inputs += [tables.places, tables.records]
-        counts = [0, len(tables.places), self._dimension, rows, 0]
+        counts = {
+            SearchCounts.HULLS: len(tables.places),
+            SearchCounts.DIMENSION: self._dimension,
+            SearchCounts.MAX_FEATURES: rows,
+        }
         assert self._code is not None
         work = 3 * tables.longest
-        self._loop = Loop(self._code, inputs, [self._listed, part, axes], counts, work)
+        self._loop = Loop(
+            self._code, inputs, [self._listed, part, axes], SearchCounts.listed(counts), work
+        )
