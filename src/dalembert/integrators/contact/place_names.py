@@ -15,6 +15,7 @@ from dalembert.integrators.contact.other_places import (
     SweepSettings,
 )
 from dalembert.integrators.contact.places import Counts, Inputs, Outputs, Places, Settings, Status
+from dalembert.integrators.contact.step_calls import Calls, Modes, States, StepOutcome
 from dalembert.integrators.contact.step_places import (
     Descriptions,
     Limits,
@@ -42,6 +43,8 @@ TABLES: Mapping[str, type[Places]] = {
     "numbers": RecordColumns,
     "last": RecordColumns,
     "contact": Descriptions,
+    "arg[DESCRIPTIONS]": Descriptions,
+    "res[STORED_DESCRIPTIONS]": Descriptions,
     "place": ShapePlaces,
     "number": ShapePlaces,
 }
@@ -51,8 +54,15 @@ OTHER_TABLES: Mapping[str, Mapping[str, type[Places]]] = {
     "hull_search.c": {"arg": SearchInputs, "res": SearchOutputs, "iw": SearchCounts},
 }
 """The same of files of other loops, where they differ."""
+VALUES: Mapping[str, int] = {
+    **{outcome.name: int(outcome) for outcome in StepOutcome},
+    **Calls.table(),
+    **Modes.table(),
+    **States.table(),
+}
+"""Numbers outside of indices."""
 NAME = re.compile(r"\b[A-Z][A-Z_]+\b")
-"""Name of a place."""
+"""Name of a place or a value."""
 ARRAY = re.compile(r"(\w+(?:\[\w+\])?)\)?$")
 """Name of an array before an index, perhaps with a cast."""
 LONGEST = 80
@@ -61,7 +71,7 @@ LONGEST = 80
 
 @lru_cache
 def with_numbers(text: str, file: str) -> str:
-    """A C text with numbers in place of the names in its indices.
+    """A C text with numbers in place of names: places in its indices, and values elsewhere.
 
     Parameters
     ----------
@@ -77,7 +87,7 @@ def with_numbers(text: str, file: str) -> str:
     def number(match: re.Match[str]) -> str:
         array, name = _indexed(text, match.start()), match[0]
         if array is None:
-            return name
+            return str(VALUES.get(name, name))
         if array not in tables:
             raise LookupError(
                 f"{file}: {name} is an index of {array!r}, whose places have no names"

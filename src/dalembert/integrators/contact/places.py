@@ -13,13 +13,17 @@ from collections.abc import Mapping
 import numpy as np
 
 
-class Places:
-    """Places in an array, by their names in upper case."""
+class Names:
+    """Numbers by names in upper case."""
 
     @classmethod
     def table(cls) -> dict[str, int]:
-        """Place of each name."""
-        return {name: place for name, place in vars(cls).items() if name.isupper()}
+        """Number of each name."""
+        return {name: number for name, number in vars(cls).items() if name.isupper()}
+
+
+class Places(Names):
+    """Places in an array."""
 
     @classmethod
     def size(cls) -> int:
@@ -75,7 +79,7 @@ class Inputs(Places):
     SHAPE_VELOCITIES = 27  # (6, size of a block) velocities of each shape by the speeds of its body
     LAWS = 28  # coefficients of restitution in normal and tangential direction, and of friction
     BODY_OF_SHAPE = 29  # -1 for the ground
-    BODY_SPEEDS = 30  # first speed of each body, and the end
+    BODY_STARTS = 30  # first speed of each body, and the end
     FIRST_SHAPE = 31  # of each listed pair
     SECOND_SHAPE = 32
     LAW_OF_PAIR = 33
@@ -122,7 +126,7 @@ class Outputs(Places):
     RIGHT_SIDE = 2
     FREE_STEP = 3  # change of the impulses without a change of the bodies' speeds
     GAIN = 4  # change of the impulses by the velocities, a square matrix for each contact
-    CONTACT_VELOCITY = 5  # relative velocities with impulses
+    VELOCITY = 5  # relative velocities with impulses
     STEP = 6  # change of the impulses
     CHANGE = 7  # change of the velocities by it; for interior points, the residual of the slack
     TRIAL = 8  # impulses of a trial; before the search, whether a contact is in the equations
@@ -180,7 +184,7 @@ class Outputs(Places):
     STORED_DESCRIPTIONS = 58
     STORED_START = 59  # START_DIRECTIONS
     STORED_NORMALS = 60  # from the shape with the lower number
-    STATES = 61  # 0: the contact leaves its face, 1: idle, 2: active, 3: about to be added
+    STATES = 61  # class States
     END_SPEEDS = 62  # of the bodies
     MASS_INVERSES = 63  # of the blocks of the mass matrix
     LAST_MASS = 64  # entries of the mass matrix that these belong to
@@ -197,8 +201,8 @@ class Counts(Places):
     SPEEDS = 3  # of the bodies
     ENTRIES = 4  # of the matrix of a step
     UNKNOWNS = 5  # of its equations
-    MODE = 6  # of a call of Newton's method
-    OUTCOME = 6  # of a step
+    MODE = 6  # class Modes, of a call of Newton's method
+    OUTCOME = 6  # class StepOutcome, of a call of a step
     CONTACT_SPEEDS = 7  # upper limit of the speeds on which a contact acts
     BLOCKS = 8  # of the matrix
     BLOCK_SIZE = 9

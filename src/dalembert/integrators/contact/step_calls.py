@@ -1,11 +1,13 @@
-"""Calls of steps of free bodies in machine code, and their outcomes."""
+"""Kinds of calls of machine code, their outcomes, and states of contacts."""
 
 from __future__ import annotations
 
 from enum import IntEnum
 
+from dalembert.integrators.contact.places import Names
 
-class Calls:
+
+class Calls(Names):
     """Kinds of calls, in ``arg[SIZES][CALL]``."""
 
     STEP = 0
@@ -33,10 +35,19 @@ class StepOutcome(IntEnum):
     UNCHANGED = 8  # no contact is added
 
 
-class Modes:
+class Modes(Names):
     """Calls of Newton's method, in ``iw[MODE]``."""
 
     ASSEMBLE = 0  # residual and equations of a step
     SEARCH = 1  # along the step by their solution
     ITERATE = 2  # all steps, with factors of blocks
     SOLVE = 3  # the whole solution
+
+
+class States(Names):
+    """States of contacts near each other at the start of a step, in ``res[STATES]``."""
+
+    LEAVES = 0  # its face
+    IDLE = 1
+    ACTIVE = 2
+    JOINS = 3  # about to be added

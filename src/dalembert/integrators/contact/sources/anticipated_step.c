@@ -36,48 +36,48 @@ static casadi_real casadi_bounce(casadi_real gap, casadi_real before, casadi_rea
 /* velocity offsets by Newton's law of impact, for the largest change of a normal speed by forces */
 static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw, casadi_real forced) {
-  const casadi_real* before = res[24];
-  const casadi_real* free = res[25];
-  const int* law = (const int*) arg[33];
-  const int* pair = (const int*) res[23];
-  const int* group = (const int*) arg[13];
+  const casadi_real* before = res[VELOCITY_BEFORE];
+  const casadi_real* free = res[VELOCITY_FREE];
+  const int* law = (const int*) arg[LAW_OF_PAIR];
+  const int* pair = (const int*) res[PAIRS];
+  const int* group = (const int*) arg[GROUP_STARTS];
   casadi_int i, a, r, width = iw[COMPONENTS], linear = iw[GROUPS]>0 ? group[1] : 1, laws = 2 + iw[GROUPS];
-  const int* row = (const int*) arg[9];
-  const int* column = (const int*) arg[10];
+  const int* row = (const int*) arg[DIRECTION_ROWS];
+  const int* column = (const int*) arg[DIRECTION_COLUMNS];
   casadi_real h = arg[LIMITS][LENGTH], longest = arg[LIMITS][LONGEST], restitution, margin, room, turning;
   int fast;
   casadi_changes(arg, res, iw);
   for (i=0; i<iw[CONTACTS]; ++i) {
     r = i*width;
-    restitution = arg[28][law[pair[i]]*laws];
+    restitution = arg[LAWS][law[pair[i]]*laws];
     for (a=1; a<width; ++a) {
-      res[26][r+a] = a<linear ? arg[28][law[pair[i]]*laws+1]*before[r+a] : 0.0;
+      res[OFFSETS][r+a] = a<linear ? arg[LAWS][law[pair[i]]*laws+1]*before[r+a] : 0.0;
     }
     fast = casadi_strikes(arg, res, iw, i);
     room = fast ? restitution : 0.0;
-    margin = casadi_margin(res[22][i], before[r], h, longest, room);
-    turning = casadi_row(arg[0], column, row[r], row[r+1], arg[22]) - before[r];
-    if (free[r]<margin && casadi_passes(res[22][i], before[r], free[r], turning, h, longest, room)) {
-      margin = casadi_open(res[22][i], before[r], h);
+    margin = casadi_margin(res[GAPS][i], before[r], h, longest, room);
+    turning = casadi_row(arg[DIRECTIONS], column, row[r], row[r+1], arg[SPEEDS]) - before[r];
+    if (free[r]<margin && casadi_passes(res[GAPS][i], before[r], free[r], turning, h, longest, room)) {
+      margin = casadi_open(res[GAPS][i], before[r], h);
     }
     if (free[r]<margin) {
-      margin = casadi_bounce(res[22][i], before[r], h, longest, restitution, forced, arg[SHARES][CLOSING],
+      margin = casadi_bounce(res[GAPS][i], before[r], h, longest, restitution, forced, arg[SHARES][CLOSING],
         fast);
     }
-    res[26][r] = -margin;
+    res[OFFSETS][r] = -margin;
   }
 }
 /* offsets for the computed impulses; whether they changed. Velocities without offsets are in
-   res[5] */
+   res[VELOCITY] */
 static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
     casadi_real forced) {
-  const casadi_real* before = res[24];
-  const casadi_real* after = res[5];
-  const casadi_real* impulse = res[0];
-  const int* law = (const int*) arg[33];
-  const int* pair = (const int*) res[23];
-  casadi_real* offset = res[26];
-  casadi_real* changed = res[27];
+  const casadi_real* before = res[VELOCITY_BEFORE];
+  const casadi_real* after = res[VELOCITY];
+  const casadi_real* impulse = res[IMPULSE];
+  const int* law = (const int*) arg[LAW_OF_PAIR];
+  const int* pair = (const int*) res[PAIRS];
+  casadi_real* offset = res[OFFSETS];
+  casadi_real* changed = res[NEXT_OFFSETS];
   casadi_int i, a, r, width = iw[COMPONENTS], rows = iw[CONTACTS]*iw[COMPONENTS], differs = 0;
   casadi_real bounce, total = 0, magnitude = 0, work;
   int fast;
@@ -89,8 +89,8 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
   for (i=0; i<iw[CONTACTS]; ++i) {
     r = i*width;
     fast = casadi_strikes(arg, res, iw, i);
-    bounce = casadi_bounce(res[22][i], before[r], arg[LIMITS][LENGTH], arg[LIMITS][LONGEST],
-      arg[28][law[pair[i]]*(2+iw[GROUPS])], forced, arg[SHARES][CLOSING], fast);
+    bounce = casadi_bounce(res[GAPS][i], before[r], arg[LIMITS][LENGTH], arg[LIMITS][LONGEST],
+      arg[LAWS][law[pair[i]]*(2+iw[GROUPS])], forced, arg[SHARES][CLOSING], fast);
     if (impulse[r]>0 && -offset[r]<bounce && (before[r]<=0 || offset[r]!=before[r])) {
       changed[r] = -bounce;
     }
@@ -121,10 +121,10 @@ static casadi_int casadi_anticipated_impulses(const casadi_real** arg, casadi_re
     more = casadi_impulses(arg, res, iw, w, scale);
     if (more<0) return -1;
     rounds += more;
-    residual = res[11][1];
+    residual = res[STATUS][RESIDUAL];
     if (!casadi_next_offsets(arg, res, iw, limits[0])) break;
   }
-  res[11][1] = residual;
+  res[STATUS][RESIDUAL] = residual;
   return rounds;
 }
 /* a step; iw[OUTCOME] is its outcome: 0 done, 1 singular inertia, 2 the list is outdated, 3 more
@@ -132,32 +132,32 @@ static casadi_int casadi_anticipated_impulses(const casadi_real** arg, casadi_re
    bodies, 6 the impulses did not converge, 7 more contacts than memory */
 static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w,
     int mem) {
-  const casadi_real* last = res[30] + 6*iw[RECORDED_STEPS];
+  const casadi_real* last = res[RECORD] + 6*iw[RECORDED_STEPS];
   casadi_real deepest[1];
   casadi_int j, rounds = 0, call = ((const casadi_int*) arg[SIZES])[CALL];
-  iw[OUTCOME] = 0;
-  if (call==1) {
+  iw[OUTCOME] = DONE;
+  if (call==ON_PATH) {
     casadi_path(arg, res, iw);
     return 0;
   }
-  iw[OUTCOME] = 1;
+  iw[OUTCOME] = SINGULAR;
   if (casadi_free_speeds(arg, res, iw, w)) return 0;
-  if (call==3) {
+  if (call==AGAIN) {
     casadi_other_forces(arg, res, iw);
-    deepest[0] = last[0];
+    deepest[0] = last[DEPTH];
   } else {
     iw[OUTCOME] = casadi_prepare(arg, res, iw, 1.0, deepest);
-    if (iw[OUTCOME] || call==2) return 0;
-    if (iw[RECORDED_CONTACTS]+iw[CONTACTS]>iw[MAX_RECORDED]) iw[OUTCOME] = 3;
-    else if (!(deepest[0]>=-arg[LIMITS][ROUNDING])) iw[OUTCOME] = 4;
-    else if (casadi_contact_places(arg, res, iw)) iw[OUTCOME] = 5;
+    if (iw[OUTCOME] || call==ALL) return 0;
+    if (iw[RECORDED_CONTACTS]+iw[CONTACTS]>iw[MAX_RECORDED]) iw[OUTCOME] = FULL;
+    else if (!(deepest[0]>=-arg[LIMITS][ROUNDING])) iw[OUTCOME] = CLOSED;
+    else if (casadi_contact_places(arg, res, iw)) iw[OUTCOME] = UNORDERED;
     if (iw[OUTCOME]) return 0;
   }
-  iw[OUTCOME] = 6;
-  for (j=0; j<iw[SPEEDS]; ++j) res[10][j] = 0;
+  iw[OUTCOME] = UNSOLVED;
+  for (j=0; j<iw[SPEEDS]; ++j) res[SPEED_CHANGES][j] = 0;
   if (iw[CONTACTS]>0) rounds = casadi_anticipated_impulses(arg, res, iw, w);
   if (rounds<0) return 0;
-  if (call==3) rounds += last[4];
-  if (!casadi_finish(arg, res, iw, deepest[0], rounds)) iw[OUTCOME] = 0;
+  if (call==AGAIN) rounds += last[ROUNDS];
+  if (!casadi_finish(arg, res, iw, deepest[0], rounds)) iw[OUTCOME] = DONE;
   return 0;
 }

@@ -129,17 +129,17 @@ static void casadi_solve(const casadi_real* matrix, const int* first, const int*
    bodies once; 1 outside of the blocks */
 static int casadi_contact_places(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw) {
-  const int* w_row = (const int*) arg[9];
-  const int* w_column = (const int*) arg[10];
-  const int* owner = (const int*) arg[17];
-  const int* position = (const int*) arg[18];
-  const int* first = (const int*) arg[19];
-  const int* row = (const int*) arg[20];
-  int* start = (int*) res[14];
-  int* column = (int*) res[15];
-  int* local = (int*) res[16];
-  int* block = (int*) res[17];
-  int* place = (int*) res[18];
+  const int* w_row = (const int*) arg[DIRECTION_ROWS];
+  const int* w_column = (const int*) arg[DIRECTION_COLUMNS];
+  const int* owner = (const int*) arg[BLOCK_OF_SPEED];
+  const int* position = (const int*) arg[PLACE_IN_BLOCK];
+  const int* first = (const int*) arg[FACTOR_STARTS];
+  const int* row = (const int*) arg[FACTOR_ROWS];
+  int* start = (int*) res[COLUMN_STARTS];
+  int* column = (int*) res[COLUMNS];
+  int* local = (int*) res[LOCAL_COLUMNS];
+  int* block = (int*) res[ENTRY_STARTS];
+  int* place = (int*) res[ENTRIES];
   casadi_int count = iw[CONTACTS], width = iw[COMPONENTS], size = iw[BLOCK_SIZE], i, j, k, b, c, own,
     next = 0;
   casadi_int last_row, last_column, same, number = 0;
@@ -181,13 +181,13 @@ static int casadi_contact_places(const casadi_real** arg, casadi_real** res,
 /* the matrix without contacts: inertia, and ones for padding; 1 outside of the blocks */
 static int casadi_inertia_blocks(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw) {
-  const casadi_real* inertia = arg[14];
-  const int* a_row = (const int*) arg[15];
-  const int* a_column = (const int*) arg[16];
-  const int* owner = (const int*) arg[17];
-  const int* position = (const int*) arg[18];
-  const int* members = (const int*) arg[21];
-  casadi_real* constant = res[12];
+  const casadi_real* inertia = arg[INERTIA];
+  const int* a_row = (const int*) arg[INERTIA_ROWS];
+  const int* a_column = (const int*) arg[INERTIA_COLUMNS];
+  const int* owner = (const int*) arg[BLOCK_OF_SPEED];
+  const int* position = (const int*) arg[PLACE_IN_BLOCK];
+  const int* members = (const int*) arg[BLOCK_MEMBERS];
+  casadi_real* constant = res[CONSTANT];
   casadi_int blocks = iw[BLOCKS], size = iw[BLOCK_SIZE], i, j, k;
   for (j=0; j<iw[ENTRIES]; ++j) constant[j] = 0;
   for (k=0; k<blocks*size; ++k) {
@@ -195,7 +195,7 @@ static int casadi_inertia_blocks(const casadi_real** arg, casadi_real** res,
   }
   for (k=0; k<iw[SPEEDS]; ++k) {
     for (j=a_row[k]; j<a_row[k+1]; ++j) {
-      i = casadi_block((const int*) arg[19], (const int*) arg[20], blocks, owner[k],
+      i = casadi_block((const int*) arg[FACTOR_STARTS], (const int*) arg[FACTOR_ROWS], blocks, owner[k],
         owner[a_column[j]]);
       if (i<0) return 1;
       constant[i*size*size + position[k]*size + position[a_column[j]]] = inertia[j];

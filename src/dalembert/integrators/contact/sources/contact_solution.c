@@ -3,10 +3,10 @@
 /* change of speed along a row of directions by a unit impulse along it; responses of coupled bodies
    have entries of other bodies, too */
 static casadi_real casadi_own_response(const casadi_real** arg, casadi_int r) {
-  const int* row = (const int*) arg[9];
-  const int* column = (const int*) arg[10];
-  const int* x_row = (const int*) arg[11];
-  const int* x_column = (const int*) arg[12];
+  const int* row = (const int*) arg[DIRECTION_ROWS];
+  const int* column = (const int*) arg[DIRECTION_COLUMNS];
+  const int* x_row = (const int*) arg[RESPONSE_ROWS];
+  const int* x_column = (const int*) arg[RESPONSE_COLUMNS];
   casadi_int j, k, start = x_row[r] - row[r];
   casadi_real sum = 0;
   for (j=row[r]; j<row[r+1]; ++j) {
@@ -14,16 +14,16 @@ static casadi_real casadi_own_response(const casadi_real** arg, casadi_int r) {
     if (k>=x_row[r+1] || x_column[k]!=column[j]) {
       for (k=x_row[r]; k<x_row[r+1] && x_column[k]!=column[j]; ++k) {}
     }
-    if (k<x_row[r+1]) sum += arg[0][j]*arg[1][k];
+    if (k<x_row[r+1]) sum += arg[DIRECTIONS][j]*arg[RESPONSES][k];
   }
   return sum;
 }
 /* mobility and weights of the residual, with additions to the diagonal */
 static void casadi_mobilities(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
-  const casadi_real* shift = arg[7];
-  casadi_real* mobility = (casadi_real*) arg[5];
-  casadi_real* weight = (casadi_real*) arg[6];
-  const int* group = (const int*) arg[13];
+  const casadi_real* shift = arg[SHIFT];
+  casadi_real* mobility = (casadi_real*) arg[MOBILITY];
+  casadi_real* weight = (casadi_real*) arg[WEIGHTS];
+  const int* group = (const int*) arg[GROUP_STARTS];
   casadi_int width = iw[COMPONENTS], groups = iw[GROUPS], i, g, a, r, linear = iw[GROUPS]>0 ? group[1] : 1;
   casadi_real along;
   for (i=0; i<iw[CONTACTS]; ++i) {
@@ -43,13 +43,13 @@ static void casadi_mobilities(const casadi_real** arg, casadi_real** res, const 
 /* reference speed: the scale, or the largest change of speed of a contact by its impulse */
 static casadi_real casadi_size(const casadi_real** arg, const casadi_int* iw,
     const casadi_real* impulse, casadi_real scale) {
-  const int* group = (const int*) arg[13];
+  const int* group = (const int*) arg[GROUP_STARTS];
   casadi_int i, a, linear = iw[GROUPS]>0 ? group[1] : 1;
   casadi_real square;
   for (i=0; i<iw[CONTACTS]; ++i) {
     square = 0;
     for (a=0; a<linear; ++a) square += impulse[i*iw[COMPONENTS]+a]*impulse[i*iw[COMPONENTS]+a];
-    square = sqrt(square)*arg[5][i*iw[COMPONENTS]];
+    square = sqrt(square)*arg[MOBILITY][i*iw[COMPONENTS]];
     if (square>scale) scale = square;
   }
   return scale;
@@ -57,20 +57,20 @@ static casadi_real casadi_size(const casadi_real** arg, const casadi_int* iw,
 /* residual after Newton's method with a tolerance */
 static casadi_real casadi_newton(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real tolerance) {
-  casadi_real* settings = (casadi_real*) arg[8];
+  casadi_real* settings = (casadi_real*) arg[SETTINGS];
   settings[TOLERANCE] = tolerance;
   casadi_iterate(arg, res, iw, w);
   casadi_state(arg, res, iw, w);
-  return res[11][1];
+  return res[STATUS][RESIDUAL];
 }
-/* the best impulses, those with the least residual, in res[35] */
+/* the best impulses, those with the least residual, in res[BEST_IMPULSE] */
 static casadi_real casadi_keep(casadi_real** res, casadi_int rows, casadi_real least) {
   casadi_int r;
-  if (!(res[11][1]<least)) return least;
-  for (r=0; r<rows; ++r) res[35][r] = res[0][r];
-  return res[11][1];
+  if (!(res[STATUS][RESIDUAL]<least)) return least;
+  for (r=0; r<rows; ++r) res[BEST_IMPULSE][r] = res[IMPULSE][r];
+  return res[STATUS][RESIDUAL];
 }
-/* least residual after interior points from the impulses in res[0], at a share of the largest speed
+/* least residual after interior points from the impulses in res[IMPULSE], at a share of the largest speed
    from the boundary, and Newton's method from these as often as the residual falls by a factor */
 static casadi_real casadi_central(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real allowed, casadi_real largest, casadi_real start,
@@ -81,9 +81,9 @@ static casadi_real casadi_central(const casadi_real** arg, casadi_real** res, ca
   for (k=0; k<iw[MAX_INTERIOR] && short_steps<iw[MAX_SHORT_STEPS]; ++k) {
     casadi_interior_impulses(arg, res, iw, w);
     least = casadi_keep(res, rows, least);
-    if (!(res[11][1]<1e300) || least<=allowed) break;
-    if (res[11][1]<=limit) {
-      limit = arg[SHARES][INTERIOR_FACTOR]*res[11][1];
+    if (!(res[STATUS][RESIDUAL]<1e300) || least<=allowed) break;
+    if (res[STATUS][RESIDUAL]<=limit) {
+      limit = arg[SHARES][INTERIOR_FACTOR]*res[STATUS][RESIDUAL];
       iw[MAX_ITERATIONS] = iw[MAX_POLISHING];
       casadi_forget(w + iw[WORK] + rows + iw[MERITS], iw[CONTACTS]);
       casadi_newton(arg, res, iw, w, arg[SHARES][NEWTON_SHARE]*allowed);
@@ -98,41 +98,42 @@ static casadi_real casadi_central(const casadi_real** arg, casadi_real** res, ca
   }
   return least;
 }
-/* the best impulses in res[0] after interior points from these, and again from zero; the residual
+/* the best impulses in res[IMPULSE] after interior points from these, and again from zero; the residual
  */
 static casadi_real casadi_centered(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real allowed, casadi_real largest) {
-  const int* group = (const int*) arg[13];
+  const int* group = (const int*) arg[GROUP_STARTS];
   casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], r;
   casadi_real least = casadi_keep(res, rows, 1e300);
   if (iw[GROUPS]>1 || (iw[GROUPS]==1 && group[1]!=iw[COMPONENTS])) return least;
   least = casadi_central(arg, res, iw, w, allowed, largest, arg[SHARES][FIRST_START], least);
   if (least>arg[SHARES][INTERIOR_END]*largest) {
-    for (r=0; r<rows; ++r) res[0][r] = 0;
+    for (r=0; r<rows; ++r) res[IMPULSE][r] = 0;
     least = casadi_central(arg, res, iw, w, allowed, largest, arg[SHARES][SECOND_START], least);
   }
-  for (r=0; r<rows; ++r) res[0][r] = res[35][r];
+  for (r=0; r<rows; ++r) res[IMPULSE][r] = res[BEST_IMPULSE][r];
   casadi_forget(w + iw[WORK] + rows + iw[MERITS], iw[CONTACTS]);
-  res[11][1] = least;
+  res[STATUS][RESIDUAL] = least;
   return least;
 }
-/* at most a number of proximal problems from the impulses in res[0]; their number, and the residual in
-   status[1]. The best impulses are in res[0]. Above the residual at which interior points end, there are
-   fewer problems, and none after one that Newton's method does not solve, unless few is that number: then
-   their weights fall more slowly, and Newton's method has fewer steps. Solutions of successive problems
-   often move in the same direction, by lengths that are inverse to the weights: Newton's method begins
-   where this leads to */
+/* at most a number of proximal problems from the impulses in res[IMPULSE]; their number, and the residual in
+   status[RESIDUAL]. The best impulses are in res[IMPULSE]. Above the residual at which interior points end,
+   there are fewer problems, and none after one that Newton's method does not solve, unless few is that
+   number: then their weights fall more slowly, and Newton's method has fewer steps. Solutions of successive
+   problems often move in the same direction, by lengths that are inverse to the weights: Newton's method
+   begins where this leads to */
 static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real share, casadi_real scale, casadi_int most, casadi_int few) {
-  casadi_real* velocity = (casadi_real*) arg[2];
-  casadi_real* shift = (casadi_real*) arg[7];
-  casadi_real* impulse = res[0];
-  casadi_real* original = res[34];
+  casadi_real* velocity = (casadi_real*) arg[VELOCITY];
+  casadi_real* shift = (casadi_real*) arg[SHIFT];
+  casadi_real* impulse = res[IMPULSE];
+  casadi_real* original = res[PROXIMAL];
   casadi_real* center = original + iw[CONTACTS]*iw[COMPONENTS];
   casadi_real* best = center + iw[CONTACTS]*iw[COMPONENTS];
   casadi_real* move = best + iw[CONTACTS]*iw[COMPONENTS];
   casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], steps = iw[MAX_ITERATIONS], rounds, r, solved = 1;
-  casadi_real weight = arg[SHARES][WEIGHT], residual = res[11][1], least = residual, tolerance, allowed;
+  casadi_real weight = arg[SHARES][WEIGHT], residual = res[STATUS][RESIDUAL], least = residual, tolerance,
+    allowed;
   casadi_real ahead, moved = 0;
   if (few==most) iw[MAX_ITERATIONS] = arg[SHARES][LAST_ITERATIONS];
   for (r=0; r<rows; ++r) {
@@ -147,7 +148,7 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
     if (few<most && least>arg[SHARES][INTERIOR_END]*scale && (rounds>=few || !solved)) break;
     ahead = few<most ? 0.0 : moved/weight;
     for (r=0; r<rows; ++r) {
-      shift[r] = weight*arg[5][r];
+      shift[r] = weight*arg[MOBILITY][r];
       velocity[r] = original[r] - shift[r]*center[r];
       impulse[r] = center[r] + ahead*move[r];
     }
@@ -170,7 +171,7 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
     casadi_forget(w + iw[WORK] + rows + iw[MERITS], iw[CONTACTS]);
     if (solved || weight==arg[SHARES][WEIGHT_MAX]) {
       casadi_state(arg, res, iw, w);
-      residual = res[11][1];
+      residual = res[STATUS][RESIDUAL];
       for (r=0; r<rows; ++r) {
         center[r] = impulse[r];
         if (residual<least) best[r] = impulse[r];
@@ -180,20 +181,20 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
   }
   for (r=0; r<rows; ++r) impulse[r] = best[r];
   iw[MAX_ITERATIONS] = steps;
-  res[11][1] = least;
+  res[STATUS][RESIDUAL] = least;
   return rounds;
 }
-/* impulses from those in res[0], with a tolerance relative to the scale or to a larger change of
-   speed; the number of proximal problems, and the residual in status[1] */
+/* impulses from those in res[IMPULSE], with a tolerance relative to the scale or to a larger change of
+   speed; the number of proximal problems, and the residual in status[RESIDUAL] */
 static casadi_int casadi_solution(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real tolerance, casadi_real scale) {
-  casadi_real allowed = tolerance*casadi_size(arg, iw, res[0], scale);
+  casadi_real allowed = tolerance*casadi_size(arg, iw, res[IMPULSE], scale);
   casadi_int rounds, most = 5*iw[FEW_PROXIMAL]<iw[MAX_PROXIMAL] ? 5*iw[FEW_PROXIMAL] : iw[MAX_PROXIMAL];
   if (casadi_newton(arg, res, iw, w, arg[SHARES][NEWTON_SHARE]*allowed)
-      <=tolerance*casadi_size(arg, iw, res[0], scale)) return 0;
+      <=tolerance*casadi_size(arg, iw, res[IMPULSE], scale)) return 0;
   rounds = casadi_proximal(arg, res, iw, w, tolerance, scale, most, iw[FEW_PROXIMAL]);
-  allowed = tolerance*casadi_size(arg, iw, res[0], scale);
-  if (res[11][1]<=allowed) return rounds;
+  allowed = tolerance*casadi_size(arg, iw, res[IMPULSE], scale);
+  if (res[STATUS][RESIDUAL]<=allowed) return rounds;
   casadi_centered(arg, res, iw, w, allowed, scale);
   return rounds + casadi_proximal(arg, res, iw, w, tolerance, scale, iw[MAX_PROXIMAL], iw[MAX_PROXIMAL]);
 }

@@ -42,12 +42,12 @@ static void casadi_lever(const casadi_real* shape, casadi_int width, casadi_int 
 /* inverses of the blocks of the inertia, unless it is the one of the step before; 1 if singular */
 static int casadi_invert(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
     casadi_real* w) {
-  const casadi_real* inertia = arg[14];
-  const int* a_row = (const int*) arg[15];
-  const int* a_column = (const int*) arg[16];
-  const int* start = (const int*) arg[30];
-  casadi_real* inverse = res[20];
-  casadi_real* last = res[21];
+  const casadi_real* inertia = arg[INERTIA];
+  const int* a_row = (const int*) arg[INERTIA_ROWS];
+  const int* a_column = (const int*) arg[INERTIA_COLUMNS];
+  const int* start = (const int*) arg[BODY_STARTS];
+  casadi_real* inverse = res[INVERSES];
+  casadi_real* last = res[LAST_INERTIA];
   casadi_int bodies = iw[BODIES], widest = iw[BLOCK_SIZE], entries = iw[INERTIA_ENTRIES], b, k, j, size,
     changed = 0;
   for (k=0; k<entries; ++k) {

@@ -3,15 +3,15 @@
    memory if it does not suffice), memory for those of one pair */
 static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w,
     int mem) {
-  const casadi_real* corners = arg[0];
-  const casadi_real* limit = arg[1];
-  const int* pair = (const int*) arg[2];
-  const int* rounded = (const int*) arg[3];
-  const int* place = (const int*) arg[4];
-  const int* forms = (const int*) arg[5];
-  int* rows = (int*) res[0];
-  int* part = (int*) res[1];
-  casadi_real* axes = res[2];
+  const casadi_real* corners = arg[CORNERS];
+  const casadi_real* limit = arg[REACH];
+  const int* pair = (const int*) arg[PAIRS];
+  const int* rounded = (const int*) arg[ROUNDED];
+  const int* place = (const int*) arg[PLACES];
+  const int* forms = (const int*) arg[FORMS];
+  int* rows = (int*) res[FEATURES];
+  int* part = (int*) res[PAIR_FEATURES];
+  casadi_real* axes = res[AXES];
   casadi_int k, r, c, i, j, count, total = 0;
   const int* a;
   const int* b;

@@ -15,11 +15,11 @@ static casadi_real casadi_determinant(const casadi_real* x, casadi_int size) {
 }
 /* dimension of the cone of a contact, one without friction; the other components are zero */
 static casadi_int casadi_cone(const casadi_real** arg, const casadi_int* iw, casadi_int i) {
-  return iw[GROUPS]>0 && arg[3][i]>0 ? iw[COMPONENTS] : 1;
+  return iw[GROUPS]>0 && arg[FRICTION][i]>0 ? iw[COMPONENTS] : 1;
 }
 /* ratio of x_0 to the normal impulse */
 static casadi_real casadi_slope(const casadi_real** arg, const casadi_int* iw, casadi_int i) {
-  return casadi_cone(arg, iw, i)>1 ? arg[3][i] : 1.0;
+  return casadi_cone(arg, iw, i)>1 ? arg[FRICTION][i] : 1.0;
 }
 /* s of the speeds of a contact */
 static void casadi_slack(const casadi_real* speed, casadi_real slope, casadi_int size,
@@ -103,7 +103,7 @@ static int casadi_linearise(const casadi_real** arg, const casadi_int* iw, casad
       own[a*width+b] = (a<size && b<size) ? turned[a] : 0.0;
       if (a==0) own[b] = own[b]/slope;
       inverse[a*width+b] = a==b ? 1.0 : 0.0;
-      left[a*width+b] = inverse[a*width+b] + own[a*width+b]*shift*arg[5][i*width+b];
+      left[a*width+b] = inverse[a*width+b] + own[a*width+b]*shift*arg[MOBILITY][i*width+b];
     }
   }
   if (!casadi_eliminate(left, inverse, width, width)) return 1;
@@ -116,22 +116,22 @@ static int casadi_linearise(const casadi_real** arg, const casadi_int* iw, casad
   }
   return 0;
 }
-/* x and s in the interior of the cones, near the impulses in res[0] */
+/* x and s in the interior of the cones, near the impulses in res[IMPULSE] */
 static void casadi_interior_start(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw, casadi_real largest, casadi_real share, casadi_real* w) {
-  casadi_real* x = res[36];
-  casadi_real* s = res[37];
+  casadi_real* x = res[PRIMAL];
+  casadi_real* s = res[SLACK];
   casadi_int width = iw[COMPONENTS], i, a, r, size;
   casadi_real slope, length;
-  casadi_shorten(arg, res[0], iw);
+  casadi_shorten(arg, res[IMPULSE], iw);
   casadi_state(arg, res, iw, w);
   for (i=0; i<iw[CONTACTS]; ++i) {
     r = i*width;
     size = casadi_cone(arg, iw, i);
     slope = casadi_slope(arg, iw, i);
-    for (a=0; a<width; ++a) x[r+a] = a<size ? res[0][r+a] : 0.0;
-    x[r] = slope*x[r] + share*largest/arg[5][r];
-    casadi_slack(res[5] + r, slope, size, s + r);
+    for (a=0; a<width; ++a) x[r+a] = a<size ? res[IMPULSE][r+a] : 0.0;
+    x[r] = slope*x[r] + share*largest/arg[MOBILITY][r];
+    casadi_slack(res[VELOCITY] + r, slope, size, s + r);
     for (a=size; a<width; ++a) s[r+a] = 0;
     length = casadi_length(s + r, width);
     s[r] = (s[r]>length ? s[r] : length) + 2*share*largest;
@@ -142,29 +142,29 @@ static void casadi_interior_impulses(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw, casadi_real* w) {
   casadi_int i, a;
   for (i=0; i<iw[CONTACTS]; ++i) {
-    for (a=0; a<iw[COMPONENTS]; ++a) res[0][i*iw[COMPONENTS]+a] = res[36][i*iw[COMPONENTS]+a];
-    res[0][i*iw[COMPONENTS]] = res[0][i*iw[COMPONENTS]]/casadi_slope(arg, iw, i);
+    for (a=0; a<iw[COMPONENTS]; ++a) res[IMPULSE][i*iw[COMPONENTS]+a] = res[PRIMAL][i*iw[COMPONENTS]+a];
+    res[IMPULSE][i*iw[COMPONENTS]] = res[IMPULSE][i*iw[COMPONENTS]]/casadi_slope(arg, iw, i);
   }
   casadi_state(arg, res, iw, w);
 }
-/* scaled variables, and the residuals of s in res[7]; the mean of x.s */
+/* scaled variables, and the residuals of s in res[CHANGE]; the mean of x.s */
 static casadi_real casadi_interior_state(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw) {
-  const casadi_real* x = res[36];
-  const casadi_real* s = res[37];
+  const casadi_real* x = res[PRIMAL];
+  const casadi_real* s = res[SLACK];
   casadi_int width = iw[COMPONENTS], i, a, r, size;
   casadi_real gap = 0;
   for (i=0; i<iw[CONTACTS]; ++i) {
     r = i*width;
     size = casadi_cone(arg, iw, i);
-    res[43][i] = casadi_scaling(x + r, s + r, width, res[41] + r, res[42] + r);
-    casadi_turn(res[41] + r, res[43][i], 0, x + r, width, res[40] + r);
-    casadi_slack(res[5] + r, casadi_slope(arg, iw, i), size, res[7] + r);
+    res[SCALING][i] = casadi_scaling(x + r, s + r, width, res[SCALING_ROOT] + r, res[SCALING_AXIS] + r);
+    casadi_turn(res[SCALING_ROOT] + r, res[SCALING][i], 0, x + r, width, res[SCALED] + r);
+    casadi_slack(res[VELOCITY] + r, casadi_slope(arg, iw, i), size, res[CHANGE] + r);
     for (a=0; a<width; ++a) {
       gap += x[r+a]*s[r+a];
-      res[7][r+a] = a<size ? res[7][r+a] - s[r+a] : 0.0;
-      res[38][r+a] = 0;
-      res[39][r+a] = 0;
+      res[CHANGE][r+a] = a<size ? res[CHANGE][r+a] - s[r+a] : 0.0;
+      res[PRIMAL_STEP][r+a] = 0;
+      res[SLACK_STEP][r+a] = 0;
     }
   }
   return gap/iw[CONTACTS];
@@ -174,16 +174,16 @@ static int casadi_interior_matrix(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw, casadi_real shift, casadi_real* w) {
   casadi_int width = iw[COMPONENTS], square = iw[COMPONENTS]*iw[COMPONENTS], last = -1, i, j;
   casadi_real* sums = w + 4*square;
-  for (j=0; j<iw[ENTRIES]; ++j) res[1][j] = res[12][j];
+  for (j=0; j<iw[ENTRIES]; ++j) res[SYSTEM][j] = res[CONSTANT][j];
   for (i=0; i<iw[CONTACTS]; ++i) {
-    if (casadi_linearise(arg, iw, i, res[42] + i*width, res[43][i], res[5] + i*width, shift,
-        res[4] + i*square, res[44] + i*square, w)) return 1;
-    last = casadi_add_blocks(arg, res, iw, i, res[4] + i*square, sums, last);
+    if (casadi_linearise(arg, iw, i, res[SCALING_AXIS] + i*width, res[SCALING][i], res[VELOCITY] + i*width,
+        shift, res[GAIN] + i*square, res[CONTACT_INVERSE] + i*square, w)) return 1;
+    last = casadi_add_blocks(arg, res, iw, i, res[GAIN] + i*square, sums, last);
   }
   casadi_add_sum(res, iw, last, sums);
   return 0;
 }
-/* equations of a step to a centre, after the predictor in res[38] and res[39] */
+/* equations of a step to a centre, after the predictor in res[PRIMAL_STEP] and res[SLACK_STEP] */
 static void casadi_interior_equations(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw, casadi_real center, casadi_real* w) {
   casadi_int width = iw[COMPONENTS], i, a, b, r, size;
@@ -193,74 +193,75 @@ static void casadi_interior_equations(const casadi_real** arg, casadi_real** res
   for (i=0; i<iw[CONTACTS]; ++i) {
     r = i*width;
     size = casadi_cone(arg, iw, i);
-    scale = res[43][i];
-    casadi_turn(res[41] + r, scale, 0, res[38] + r, width, q);
-    casadi_turn(res[41] + r, scale, 1, res[39] + r, width, q + width);
-    casadi_target(res[40] + r, q, q + width, center, width, q + 2*width);
-    casadi_divide(res[40] + r, q + 2*width, width, q);
-    casadi_turn(res[41] + r, scale, 1, q, width, q + width);
-    casadi_turn(res[42] + r, scale*scale, 1, res[7] + r, width, q);
+    scale = res[SCALING][i];
+    casadi_turn(res[SCALING_ROOT] + r, scale, 0, res[PRIMAL_STEP] + r, width, q);
+    casadi_turn(res[SCALING_ROOT] + r, scale, 1, res[SLACK_STEP] + r, width, q + width);
+    casadi_target(res[SCALED] + r, q, q + width, center, width, q + 2*width);
+    casadi_divide(res[SCALED] + r, q + 2*width, width, q);
+    casadi_turn(res[SCALING_ROOT] + r, scale, 1, q, width, q + width);
+    casadi_turn(res[SCALING_AXIS] + r, scale*scale, 1, res[CHANGE] + r, width, q);
     for (a=0; a<width; ++a) right[a] = a<size ? q[width+a] - q[a] : 0.0;
     right[0] = right[0]/casadi_slope(arg, iw, i);
     for (a=0; a<width; ++a) {
-      res[3][r+a] = 0;
-      for (b=0; b<width; ++b) res[3][r+a] += res[44][(r+a)*width+b]*right[b];
+      res[FREE_STEP][r+a] = 0;
+      for (b=0; b<width; ++b) res[FREE_STEP][r+a] += res[CONTACT_INVERSE][(r+a)*width+b]*right[b];
     }
   }
 }
 /* changes of x and s by the equations; the largest share of these within the cones */
 static casadi_real casadi_interior_step(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw, casadi_real shift, const casadi_real* used, casadi_real* w) {
-  const int* row = (const int*) arg[9];
-  const casadi_real* speed = res[5];
-  casadi_real* dx = res[38];
-  casadi_real* ds = res[39];
+  const int* row = (const int*) arg[DIRECTION_ROWS];
+  const casadi_real* speed = res[VELOCITY];
+  casadi_real* dx = res[PRIMAL_STEP];
+  casadi_real* ds = res[SLACK_STEP];
   casadi_int width = iw[COMPONENTS], i, a, b, r, j, size;
   casadi_real slope, length, share = 1;
   casadi_real* z = w;
-  for (j=0; j<iw[UNKNOWNS]; ++j) res[2][j] = 0;
-  for (i=0; i<iw[CONTACTS]; ++i) casadi_add_push(arg, res, iw, i, res[3]);
-  casadi_solve(res[1], (const int*) arg[19], (const int*) arg[20], (const int*) arg[21], iw[BLOCKS],
-    iw[BLOCK_SIZE], used, res[2], res[13], w);
+  for (j=0; j<iw[UNKNOWNS]; ++j) res[RIGHT_SIDE][j] = 0;
+  for (i=0; i<iw[CONTACTS]; ++i) casadi_add_push(arg, res, iw, i, res[FREE_STEP]);
+  casadi_solve(res[SYSTEM], (const int*) arg[FACTOR_STARTS], (const int*) arg[FACTOR_ROWS],
+    (const int*) arg[BLOCK_MEMBERS], iw[BLOCKS], iw[BLOCK_SIZE], used, res[RIGHT_SIDE], res[SOLUTION], w);
   for (i=0; i<iw[CONTACTS]; ++i) {
     r = i*width;
     size = casadi_cone(arg, iw, i);
     slope = casadi_slope(arg, iw, i);
     for (a=0; a<width; ++a) {
-      z[a] = casadi_row(arg[0], (const int*) arg[10], row[r+a], row[r+a+1], res[13]);
+      z[a] = casadi_row(arg[DIRECTIONS], (const int*) arg[DIRECTION_COLUMNS], row[r+a], row[r+a+1],
+        res[SOLUTION]);
     }
     for (a=0; a<size; ++a) {
-      dx[r+a] = res[3][r+a];
-      for (b=0; b<width; ++b) dx[r+a] -= res[4][(r+a)*width+b]*z[b];
+      dx[r+a] = res[FREE_STEP][r+a];
+      for (b=0; b<width; ++b) dx[r+a] -= res[GAIN][(r+a)*width+b]*z[b];
     }
-    for (a=0; a<size; ++a) z[a] += shift*arg[5][r+a]*dx[r+a];
+    for (a=0; a<size; ++a) z[a] += shift*arg[MOBILITY][r+a]*dx[r+a];
     dx[r] = slope*dx[r];
     length = casadi_length(speed + r, width);
-    ds[r] = res[7][r] + z[0]/slope;
+    ds[r] = res[CHANGE][r] + z[0]/slope;
     for (a=1; a<size; ++a) {
       if (length>0) ds[r] += speed[r+a]/length*z[a];
-      ds[r+a] = z[a] + res[7][r+a];
+      ds[r+a] = z[a] + res[CHANGE][r+a];
     }
-    share = casadi_boundary(res[36] + r, dx + r, width, share);
-    share = casadi_boundary(res[37] + r, ds + r, width, share);
+    share = casadi_boundary(res[PRIMAL] + r, dx + r, width, share);
+    share = casadi_boundary(res[SLACK] + r, ds + r, width, share);
   }
   return share;
 }
 /* x and s after a share of their changes, in the cones in spite of rounding */
 static void casadi_interior_move(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw, casadi_real share, casadi_real largest) {
-  casadi_real* x = res[36];
-  casadi_real* s = res[37];
+  casadi_real* x = res[PRIMAL];
+  casadi_real* s = res[SLACK];
   casadi_int width = iw[COMPONENTS], i, a, r;
   casadi_real length;
   for (i=0; i<iw[CONTACTS]; ++i) {
     r = i*width;
     for (a=0; a<width; ++a) {
-      x[r+a] += share*res[38][r+a];
-      s[r+a] += share*res[39][r+a];
+      x[r+a] += share*res[PRIMAL_STEP][r+a];
+      s[r+a] += share*res[SLACK_STEP][r+a];
     }
     length = casadi_length(x + r, width)*(1 + 1e-13);
-    if (!(x[r]>length)) x[r] = length + 1e-14*largest/arg[5][r];
+    if (!(x[r]>length)) x[r] = length + 1e-14*largest/arg[MOBILITY][r];
     length = casadi_length(s + r, width)*(1 + 1e-13);
     if (!(s[r]>length)) s[r] = length + 1e-14*largest;
   }
@@ -271,21 +272,21 @@ static casadi_real casadi_interior_center(casadi_real** res, casadi_int rows, ca
   casadi_int r;
   casadi_real next = 0;
   for (r=0; r<rows; ++r) {
-    next += (res[36][r] + share*res[38][r])*(res[37][r] + share*res[39][r]);
+    next += (res[PRIMAL][r] + share*res[PRIMAL_STEP][r])*(res[SLACK][r] + share*res[SLACK_STEP][r]);
   }
   next = next>0 ? (next<sum ? next/sum : 1.0) : 0.0;
   return next*next*next;
 }
-/* one iteration from the speeds in res[5]; the share of the step, negative if singular */
+/* one iteration from the speeds in res[VELOCITY]; the share of the step, negative if singular */
 static casadi_real casadi_interior(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw, casadi_real* w, casadi_real largest) {
-  casadi_real shift = arg[SHARES][res[11][1]<arg[SHARES][INTERIOR_END]*largest ? LAST_REGULARIZATION
-    : REGULARIZATION];
+  casadi_real shift = arg[SHARES][res[STATUS][RESIDUAL]<arg[SHARES][INTERIOR_END]*largest
+    ? LAST_REGULARIZATION : REGULARIZATION];
   casadi_real* used = w + iw[WORK] + iw[CONTACTS]*iw[COMPONENTS] + iw[MERITS] + iw[CONTACTS] + 2;
   casadi_real gap = casadi_interior_state(arg, res, iw), share, center;
   if (casadi_interior_matrix(arg, res, iw, shift, w)) return -1;
-  if (casadi_factorise(res[1], (const int*) arg[19], (const int*) arg[20], iw[BLOCKS], iw[BLOCK_SIZE], used,
-      w)) return -1;
+  if (casadi_factorise(res[SYSTEM], (const int*) arg[FACTOR_STARTS], (const int*) arg[FACTOR_ROWS],
+      iw[BLOCKS], iw[BLOCK_SIZE], used, w)) return -1;
   casadi_interior_equations(arg, res, iw, 0.0, w);
   share = casadi_interior_step(arg, res, iw, shift, used, w);
   center = casadi_interior_center(res, iw[CONTACTS]*iw[COMPONENTS], share, gap*iw[CONTACTS]);

@@ -28,20 +28,21 @@ static casadi_real casadi_beyond(const int* form, const casadi_real* corners,
    some steps or are at rest remain */
 static int casadi_leaves(const casadi_real** arg, const casadi_real** ahead, const int* contact,
     casadi_int dimension) {
-  const int* place = (const int*) arg[38];
-  const int* form = (const int*) arg[39] + place[5*contact[1]];
-  const casadi_real* normal = arg[41] + 3*(place[5*contact[1]+2] + contact[2]);
-  const casadi_real* turned = ahead[41] + 3*(place[5*contact[1]+2] + contact[2]);
-  const casadi_real* from = arg[40] + 3*place[5*contact[1]+1];
-  const casadi_real* to = ahead[40] + 3*place[5*contact[1]+1];
-  const casadi_real* here = arg[40] + 3*(place[5*contact[3]+1] + contact[4]);
-  const casadi_real* there = ahead[40] + 3*(place[5*contact[3]+1] + contact[4]);
-  casadi_int count = 2, j, point = contact[2];
+  const int* place = (const int*) arg[PLACES];
+  const int* form = (const int*) arg[FORMS] + place[5*contact[SHAPE]];
+  const casadi_real* normal = arg[AXES] + 3*(place[5*contact[SHAPE]+AXES] + contact[FEATURE]);
+  const casadi_real* turned = ahead[AXES] + 3*(place[5*contact[SHAPE]+AXES] + contact[FEATURE]);
+  const casadi_real* from = arg[CORNERS] + 3*place[5*contact[SHAPE]+CORNERS];
+  const casadi_real* to = ahead[CORNERS] + 3*place[5*contact[SHAPE]+CORNERS];
+  const casadi_real* here = arg[CORNERS] + 3*(place[5*contact[OTHER_SHAPE]+CORNERS] + contact[OTHER_FEATURE]);
+  const casadi_real* there = ahead[CORNERS]
+    + 3*(place[5*contact[OTHER_SHAPE]+CORNERS] + contact[OTHER_FEATURE]);
+  casadi_int count = 2, j, point = contact[FEATURE];
   casadi_real relative[3], height, closing, share, moved, past;
-  if (arg[26][contact[1]]>0 || arg[26][contact[3]]>0) return 0;
+  if (arg[RADII][contact[SHAPE]]>0 || arg[RADII][contact[OTHER_SHAPE]]>0) return 0;
   if (dimension==3) {
-    count = form[form[8]+contact[2]+1] - form[form[8]+contact[2]];
-    point = form[form[9]+form[form[8]+contact[2]]];
+    count = form[form[8]+contact[FEATURE]+1] - form[form[8]+contact[FEATURE]];
+    point = form[form[9]+form[form[8]+contact[FEATURE]]];
   }
   casadi_between(from + 3*point, here, relative);
   height = casadi_dot(normal, relative);
@@ -51,8 +52,8 @@ static int casadi_leaves(const casadi_real** arg, const casadi_real** ahead, con
   if (!(height>0 && closing>arg[SHARES][AT_REST]*share && height<arg[SHARES][LATEST]*closing)) return 0;
   share = height/closing + arg[SHARES][CORNER_SLACK];
   for (j=0; j<count; ++j) {
-    past = casadi_beyond(form, from, normal, contact[2], j, dimension, here);
-    moved = arg[LIMITS][LEAD]*(casadi_beyond(form, to, turned, contact[2], j, dimension, there) - past);
+    past = casadi_beyond(form, from, normal, contact[FEATURE], j, dimension, here);
+    moved = arg[LIMITS][LEAD]*(casadi_beyond(form, to, turned, contact[FEATURE], j, dimension, there) - past);
     if (moved>0 && past + share*moved>0) return 1;
   }
   return 0;

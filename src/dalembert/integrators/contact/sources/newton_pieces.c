@@ -233,7 +233,7 @@ static casadi_real casadi_first_change(const casadi_real* impulse, const casadi_
 }
 /* impulses in their cones: those beyond by less than the tolerance are shortened */
 static void casadi_shorten(const casadi_real** arg, casadi_real* impulse, const casadi_int* iw) {
-  const int* group = (const int*) arg[13];
+  const int* group = (const int*) arg[GROUP_STARTS];
   casadi_int i, g, a, width = iw[COMPONENTS];
   casadi_real length, limit;
   for (i=0; i<iw[CONTACTS]; ++i) {
@@ -242,7 +242,7 @@ static void casadi_shorten(const casadi_real** arg, casadi_real* impulse, const 
       length = 0;
       for (a=group[g]; a<group[g+1]; ++a) length += impulse[i*width+a]*impulse[i*width+a];
       length = sqrt(length);
-      limit = arg[3][i*iw[GROUPS]+g]*impulse[i*width];
+      limit = arg[FRICTION][i*iw[GROUPS]+g]*impulse[i*width];
       if (!(length>limit)) continue;
       for (a=group[g]; a<group[g+1]; ++a) {
         impulse[i*width+a] = impulse[i*width+a]*(limit/length);

@@ -2,23 +2,24 @@
 /* speeds of the contacts by their impulses, squared merit and residual */
 static void casadi_state(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
     casadi_real* violation) {
-  const casadi_real* directions = arg[0];
-  const casadi_real* velocity = arg[2];
-  const casadi_real* shift = arg[7];
-  const int* w_row = (const int*) arg[9];
-  const int* w_column = (const int*) arg[10];
-  const casadi_real* impulse = res[0];
-  casadi_real* speed = res[5];
-  casadi_real* moved = res[10];
-  casadi_real* status = res[11];
+  const casadi_real* directions = arg[DIRECTIONS];
+  const casadi_real* velocity = arg[VELOCITY];
+  const casadi_real* shift = arg[SHIFT];
+  const int* w_row = (const int*) arg[DIRECTION_ROWS];
+  const int* w_column = (const int*) arg[DIRECTION_COLUMNS];
+  const casadi_real* impulse = res[IMPULSE];
+  casadi_real* speed = res[VELOCITY];
+  casadi_real* moved = res[SPEED_CHANGES];
+  casadi_real* status = res[STATUS];
   casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], r;
-  casadi_respond(arg[1], (const int*) arg[11], (const int*) arg[12], impulse, rows, iw[SPEEDS], moved);
+  casadi_respond(arg[RESPONSES], (const int*) arg[RESPONSE_ROWS], (const int*) arg[RESPONSE_COLUMNS], impulse,
+    rows, iw[SPEEDS], moved);
   for (r=0; r<rows; ++r) {
     speed[r] = velocity[r] + shift[r]*impulse[r];
     speed[r] += casadi_row(directions, w_column, w_row[r], w_row[r+1], moved);
   }
-  status[0] = casadi_merit(impulse, speed, arg[5], arg[6], arg[3], arg[4], (const int*) arg[13],
-    iw[GROUPS], iw[CONTACTS], iw[COMPONENTS], violation, status + 1);
+  status[MERIT] = casadi_merit(impulse, speed, arg[MOBILITY], arg[WEIGHTS], arg[FRICTION], arg[MINIMUM],
+    (const int*) arg[GROUP_STARTS], iw[GROUPS], iw[CONTACTS], iw[COMPONENTS], violation, status + 1);
 }
 /* forget the pieces of the matrix, so that the next step assembles another */
 static void casadi_forget(casadi_real* pieces, casadi_int count) {
@@ -51,21 +52,21 @@ static void casadi_add_sum(casadi_real** res, const casadi_int* iw, casadi_int i
   casadi_real* sum = w + 2*iw[COMPONENTS]*widest;
   const int* place;
   if (i<0) return;
-  size = ((const int*) res[14])[i+1] - ((const int*) res[14])[i];
-  place = (const int*) res[18] + ((const int*) res[17])[i];
+  size = ((const int*) res[COLUMN_STARTS])[i+1] - ((const int*) res[COLUMN_STARTS])[i];
+  place = (const int*) res[ENTRIES] + ((const int*) res[ENTRY_STARTS])[i];
   for (b=0; b<size; ++b) {
-    for (c=0; c<size; ++c) res[1][place[b*size+c]] += sum[b*widest+c];
+    for (c=0; c<size; ++c) res[SYSTEM][place[b*size+c]] += sum[b*widest+c];
   }
 }
 /* add W^T gain W of a contact, with a gain by rows, to the sum of the contacts between the same bodies,
    of which last is the one before; other sums are added to the matrix. Returns the contact */
 static casadi_int casadi_add_blocks(const casadi_real** arg, casadi_real** res,
     const casadi_int* iw, casadi_int i, const casadi_real* gain, casadi_real* w, casadi_int last) {
-  const int* row = (const int*) arg[9];
-  const int* local = (const int*) res[16];
-  const int* block = (const int*) res[17];
+  const int* row = (const int*) arg[DIRECTION_ROWS];
+  const int* local = (const int*) res[LOCAL_COLUMNS];
+  const int* block = (const int*) res[ENTRY_STARTS];
   casadi_int width = iw[COMPONENTS], widest = iw[CONTACT_SPEEDS], a, b, c, j, r = i*width;
-  casadi_int size = ((const int*) res[14])[i+1] - ((const int*) res[14])[i];
+  casadi_int size = ((const int*) res[COLUMN_STARTS])[i+1] - ((const int*) res[COLUMN_STARTS])[i];
   casadi_real* sum = w + 2*width*widest;
   casadi_real near[72], far[72], factor[6], share;
   casadi_real* across = w;
@@ -80,7 +81,7 @@ static casadi_int casadi_add_blocks(const casadi_real** arg, casadi_real** res,
   }
   for (a=0; a<width*widest; ++a) across[a] = 0;
   for (a=0; a<width; ++a) {
-    for (j=row[r+a]; j<row[r+a+1]; ++j) across[a*widest+local[j]] = arg[0][j];
+    for (j=row[r+a]; j<row[r+a+1]; ++j) across[a*widest+local[j]] = arg[DIRECTIONS][j];
   }
   for (a=0; a<width; ++a) {
     for (b=0; b<width; ++b) factor[b] = gain[a*width+b];
@@ -103,11 +104,11 @@ static casadi_int casadi_add_blocks(const casadi_real** arg, casadi_real** res,
 /* add W^T free of a contact to the right-hand side */
 static void casadi_add_push(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
     casadi_int i, const casadi_real* free) {
-  const int* row = (const int*) arg[9];
-  const int* column = (const int*) arg[10];
+  const int* row = (const int*) arg[DIRECTION_ROWS];
+  const int* column = (const int*) arg[DIRECTION_COLUMNS];
   casadi_int r, j;
   for (r=i*iw[COMPONENTS]; r<(i+1)*iw[COMPONENTS]; ++r) {
-    for (j=row[r]; j<row[r+1]; ++j) res[2][column[j]] += arg[0][j]*free[r];
+    for (j=row[r]; j<row[r+1]; ++j) res[RIGHT_SIDE][column[j]] += arg[DIRECTIONS][j]*free[r];
   }
 }
 /* residual and, above the tolerance, the equations of a step; 1 if a contact is singular. The
@@ -116,29 +117,29 @@ static void casadi_add_push(const casadi_real** arg, casadi_real** res, const ca
    The speeds are known after a step, unless this is the last one */
 static int casadi_assemble(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
     casadi_real* w, casadi_real* pieces, casadi_int known) {
-  const casadi_real* directions = arg[0];
-  const casadi_real* responses = arg[1];
-  const casadi_real* friction = arg[3];
-  const casadi_real* minimum = arg[4];
-  const casadi_real* mobility = arg[5];
-  const casadi_real* shift = arg[7];
-  const casadi_real* settings = arg[8];
-  const int* w_row = (const int*) arg[9];
-  const int* w_column = (const int*) arg[10];
-  const int* x_row = (const int*) arg[11];
-  const int* x_column = (const int*) arg[12];
-  const int* group = (const int*) arg[13];
-  const casadi_real* impulse = res[0];
-  casadi_real* system = res[1];
-  casadi_real* push = res[2];
-  casadi_real* free = res[3];
-  casadi_real* gain = res[4];
-  casadi_real* speed = res[5];
-  casadi_real* step = res[6];
-  casadi_real* trial = res[8];
-  casadi_real* moved = res[10];
-  casadi_real* status = res[11];
-  const casadi_real* constant = res[12];
+  const casadi_real* directions = arg[DIRECTIONS];
+  const casadi_real* responses = arg[RESPONSES];
+  const casadi_real* friction = arg[FRICTION];
+  const casadi_real* minimum = arg[MINIMUM];
+  const casadi_real* mobility = arg[MOBILITY];
+  const casadi_real* shift = arg[SHIFT];
+  const casadi_real* settings = arg[SETTINGS];
+  const int* w_row = (const int*) arg[DIRECTION_ROWS];
+  const int* w_column = (const int*) arg[DIRECTION_COLUMNS];
+  const int* x_row = (const int*) arg[RESPONSE_ROWS];
+  const int* x_column = (const int*) arg[RESPONSE_COLUMNS];
+  const int* group = (const int*) arg[GROUP_STARTS];
+  const casadi_real* impulse = res[IMPULSE];
+  casadi_real* system = res[SYSTEM];
+  casadi_real* push = res[RIGHT_SIDE];
+  casadi_real* free = res[FREE_STEP];
+  casadi_real* gain = res[GAIN];
+  casadi_real* speed = res[VELOCITY];
+  casadi_real* step = res[STEP];
+  casadi_real* trial = res[TRIAL];
+  casadi_real* moved = res[SPEED_CHANGES];
+  casadi_real* status = res[STATUS];
+  const casadi_real* constant = res[CONSTANT];
   casadi_int count = iw[CONTACTS], width = iw[COMPONENTS], groups = iw[GROUPS], speeds = iw[SPEEDS],
     entries = iw[ENTRIES];
   casadi_int unknowns = iw[UNKNOWNS], rows = count*width;
@@ -150,8 +151,8 @@ static int casadi_assemble(const casadi_real** arg, casadi_real** res, const cas
   casadi_real* across = violation + width;
   casadi_int i, a, b, j, r, varies = 0, last = -1;
   casadi_real share, u;
-  if (!known || !(status[1]>settings[TOLERANCE])) casadi_state(arg, res, iw, violation);
-  if (!(status[1]>settings[TOLERANCE])) return 0;
+  if (!known || !(status[RESIDUAL]>settings[TOLERANCE])) casadi_state(arg, res, iw, violation);
+  if (!(status[RESIDUAL]>settings[TOLERANCE])) return 0;
   pieces[count] = 1;
   for (i=0; i<count; ++i) {
     r = i*width;
@@ -162,16 +163,16 @@ static int casadi_assemble(const casadi_real** arg, casadi_real** res, const cas
     pieces[i] = share;
     casadi_violation(impulse + r, speed + r, mobility + r, friction + i*groups, minimum[i],
       group, groups, width, violation);
-    status[2] = share!=0 ? 1.0 : 0.0;
+    status[DESCENDS] = share!=0 ? 1.0 : 0.0;
     for (a=0; a<width; ++a) {
       free[r+a] = -violation[a];
-      step[r+a] = status[2]>0 ? 0.0 : -violation[a];
-      trial[r+a] = status[2];
+      step[r+a] = status[DESCENDS]>0 ? 0.0 : -violation[a];
+      trial[r+a] = status[DESCENDS];
     }
   }
   casadi_respond(responses, x_row, x_column, step, rows, speeds, moved);
-  if (varies && !(status[1]<=0.01*pieces[count+1])) pieces[count] = 0;
-  pieces[count+1] = status[1];
+  if (varies && !(status[RESIDUAL]<=0.01*pieces[count+1])) pieces[count] = 0;
+  pieces[count+1] = status[RESIDUAL];
   if (pieces[count]==0) {
     for (j=0; j<entries; ++j) system[j] = constant[j];
   }
@@ -207,33 +208,33 @@ static int casadi_assemble(const casadi_real** arg, casadi_real** res, const cas
   casadi_add_sum(res, iw, last, across);
   return 0;
 }
-/* longest tried share of a step that reduces the merit; status[2] is 0 without any */
+/* longest tried share of a step that reduces the merit; status[DESCENDS] is 0 without any */
 static int casadi_search(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
     casadi_real* w) {
-  const casadi_real* directions = arg[0];
-  const casadi_real* responses = arg[1];
-  const casadi_real* friction = arg[3];
-  const casadi_real* minimum = arg[4];
-  const casadi_real* mobility = arg[5];
-  const casadi_real* weight = arg[6];
-  const casadi_real* shift = arg[7];
-  const casadi_real* settings = arg[8];
-  const int* w_row = (const int*) arg[9];
-  const int* w_column = (const int*) arg[10];
-  const int* x_row = (const int*) arg[11];
-  const int* x_column = (const int*) arg[12];
-  const int* group = (const int*) arg[13];
-  const casadi_real* free = res[3];
-  const casadi_real* gain = res[4];
-  casadi_real* speed = res[5];
-  const casadi_real* solution = res[13];
-  casadi_real* impulse = res[0];
-  casadi_real* step = res[6];
-  casadi_real* change = res[7];
-  casadi_real* trial = res[8];
-  casadi_real* trial_speed = res[9];
-  casadi_real* moved = res[10];
-  casadi_real* status = res[11];
+  const casadi_real* directions = arg[DIRECTIONS];
+  const casadi_real* responses = arg[RESPONSES];
+  const casadi_real* friction = arg[FRICTION];
+  const casadi_real* minimum = arg[MINIMUM];
+  const casadi_real* mobility = arg[MOBILITY];
+  const casadi_real* weight = arg[WEIGHTS];
+  const casadi_real* shift = arg[SHIFT];
+  const casadi_real* settings = arg[SETTINGS];
+  const int* w_row = (const int*) arg[DIRECTION_ROWS];
+  const int* w_column = (const int*) arg[DIRECTION_COLUMNS];
+  const int* x_row = (const int*) arg[RESPONSE_ROWS];
+  const int* x_column = (const int*) arg[RESPONSE_COLUMNS];
+  const int* group = (const int*) arg[GROUP_STARTS];
+  const casadi_real* free = res[FREE_STEP];
+  const casadi_real* gain = res[GAIN];
+  casadi_real* speed = res[VELOCITY];
+  const casadi_real* solution = res[SOLUTION];
+  casadi_real* impulse = res[IMPULSE];
+  casadi_real* step = res[STEP];
+  casadi_real* change = res[CHANGE];
+  casadi_real* trial = res[TRIAL];
+  casadi_real* trial_speed = res[TRIAL_VELOCITY];
+  casadi_real* moved = res[SPEED_CHANGES];
+  casadi_real* status = res[STATUS];
   casadi_int count = iw[CONTACTS], width = iw[COMPONENTS], groups = iw[GROUPS], speeds = iw[SPEEDS],
     rows = count*width;
   casadi_real* z = w;
@@ -269,31 +270,31 @@ static int casadi_search(const casadi_real** arg, casadi_real** res, const casad
     }
     merit = casadi_merit(trial, trial_speed, mobility, weight, friction, minimum, group, groups,
       count, width, violation, status + 1);
-    if (merit<status[0]) {
+    if (merit<status[MERIT]) {
       for (r=0; r<rows; ++r) {
         impulse[r] = trial[r];
         speed[r] = trial_speed[r];
       }
-      status[0] = merit;
-      status[2] = 1;
+      status[MERIT] = merit;
+      status[DESCENDS] = 1;
       return 0;
     }
     share = 0.5*share;
   }
-  status[2] = 0;
+  status[DESCENDS] = 0;
   return 0;
 }
 /* steps with factors of blocks until the residual is within the tolerance; 1 if singular */
 static int casadi_iterate(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
     casadi_real* w) {
-  const casadi_real* settings = arg[8];
-  casadi_real* status = res[11];
-  const int* first = (const int*) arg[19];
-  const int* row = (const int*) arg[20];
-  const int* members = (const int*) arg[21];
+  const casadi_real* settings = arg[SETTINGS];
+  casadi_real* status = res[STATUS];
+  const int* first = (const int*) arg[FACTOR_STARTS];
+  const int* row = (const int*) arg[FACTOR_ROWS];
+  const int* members = (const int*) arg[BLOCK_MEMBERS];
   casadi_int blocks = iw[BLOCKS], size = iw[BLOCK_SIZE], iterations = iw[MAX_ITERATIONS], k, j;
   casadi_int memory = iw[MERITS], rows = iw[CONTACTS]*iw[COMPONENTS], jumps = 0, known = 0;
-  casadi_real* impulse = res[0];
+  casadi_real* impulse = res[IMPULSE];
   casadi_real* best = w + iw[WORK];
   casadi_real* merits = best + rows;
   casadi_real* pieces = merits + memory;
@@ -301,39 +302,39 @@ static int casadi_iterate(const casadi_real** arg, casadi_real** res, const casa
   casadi_real least = 0, reference;
   pieces[iw[CONTACTS]+1] = 0;
   for (k=0; k<iterations; ++k) {
-    status[3] = k;
+    status[ITERATIONS] = k;
     if (casadi_assemble(arg, res, iw, w, pieces, known)) return 1;
-    if (k==0 || status[0]<least) {
-      least = status[0];
+    if (k==0 || status[MERIT]<least) {
+      least = status[MERIT];
       for (j=0; j<rows; ++j) best[j] = impulse[j];
     }
-    if (!(status[1]>settings[TOLERANCE])) return 0;
-    merits[k%memory] = status[0];
-    reference = status[0];
+    if (!(status[RESIDUAL]>settings[TOLERANCE])) return 0;
+    merits[k%memory] = status[MERIT];
+    reference = status[MERIT];
     for (j=0; j<memory && j<k; ++j) {
       if (merits[j]>reference) reference = merits[j];
     }
-    status[0] = reference;
-    if (pieces[iw[CONTACTS]]==0 && casadi_factorise(res[1], first, row, blocks, size, used, w)) {
+    status[MERIT] = reference;
+    if (pieces[iw[CONTACTS]]==0 && casadi_factorise(res[SYSTEM], first, row, blocks, size, used, w)) {
       pieces[0] = 0.5;
       return 1;
     }
-    casadi_solve(res[1], first, row, members, blocks, size, used, res[2], res[13], w);
+    casadi_solve(res[SYSTEM], first, row, members, blocks, size, used, res[RIGHT_SIDE], res[SOLUTION], w);
     for (j=0; j<iw[SPEEDS]; ++j) {
-      if (!(fabs(res[13][j])<1e300)) return 1;
+      if (!(fabs(res[SOLUTION][j])<1e300)) return 1;
     }
     if (casadi_search(arg, res, iw, w)) return 1;
-    known = status[2]>0;
+    known = status[DESCENDS]>0;
     if (!known) {
       ++jumps;
       if (jumps>iw[MAX_JUMPS]) {
         for (j=0; j<rows; ++j) impulse[j] = best[j];
         return 0;
       }
-      for (j=0; j<rows; ++j) impulse[j] += res[6][j];
+      for (j=0; j<rows; ++j) impulse[j] += res[STEP][j];
     }
   }
-  if (!(status[0]<least)) {
+  if (!(status[MERIT]<least)) {
     for (j=0; j<rows; ++j) impulse[j] = best[j];
   }
   return 0;

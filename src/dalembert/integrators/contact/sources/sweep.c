@@ -7,19 +7,19 @@ static void casadi_push(const casadi_real* value, const int* column, casadi_int 
 /* impulses and speeds of the bodies after a sweep; the largest change as a speed */
 static casadi_real casadi_sweep(const casadi_real** arg, casadi_real* impulse, casadi_real* speed,
     casadi_int count, casadi_int width, casadi_int groups, casadi_real* w) {
-  const casadi_real* directions = arg[0];
-  const casadi_real* responses = arg[1];
-  const casadi_real* velocity = arg[2];
-  const casadi_real* friction = arg[3];
-  const casadi_real* minimum = arg[4];
-  const casadi_real* mobility = arg[5];
-  const casadi_real* weight = arg[6];
-  const casadi_real* shift = arg[7];
-  const int* w_row = (const int*) arg[9];
-  const int* w_column = (const int*) arg[10];
-  const int* x_row = (const int*) arg[11];
-  const int* x_column = (const int*) arg[12];
-  const int* group = (const int*) arg[13];
+  const casadi_real* directions = arg[DIRECTIONS];
+  const casadi_real* responses = arg[RESPONSES];
+  const casadi_real* velocity = arg[VELOCITY];
+  const casadi_real* friction = arg[FRICTION];
+  const casadi_real* minimum = arg[MINIMUM];
+  const casadi_real* mobility = arg[MOBILITY];
+  const casadi_real* weight = arg[WEIGHTS];
+  const casadi_real* shift = arg[SHIFT];
+  const int* w_row = (const int*) arg[DIRECTION_ROWS];
+  const int* w_column = (const int*) arg[DIRECTION_COLUMNS];
+  const int* x_row = (const int*) arg[RESPONSE_ROWS];
+  const int* x_column = (const int*) arg[RESPONSE_COLUMNS];
+  const int* group = (const int*) arg[GROUP_STARTS];
   casadi_int i, g, a, r;
   casadi_real largest = 0, u, d, length, limit;
   for (i=0; i<count; ++i) {

@@ -51,10 +51,10 @@ static void casadi_shares(const casadi_real* gram, casadi_int size, casadi_int s
 }
 static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w,
     int mem) {
-  const casadi_real* mobility = arg[5];
-  const casadi_real* settings = arg[8];
-  casadi_real* impulse = res[0];
-  casadi_real* speed = res[1];
+  const casadi_real* mobility = arg[MOBILITY];
+  const casadi_real* settings = arg[SETTINGS];
+  casadi_real* impulse = res[IMPULSE];
+  casadi_real* speed = res[SPEEDS];
   casadi_int count = iw[CONTACTS], width = iw[COMPONENTS], groups = iw[GROUPS], sweeps = iw[MAX_SWEEPS],
     speeds = iw[SPEEDS];
   casadi_int depth = iw[DEPTH], rows = count*width;
