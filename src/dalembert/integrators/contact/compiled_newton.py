@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import scipy
 
-from dalembert.integrators.contact.block_ordering import ORDERING, BlockOrdering
+from dalembert.integrators.contact.block_ordering import ORDERING
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
-from dalembert.integrators.contact.machine_code import (
-    Loop,
-    index_arrays,
-    machine_code,
-    problem_arrays,
+from dalembert.integrators.contact.machine_code import Loop, machine_code
+from dalembert.integrators.contact.newton_arrays import (
+    block_inputs,
+    block_outputs,
+    newton_outputs,
+    problem_inputs,
+    solution_memory,
 )
-from dalembert.integrators.contact.places import Counts, Inputs, Settings, Status
+from dalembert.integrators.contact.places import Counts, Inputs, Outputs, Settings, Status
 from dalembert.integrators.contact.solution_settings import (
     FEW_PROXIMAL,
     INTERIOR_POINTS,
@@ -30,12 +34,10 @@ from dalembert.integrators.contact.step_places import Shares
 from dalembert.sparse.factorise import SuperLUFactors
 
 FILES = *SOLUTION_FILES, "newton_modes.c"
-ORIGINAL = 34
-"""Place of the memory of the solution among the outputs."""
-VECTORS, FRICTION, MINIMUM, ROWS, INERTIA = [2, 5, 6, 7], 3, 4, [9, 11], 15
-"""Places among the inputs of the arrays with all components of contacts, of the coefficients of
-friction and the lower limits of impulses, and of the starts of the rows of directions and of the
-inertia."""
+VECTORS = Inputs.VELOCITY, Inputs.MOBILITY, Inputs.WEIGHTS, Inputs.SHIFT
+"""Inputs with all components of the contacts."""
+CHANGED = *VECTORS, Inputs.FRICTION, Inputs.MINIMUM
+"""Inputs that the whole solution copies, as it changes some of them."""
 OVERSHOOT = 1e-9
 """Relative overshoot of a step beyond a change of piece [-]."""
 BLOCK_REGULARIZATION = 1e-7
@@ -54,8 +56,7 @@ class CompiledNewton:
     problem : with a sparse operator
     operator : Delassus operator of the problem
     impulses : (n, k) initial guess
-    settings : tolerance of the residual, regularisation, overshoot beyond a change of piece; of
-        the whole solution also its relative tolerance and the lower limit of the reference speed
+    settings : by ``Settings``
     max_iterations : upper limit of the steps
     proximal : upper limit of the proximal problems of the whole solution, with factors of blocks;
         None for Newton's method alone
@@ -66,7 +67,7 @@ class CompiledNewton:
         problem: FrictionProblem,
         operator: Delassus,
         impulses: np.ndarray,
-        settings: tuple[float, ...],
+        settings: Mapping[int, float],
         max_iterations: int = 0,
         proximal: int | None = None,
     ):
@@ -74,38 +75,44 @@ class CompiledNewton:
         assert code is not None
         (count, width), rows = problem.shape, impulses.size
         self.speeds, self.iterations = operator.directions.shape[1], max_iterations
-        self.impulses, self.status = np.array(impulses), np.zeros(4)
+        self.impulses, self.status = np.array(impulses), np.zeros(Status.size())
         self.ordering = operator.ordering(width)
         if self.ordering is not None:
-            settings = settings[0], max(settings[1], BLOCK_REGULARIZATION), *settings[2:]
-        inputs = [*problem_arrays(problem, operator), np.array(settings)]
-        if proximal is not None:  # which changes speeds, mobilities and additions to the diagonal
-            inputs = [*inputs[:2], *(array.copy() for array in inputs[2:])]
-        inputs += index_arrays(problem, operator)
+            least = max(settings[Settings.REGULARIZATION], BLOCK_REGULARIZATION)
+            settings = {**settings, Settings.REGULARIZATION: least}
+        inputs, self._settings = problem_inputs(problem, operator), Settings.numbers(settings)
+        inputs[Inputs.SETTINGS] = self._settings
+        if proximal is not None:
+            inputs.update({place: inputs[place].copy() for place in CHANGED})
+            inputs[Inputs.SHARES] = Shares.numbers(SOLUTION_SHARES)
         if self.ordering is None:
             self.pattern = pattern = operator.pattern(width)
             size, entries = pattern.pointers.size - 1, pattern.rows.size
             self.options = {} if size > self.speeds else ORDERING
-            indices = [pattern.start, pattern.column, pattern.local, pattern.block, pattern.place]
+            places = {
+                Outputs.COLUMN_STARTS: pattern.start,
+                Outputs.COLUMNS: pattern.column,
+                Outputs.LOCAL_COLUMNS: pattern.local,
+                Outputs.ENTRY_STARTS: pattern.block,
+                Outputs.ENTRIES: pattern.place,
+            }
             constant, sizes = pattern.constant, (0, 0)
             widest = int(np.diff(pattern.start).max(initial=0))
         else:
             size, entries, sizes = self.speeds, self.ordering.entries, self.ordering.members.shape
-            inputs += _block_arrays(operator, self.ordering)
+            inputs.update(block_inputs(operator, self.ordering))
             starts = operator.directions.indptr[::width].astype(np.int64)
             widths, constant = np.diff(starts), np.zeros(entries)
             widest = int(widths.max(initial=0))
-            lengths = count + 1, starts[-1], starts[-1], count, int(widths @ widths)
-            indices = [np.zeros(length, dtype=np.int32) for length in lengths]
-        self.system, self.push, self.solution = np.zeros(entries), np.zeros(size), np.zeros(size)
-        outputs = [self.impulses, self.system, self.push, np.zeros(rows), np.zeros(rows * width)]
-        outputs += [np.zeros(rows) for _ in range(5)]
-        outputs += [np.zeros(self.speeds), self.status, constant, self.solution, *indices]
+            places = block_outputs(count, starts[-1], starts[-1], int(widths @ widths))
+        outputs = newton_outputs(count, width, self.speeds, entries, size)
+        outputs.update(places)
+        outputs[Outputs.IMPULSE], outputs[Outputs.STATUS] = self.impulses, self.status
+        outputs[Outputs.CONSTANT] = constant
+        self.system, self.push = outputs[Outputs.SYSTEM], outputs[Outputs.RIGHT_SIDE]
+        self.solution = outputs[Outputs.SOLUTION]
         if proximal is not None:
-            none = np.zeros(1)
-            inputs += [none] * (Inputs.SHARES - len(inputs)) + [Shares.numbers(SOLUTION_SHARES)]
-            memory = [4 * rows, *[rows] * 8, count, rows * width]
-            outputs += [none] * (ORIGINAL - len(outputs)) + [np.zeros(size) for size in memory]
+            outputs.update(solution_memory(count, width))
         work = 12 * width**2 + 3 * width * (width + 1) + 2 * width
         work += 2 * width * widest + widest**2
         work = max(work, sizes[0] * sizes[1] + sizes[1] ** 2)
@@ -130,8 +137,9 @@ class CompiledNewton:
             Counts.FEW_PROXIMAL: FEW_PROXIMAL,
         }
         work += rows + MEMORY + count + 2 + entries
-        self._settings, self._lengths = inputs[8], (len(inputs), len(outputs))
-        self._loop = Loop(code, inputs, outputs, Counts.listed(counts), work)
+        arrays = Inputs.arranged(inputs), Outputs.arranged(outputs)
+        self._lengths = len(arrays[0]), len(arrays[1])
+        self._loop = Loop(code, *arrays, Counts.listed(counts), work)
 
     @property
     def residual(self) -> float:
@@ -188,10 +196,11 @@ class CompiledNewton:
         counts, speeds = self._loop.counts, self.speeds
         width, groups = int(counts[Counts.COMPONENTS]), int(counts[Counts.GROUPS])
         inputs, outputs = (np.zeros(length, dtype=np.uint64) for length in self._lengths)
-        inputs[VECTORS] = 8 * width * begin
-        inputs[FRICTION], inputs[MINIMUM] = 8 * groups * begin, 8 * begin
-        inputs[ROWS], inputs[INERTIA] = 4 * width * begin, 4 * speeds * number
-        outputs[0] = 8 * width * begin
+        inputs[list(VECTORS)] = 8 * width * begin
+        inputs[Inputs.FRICTION], inputs[Inputs.MINIMUM] = 8 * groups * begin, 8 * begin
+        inputs[[Inputs.DIRECTION_ROWS, Inputs.RESPONSE_ROWS]] = 4 * width * begin
+        inputs[Inputs.INERTIA_ROWS] = 4 * speeds * number
+        outputs[Outputs.IMPULSE] = 8 * width * begin
         self._loop.shift(inputs, outputs)
         counts[Counts.CONTACTS], self._settings[Settings.SCALE] = end - begin, scale
         self.solve()
@@ -201,12 +210,12 @@ def compiled_newton(
     problem: FrictionProblem,
     operator: Delassus,
     impulses: np.ndarray,
-    settings: tuple[float, float, float],
+    settings: Mapping[int, float],
     max_iterations: int,
 ) -> np.ndarray:
     """Impulses after at most ``max_iterations`` steps."""
     newton = CompiledNewton(problem, operator, impulses, settings, max_iterations)
-    newton.iterate(settings[0])
+    newton.iterate(settings[Settings.TOLERANCE])
     return newton.impulses
 
 
@@ -263,17 +272,11 @@ def _solution(
     compliant = operator.shift.any() or np.any(problem.minimum) or np.any(problem.compliance)
     if compliant or machine_code(*FILES) is None:
         return None
-    settings = 0.0, BLOCK_REGULARIZATION, OVERSHOOT, share, problem.scale
+    settings = {
+        Settings.REGULARIZATION: BLOCK_REGULARIZATION,
+        Settings.OVERSHOOT: OVERSHOOT,
+        Settings.RELATIVE_TOLERANCE: share,
+        Settings.SCALE: problem.scale,
+    }
     proximal = min(MANY_PROXIMAL, max_iterations)
     return CompiledNewton(problem, operator, impulses, settings, NEWTON_STEPS, proximal)
-
-
-def _block_arrays(operator: Delassus, order: BlockOrdering) -> list[np.ndarray]:
-    """Arrays of the inertia, compressed by rows, and of the order of elimination."""
-    inertia = operator.inertia
-    if not scipy.sparse.issparse(inertia) or inertia.format != "csr":
-        inertia = scipy.sparse.csr_array(inertia)
-    parts = [inertia.indptr, inertia.indices, order.owner, order.position]
-    parts += [order.first, order.row, order.members]
-    indices = [np.ascontiguousarray(part, dtype=np.int32) for part in parts]
-    return [np.ascontiguousarray(inertia.data, dtype=float), *indices]

@@ -14,8 +14,6 @@ from pathlib import Path
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.integrators.contact.contacts import FrictionProblem
-from dalembert.integrators.contact.delassus import Delassus
 from dalembert.integrators.contact.place_names import with_numbers
 from dalembert.symbolic.evaluation.switching import best_toolchain
 from dalembert.symbolic.native.code_cache import compiled_loop
@@ -138,20 +136,3 @@ def _calls_of_all(text: str) -> str:
         calls.append(f"{{ {'; '.join(declared)}; {name}({values}); }}")
     head = "const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem"
     return f"static int {FIRST}({head}) {{\n{''.join(calls)}\nreturn 0;\n}}\n"
-
-
-def problem_arrays(problem: FrictionProblem, operator: Delassus) -> list[np.ndarray]:
-    """Contiguous arrays of numbers of a friction problem and its operator."""
-    minimum = problem.minimum
-    if not isinstance(minimum, np.ndarray):
-        minimum = np.full(problem.shape[0], minimum)
-    arrays = [*(part.data for part in operator.compressed), problem.velocity]
-    arrays += [problem.friction, minimum, problem.mobility, problem.weights, operator.shift]
-    return [np.ascontiguousarray(array, dtype=float) for array in arrays]
-
-
-def index_arrays(problem: FrictionProblem, operator: Delassus) -> list[np.ndarray]:
-    """Contiguous arrays of rows, columns and groups of a friction problem and its operator."""
-    w, x = operator.compressed
-    arrays = [w.indptr, w.indices, x.indptr, x.indices, problem.starts]
-    return [array.astype(np.int32, copy=False) for array in arrays]

@@ -42,6 +42,12 @@ class Places(Names):
         """Some counts at their places, and zeros at the others."""
         return [counts.get(place, 0) for place in range(cls.size())]
 
+    @classmethod
+    def arranged(cls, arrays: Mapping[int, np.ndarray]) -> list[np.ndarray]:
+        """Arrays in the order of their places up to the last one, and one zero at the others."""
+        none = np.zeros(1)
+        return [arrays.get(place, none) for place in range(max(arrays) + 1)]
+
 
 class Inputs(Places):
     """``arg``: arrays that are read; steps of free bodies change some of them, too."""

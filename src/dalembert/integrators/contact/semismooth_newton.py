@@ -8,6 +8,7 @@ from dalembert.integrators.contact.compiled_newton import FILES, OVERSHOOT, comp
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
 from dalembert.integrators.contact.machine_code import machine_code
+from dalembert.integrators.contact.places import Settings
 
 MAX_ITERATIONS, STEP_FRACTIONS = 100, (1.0, 0.5, 0.25, 0.125)
 REGULARIZATION = 1e-9
@@ -27,7 +28,11 @@ def semismooth_newton(
     """
     operator = problem.matrix
     if isinstance(operator, Delassus) and machine_code(*FILES) is not None:
-        settings = tolerance, REGULARIZATION, OVERSHOOT
+        settings = {
+            Settings.TOLERANCE: tolerance,
+            Settings.REGULARIZATION: REGULARIZATION,
+            Settings.OVERSHOOT: OVERSHOOT,
+        }
         return compiled_newton(problem, operator, impulses, settings, max_iterations)
     merit = _merit(problem, impulses)
     for _ in range(max_iterations):

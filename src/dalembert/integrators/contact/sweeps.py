@@ -15,13 +15,10 @@ import numpy as np
 
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
-from dalembert.integrators.contact.machine_code import (
-    Loop,
-    index_arrays,
-    machine_code,
-    problem_arrays,
-)
-from dalembert.integrators.contact.other_places import SweepCounts
+from dalembert.integrators.contact.machine_code import Loop, machine_code
+from dalembert.integrators.contact.newton_arrays import problem_inputs
+from dalembert.integrators.contact.other_places import SweepCounts, SweepOutputs, SweepSettings
+from dalembert.integrators.contact.places import Inputs
 from dalembert.symbolic.native.toolchain import Call
 
 DEPTH, GROWTH, REGULARIZATION = 10, 4.0, 1e-12
@@ -53,11 +50,11 @@ def swept(
         idle.append(sweeps)
     else:
         result, speeds = np.array(impulses), operator.directions.shape[1]
-        settings = np.array([tolerance, GROWTH, REGULARIZATION])
-        inputs = [*problem_arrays(problem, operator), settings, *index_arrays(problem, operator)]
-        outputs = [result, operator.response(result.ravel())]
+        inputs = problem_inputs(problem, operator)
+        inputs[Inputs.SETTINGS] = SweepSettings.numbers(_settings(tolerance))
+        arrays = Inputs.arranged(inputs), _outputs(result, operator.response(result.ravel()))
         sizes = _counts(problem, limit, speeds), _work(problem, speeds)
-        Loop(code, inputs, outputs, *sizes)()
+        Loop(code, *arrays, *sizes)()
     return result if np.isfinite(result).all() else impulses
 
 
@@ -73,6 +70,20 @@ def _counts(problem: FrictionProblem, limit: int, speeds: int) -> list[int]:
         SweepCounts.DEPTH: DEPTH,
     }
     return SweepCounts.listed(counts)
+
+
+def _settings(tolerance: float) -> dict[int, float]:
+    """Settings of the loop."""
+    return {
+        SweepSettings.TOLERANCE: tolerance,
+        SweepSettings.GROWTH: GROWTH,
+        SweepSettings.REGULARIZATION: REGULARIZATION,
+    }
+
+
+def _outputs(impulses: np.ndarray, speeds: np.ndarray) -> list[np.ndarray]:
+    """Outputs of the loop."""
+    return SweepOutputs.arranged({SweepOutputs.IMPULSE: impulses, SweepOutputs.SPEEDS: speeds})
 
 
 def _work(problem: FrictionProblem, speeds: int) -> int:
@@ -96,18 +107,32 @@ class DenseSweeps:
     def __init__(self, code: Call, problem: FrictionProblem):
         rows, (count, _) = problem.velocity.size, problem.shape
         self._impulses, self._speeds = np.zeros(problem.shape), np.zeros(rows)
-        self._responses, self._settings = np.zeros((rows, rows)), np.zeros(3)
+        self._responses = np.zeros((rows, rows))
+        self._settings = SweepSettings.numbers(_settings(0.0))
         vectors = [np.zeros(problem.shape) for _ in range(4)]
         self._velocity, self._mobility, self._weights, self._shift = vectors
         self._friction, self._minimum = np.zeros((count, len(problem.groups))), np.zeros(count)
-        parts = [np.ones(rows), self._responses, self._velocity, self._friction, self._minimum]
-        parts += [self._mobility, self._weights, self._shift, self._settings]
         number = np.arange(rows, dtype=np.int32)
         starts = np.arange(rows + 1, dtype=np.int32)
-        indices = [starts, number, rows * starts, np.tile(number, rows)]
-        indices.append(problem.starts.astype(np.int32))
+        inputs = {
+            Inputs.DIRECTIONS: np.ones(rows),
+            Inputs.RESPONSES: self._responses,
+            Inputs.VELOCITY: self._velocity,
+            Inputs.FRICTION: self._friction,
+            Inputs.MINIMUM: self._minimum,
+            Inputs.MOBILITY: self._mobility,
+            Inputs.WEIGHTS: self._weights,
+            Inputs.SHIFT: self._shift,
+            Inputs.SETTINGS: self._settings,
+            Inputs.DIRECTION_ROWS: starts,
+            Inputs.DIRECTION_COLUMNS: number,
+            Inputs.RESPONSE_ROWS: rows * starts,
+            Inputs.RESPONSE_COLUMNS: np.tile(number, rows),
+            Inputs.GROUP_STARTS: problem.starts.astype(np.int32),
+        }
+        arrays = Inputs.arranged(inputs), _outputs(self._impulses, self._speeds)
         sizes = _counts(problem, SWEEPS, rows), _work(problem, rows)
-        self._loop = Loop(code, [*parts, *indices], [self._impulses, self._speeds], *sizes)
+        self._loop = Loop(code, *arrays, *sizes)
 
     def __call__(
         self,
@@ -122,7 +147,7 @@ class DenseSweeps:
         self._friction[:], self._minimum[:] = problem.friction, problem.minimum
         self._mobility[:], self._weights[:] = problem.mobility, problem.weights
         self._shift[:] = operator.shift.reshape(problem.shape)
-        self._settings[:] = tolerance, GROWTH, REGULARIZATION
+        self._settings[SweepSettings.TOLERANCE] = tolerance
         self._impulses[:], self._speeds[:] = impulses, operator.product @ impulses.ravel()
         self._loop.counts[SweepCounts.MAX_SWEEPS] = limit
         self._loop()

@@ -10,7 +10,13 @@ from dalembert.analysis.nonsmooth.advance import AHEAD
 from dalembert.analysis.nonsmooth.contact_step import JAMMED, ROUNDS, ContactStep
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
 from dalembert.analysis.nonsmooth.free_bodies.pair_lists import GROWTH, PairLists
-from dalembert.analysis.nonsmooth.free_bodies.path_contacts import contact_arrays
+from dalembert.analysis.nonsmooth.free_bodies.step_arrays import (
+    contact_arrays,
+    contact_inputs,
+    integers,
+    shape_inputs,
+    step_outputs,
+)
 from dalembert.analysis.nonsmooth.gaps import corners_over_faces
 from dalembert.analysis.nonsmooth.gaps.hulls.compiled_features import GEOMETRY
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
@@ -24,7 +30,7 @@ from dalembert.integrators.contact.compiled_newton import (
 )
 from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.integrators.contact.machine_code import Loop, machine_code
-from dalembert.integrators.contact.places import Counts
+from dalembert.integrators.contact.places import Counts, Inputs, Outputs, Settings, Status
 from dalembert.integrators.contact.schemes import CLOSING, ROUNDING
 from dalembert.integrators.contact.solution_settings import (
     FEW_PROXIMAL,
@@ -113,7 +119,9 @@ class FreeBodySteps(PairLists):
         used = [0, 1, *range(FIRST, FIRST + len(step.groups))]
         self.radii, self.body, self._reserved = motion.radii(step.p), motion.body.copy(), 0
         self._laws = np.ascontiguousarray(motion.laws(step.p)[used].T)
-        self._settings = np.array([0.0, BLOCK_REGULARIZATION, OVERSHOOT])
+        self._settings = Settings.numbers(
+            {Settings.REGULARIZATION: BLOCK_REGULARIZATION, Settings.OVERSHOOT: OVERSHOOT}
+        )
         self._shares = Shares.numbers(STEP_SHARES)
         self._groups = np.cumsum([1, *step.groups]).astype(np.int32)
         self._loop: Loop | None = None
@@ -133,8 +141,13 @@ class FreeBodySteps(PairLists):
         self._sizes[Sizes.NUMBERED] = motion.shapes.numbered
         self._sizes[Sizes.HULLS] = not motion.shapes.only_balls
         bodies = motion.first.size - 1
-        self._order = [np.zeros(size, dtype=np.int32) for size in (n, n, bodies + 1, 1)]
-        self._order.append(np.full((bodies, widest), -1, dtype=np.int32))
+        self._order = {
+            Inputs.BLOCK_OF_SPEED: integers(n),
+            Inputs.PLACE_IN_BLOCK: integers(n),
+            Inputs.FACTOR_STARTS: integers(bodies + 1),
+            Inputs.FACTOR_ROWS: integers(1),
+            Inputs.BLOCK_MEMBERS: np.full((bodies, widest), -1, dtype=np.int32),
+        }
         self._inverses = np.zeros(bodies * widest**2), np.full(self.inertia.size, np.nan)
         counts = {
             Counts.COMPONENTS: self.width,
@@ -202,21 +215,8 @@ class FreeBodySteps(PairLists):
 
     def _allocate(self, pairs: int, contacts: int, entries: int) -> None:
         """Arrays for numbers of listed pairs, of contacts and of matrix entries."""
-        n, k, widest, groups = (
-            self.v.size,
-            self.width,
-            self._motion.widest,
-            self.counts[Counts.GROUPS],
-        )
-        rows, pattern, old = contacts * k, contacts * k * 2 * widest, self._pairs
+        k, widest, old = self.width, self._motion.widest, self._pairs
         self._contacts, self._entries = contacts, entries
-
-        def real(size: int) -> np.ndarray:
-            return np.zeros(size)
-
-        def whole(size: int) -> np.ndarray:
-            return np.zeros(size, dtype=np.int32)
-
         self._pairs = np.zeros((3, pairs), dtype=np.int32)
         self._pairs[:, : old.shape[1]] = old
         last, self._last = self._last, (np.zeros(contacts, np.int64), np.zeros((contacts, k)))
@@ -226,55 +226,93 @@ class FreeBodySteps(PairLists):
         for own, old_part in zip((*path, *before), (*self._path, *self._before), strict=True):
             own[: old_part.shape[0]] = old_part
         records = max(RECORDS + 32 * self._reserved, 4 * contacts, self._pressed.size)
-        recorded = np.zeros(records, np.int64), *np.zeros((2, records, k)), whole(records)
+        recorded = np.zeros(records, np.int64), *np.zeros((2, records, k)), integers(records)
         used = self.counts[Counts.RECORDED_CONTACTS]
         for own, old_part in zip(recorded, self._recorded, strict=True):
             own[:used] = old_part[:used]
         self._pressed, self._impulses, self._offsets, self._kept = recorded
-        row, column = whole(rows + 1), whole(pattern)
-        motion, bodies = self._motion, (self.body, self._motion.first)
-        inputs = [real(pattern), real(pattern), real(rows), real(contacts * groups), real(contacts)]
-        inputs += [real(rows), real(rows), real(rows), self._settings, row, column, row, column]
-        inputs += [self._groups, self.inertia, motion.starts, motion.columns, *self._order]
-        inputs += [self.v, self.force, self.references, self.normals, self.radii, self.velocities]
-        inputs += [self._laws, *bodies, *self._pairs, *self._old, self.limits, self._shares]
-        shapes, slots = self._shapes, 2 * contacts + 1
-        inputs += [shapes.places, shapes.records, self.corners, real(3 * shapes.axes)]
         self._keys, self._described, self._gaps = contact_arrays(contacts)
-        self._path, self._before, self._means = path, before, real(pattern)
-        inputs += [whole(4 * shapes.most), self._keys, self._last[0], self._gaps]
-        inputs += [whole(slots), self._sizes, self._centers, self.arms, real(3 * shapes.longest)]
-        inputs += [self._described, self._shares_of_path, path[1], path[0], self._means, path[2]]
-        inputs += [*before, *self.ahead, real(3 * shapes.axes)]
-        self._sizes[Sizes.SLOTS] = slots
-        self._status, self._pair_of = real(8), whole(contacts)
-        self._solved = real(rows)
-        outputs = [self._solved, real(entries), real(n), real(rows), real(rows * k)]
-        outputs += [real(rows) for _ in range(5)]
-        outputs += [real(n), self._status, real(entries), real(n), whole(contacts + 1)]
-        outputs += [whole(contacts * 2 * widest), whole(pattern), whole(contacts)]
-        outputs += [whole(contacts * (2 * widest) ** 2), real(n), *self._inverses, real(contacts)]
-        self._speeds = real(rows), real(rows)
-        outputs += [self._pair_of, *self._speeds, real(rows), real(rows), self.displacement]
-        outputs += [self._last[1], self.numbers, *recorded[:3], real(4 * rows)]
-        outputs += [*(real(rows) for _ in range(8)), real(contacts), real(rows * k)]
-        outputs += [whole(contacts), self._kept, real(n), real(rows), real(n), whole(contacts)]
-        inputs += self._more_inputs()
-        outputs += self._more_outputs(contacts)
+        self._path, self._before, self._status = path, before, np.zeros(Status.size())
+        inputs = {
+            **contact_inputs(contacts, k, int(self.counts[Counts.GROUPS]), widest),
+            **shape_inputs(self._shapes),
+            **self._lasting_inputs(),
+        }
+        self._means = inputs[Inputs.PATH_MEANS]
+        self._sizes[Sizes.SLOTS] = inputs[Inputs.KEY_TABLE].size
+        outputs = step_outputs(contacts, k, widest, self.v.size, entries)
+        self._solved, self._pair_of = outputs[Outputs.IMPULSE], outputs[Outputs.PAIRS]
+        self._speeds = outputs[Outputs.VELOCITY_BEFORE], outputs[Outputs.VELOCITY_FREE]
+        outputs.update(self._lasting_outputs(contacts))
         blocks, size = self.counts[[Counts.BLOCKS, Counts.BLOCK_SIZE]]
         work = 12 * k**2 + 3 * k * (k + 1) + 2 * k + 4 * k * widest + (2 * widest) ** 2
         work = int(max(work, blocks * size + size**2))
         self.counts[Counts.WORK], self.counts[Counts.MAX_CONTACTS] = work, contacts
         self.counts[Counts.MAX_RECORDED] = records - self._reserved
         assert self._code is not None
-        memory = work + rows + MEMORY + contacts + 2 + entries
-        self._loop = Loop(self._code, inputs, outputs, list(self.counts), memory)
+        memory = work + contacts * k + MEMORY + contacts + 2 + entries
+        arrays = Inputs.arranged(inputs), Outputs.arranged(outputs)
+        self._loop = Loop(self._code, *arrays, list(self.counts), memory)
         self.counts = self._loop.counts
 
-    def _more_inputs(self) -> list[np.ndarray]:
-        """Further inputs of the scheme."""
-        return []
+    def _lasting_inputs(self) -> dict[int, np.ndarray]:
+        """Inputs that the steps share with the time loop, or that last from step to step."""
+        motion, ahead = self._motion, self.ahead
+        return {
+            Inputs.SETTINGS: self._settings,
+            Inputs.GROUP_STARTS: self._groups,
+            Inputs.INERTIA: self.inertia,
+            Inputs.INERTIA_ROWS: motion.starts,
+            Inputs.INERTIA_COLUMNS: motion.columns,
+            **self._order,
+            Inputs.SPEEDS: self.v,
+            Inputs.FORCES: self.force,
+            Inputs.REFERENCES: self.references,
+            Inputs.NORMALS: self.normals,
+            Inputs.RADII: self.radii,
+            Inputs.SHAPE_VELOCITIES: self.velocities,
+            Inputs.LAWS: self._laws,
+            Inputs.BODY_OF_SHAPE: self.body,
+            Inputs.BODY_STARTS: motion.first,
+            Inputs.FIRST_SHAPE: self._pairs[0],
+            Inputs.SECOND_SHAPE: self._pairs[1],
+            Inputs.LAW_OF_PAIR: self._pairs[2],
+            Inputs.LISTED_CENTERS: self._old[0],
+            Inputs.LISTED_NORMALS: self._old[1],
+            Inputs.LIMITS: self.limits,
+            Inputs.SHARES: self._shares,
+            Inputs.CORNERS: self.corners,
+            Inputs.KEYS: self._keys,
+            Inputs.LAST_KEYS: self._last[0],
+            Inputs.GAPS: self._gaps,
+            Inputs.SIZES: self._sizes,
+            Inputs.CENTERS: self._centers,
+            Inputs.ARMS: self.arms,
+            Inputs.DESCRIPTIONS: self._described,
+            Inputs.PATH_SHARES: self._shares_of_path,
+            Inputs.PATH_DESCRIPTIONS: self._path[1],
+            Inputs.PATH_KEYS: self._path[0],
+            Inputs.PATH_GAPS: self._path[2],
+            Inputs.KEYS_BEFORE: self._before[0],
+            Inputs.DESCRIPTIONS_BEFORE: self._before[1],
+            Inputs.CORNERS_AHEAD: ahead[0],
+            Inputs.REFERENCES_AHEAD: ahead[1],
+            Inputs.NORMALS_AHEAD: ahead[2],
+            Inputs.VELOCITIES_AHEAD: ahead[3],
+        }
 
-    def _more_outputs(self, contacts: int) -> list[np.ndarray]:
-        """Further outputs of the scheme, for a number of contacts."""
-        return []
+    def _lasting_outputs(self, contacts: int) -> dict[int, np.ndarray]:
+        """Outputs that the steps share with the time loop, or that last from step to step; of
+        other schemes also further ones for a number of contacts."""
+        return {
+            Outputs.STATUS: self._status,
+            Outputs.INVERSES: self._inverses[0],
+            Outputs.LAST_INERTIA: self._inverses[1],
+            Outputs.DISPLACEMENT: self.displacement,
+            Outputs.LAST_IMPULSES: self._last[1],
+            Outputs.RECORD: self.numbers,
+            Outputs.RECORDED_KEYS: self._pressed,
+            Outputs.RECORDED_IMPULSES: self._impulses,
+            Outputs.RECORDED_OFFSETS: self._offsets,
+            Outputs.RECORDED_DIRECTIONS: self._kept,
+        }

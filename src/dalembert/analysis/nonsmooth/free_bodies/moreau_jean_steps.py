@@ -10,7 +10,8 @@ from dalembert.analysis.nonsmooth.correction import SHARE
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
 from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import FreeBodySteps
 from dalembert.analysis.nonsmooth.free_bodies.pair_lists import RENEWALS
-from dalembert.integrators.contact.places import Counts, Status
+from dalembert.analysis.nonsmooth.free_bodies.step_arrays import stored_outputs
+from dalembert.integrators.contact.places import Counts, Inputs, Outputs, Status
 from dalembert.integrators.contact.schemes import ROUNDING, MoreauJean
 from dalembert.integrators.contact.step_calls import Calls, StepOutcome
 from dalembert.integrators.contact.step_places import Limits, Sizes
@@ -141,21 +142,16 @@ class MoreauJeanSteps(FreeBodySteps):
         self._sizes[Sizes.STORED] = 0  # their pairs have other numbers
         super()._renew_list(reach)
 
-    def _more_inputs(self) -> list[np.ndarray]:
-        return [self.mass]
+    def _lasting_inputs(self) -> dict[int, np.ndarray]:
+        return {**super()._lasting_inputs(), Inputs.MASS: self.mass}
 
-    def _more_outputs(self, contacts: int) -> list[np.ndarray]:
-        n, rows = self.v.size, contacts * self.width
-        pattern = rows * 2 * self._motion.widest
-
-        def whole(size: int) -> np.ndarray:
-            return np.zeros(size, dtype=np.int32)
-
-        directions = np.zeros(pattern), whole(rows + 1), whole(pattern)
-        velocities, gaps = np.zeros((2, rows)), np.zeros(contacts)
-        keys = np.zeros(contacts, dtype=np.int64)
-        self._sizes[Sizes.STORED], self._stored = 0, whole(6 * contacts)
-        states = whole(contacts), np.zeros(3 * contacts), whole(contacts), np.zeros(n)
-        stored = [*directions, *velocities, gaps, keys, self._stored, *states]
-        others = np.zeros(contacts, dtype=np.int64), whole(6 * contacts)
-        return [*stored, *self._mass_inverses, *others]
+    def _lasting_outputs(self, contacts: int) -> dict[int, np.ndarray]:
+        stored = stored_outputs(contacts, self.width, self._motion.widest)
+        self._sizes[Sizes.STORED], self._stored = 0, stored[Outputs.STORED_DESCRIPTIONS]
+        return {
+            **super()._lasting_outputs(contacts),
+            **stored,
+            Outputs.END_SPEEDS: np.zeros(self.v.size),
+            Outputs.MASS_INVERSES: self._mass_inverses[0],
+            Outputs.LAST_MASS: self._mass_inverses[1],
+        }

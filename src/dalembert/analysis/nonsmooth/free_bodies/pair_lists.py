@@ -7,9 +7,10 @@ from abc import abstractmethod
 import numpy as np
 
 from dalembert.analysis.nonsmooth.free_bodies.recorded_contacts import RecordedContacts
+from dalembert.analysis.nonsmooth.free_bodies.step_arrays import integers
 from dalembert.analysis.nonsmooth.free_bodies.step_shapes import StepShapes
 from dalembert.analysis.nonsmooth.gaps.neighbours import Neighbours
-from dalembert.integrators.contact.places import Counts, Status
+from dalembert.integrators.contact.places import Counts, Inputs, Status
 from dalembert.integrators.contact.step_calls import Calls, StepOutcome
 from dalembert.integrators.contact.step_places import Limits, Sizes
 
@@ -38,7 +39,7 @@ class PairLists(RecordedContacts):
     _neighbours: Neighbours
     _status: np.ndarray
     _old: tuple[np.ndarray, np.ndarray]
-    _order: list[np.ndarray]
+    _order: dict[int, np.ndarray]
     _contacts: int
     _entries: int
 
@@ -89,14 +90,20 @@ class PairLists(RecordedContacts):
         """Order of elimination for the contacts of the step."""
         bodies = self.body[self._pairs[:2, self._ordered_pairs()]]
         order = self._motion.orderings.between(*bodies[:, (bodies >= 0).all(axis=0)])
-        parts = order.owner, order.position, order.first, order.row, order.members
-        rows = self._order[3]
+        parts = {
+            Inputs.BLOCK_OF_SPEED: order.owner,
+            Inputs.PLACE_IN_BLOCK: order.position,
+            Inputs.FACTOR_STARTS: order.first,
+            Inputs.FACTOR_ROWS: order.row,
+            Inputs.BLOCK_MEMBERS: order.members,
+        }
+        rows = self._order[Inputs.FACTOR_ROWS]
         if order.row.size > rows.size or order.entries > self._entries:
-            self._order[3] = np.zeros(int(GROWTH * order.row.size) + 1, dtype=np.int32)
+            self._order[Inputs.FACTOR_ROWS] = integers(int(GROWTH * order.row.size) + 1)
             entries = int(GROWTH * order.entries)
             self._allocate(self._pairs.shape[1], self._contacts, entries)
-        for array, part in zip(self._order, parts, strict=True):
-            array.ravel()[: part.size] = part.ravel()
+        for place, part in parts.items():
+            self._order[place].ravel()[: part.size] = part.ravel()
         self.counts[Counts.ENTRIES] = order.entries
 
     def _ordered_pairs(self) -> np.ndarray:

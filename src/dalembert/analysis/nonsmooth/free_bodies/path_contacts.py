@@ -146,8 +146,3 @@ class PathContacts(ABC):
     def leave_path(self) -> None:
         """No means over a path in the following steps."""
         self._sizes[Sizes.PATH] = 0
-
-
-def contact_arrays(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Keys, descriptions and gaps of contacts."""
-    return np.zeros(count, np.int64), np.zeros((count, 6), np.int32), np.zeros(count)

@@ -8,7 +8,7 @@ from dalembert.analysis.nonsmooth.gaps.gap_functions import Feature
 from dalembert.analysis.nonsmooth.gaps.hulls.form_tables import FormTables
 from dalembert.analysis.nonsmooth.gaps.hulls.planar_features import Rows
 from dalembert.integrators.contact.machine_code import Loop, machine_code
-from dalembert.integrators.contact.other_places import SearchCounts
+from dalembert.integrators.contact.other_places import SearchCounts, SearchInputs, SearchOutputs
 
 GEOMETRY = "hull_axes.c", "spatial_hulls.c", "planar_hulls.c"
 """Files of the search for features of two hulls."""
@@ -82,15 +82,24 @@ class CompiledFeatures:
         self._pair, self._rounded = np.zeros((pairs, 2), np.int32), np.zeros(pairs, np.int32)
         self._limits, self._listed = np.zeros(pairs), np.zeros((rows, 5), np.int32)
         part, axes = np.zeros((tables.most, 4), np.int32), np.zeros((tables.axes, 3))
-        inputs: list[np.ndarray] = [self._corners, self._limits, self._pair, self._rounded]
-        inputs += [tables.places, tables.records]
+        inputs: dict[int, np.ndarray] = {
+            SearchInputs.CORNERS: self._corners,
+            SearchInputs.REACH: self._limits,
+            SearchInputs.PAIRS: self._pair,
+            SearchInputs.ROUNDED: self._rounded,
+            SearchInputs.PLACES: tables.places,
+            SearchInputs.FORMS: tables.records,
+        }
+        outputs: dict[int, np.ndarray] = {
+            SearchOutputs.FEATURES: self._listed,
+            SearchOutputs.PAIR_FEATURES: part,
+            SearchOutputs.AXES: axes,
+        }
         counts = {
             SearchCounts.HULLS: len(tables.places),
             SearchCounts.DIMENSION: self._dimension,
             SearchCounts.MAX_FEATURES: rows,
         }
         assert self._code is not None
-        work = 3 * tables.longest
-        self._loop = Loop(
-            self._code, inputs, [self._listed, part, axes], SearchCounts.listed(counts), work
-        )
+        arrays = SearchInputs.arranged(inputs), SearchOutputs.arranged(outputs)
+        self._loop = Loop(self._code, *arrays, SearchCounts.listed(counts), 3 * tables.longest)
