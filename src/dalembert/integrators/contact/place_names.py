@@ -18,6 +18,7 @@ from dalembert.integrators.contact.places import Counts, Inputs, Outputs, Places
 from dalembert.integrators.contact.step_calls import Calls, Modes, States, StepOutcome
 from dalembert.integrators.contact.step_places import (
     Descriptions,
+    Forms,
     Limits,
     RecordColumns,
     ShapePlaces,
@@ -47,6 +48,9 @@ TABLES: Mapping[str, type[Places]] = {
     "res[STORED_DESCRIPTIONS]": Descriptions,
     "place": ShapePlaces,
     "number": ShapePlaces,
+    "form": Forms,
+    "a": Forms,
+    "b": Forms,
 }
 """Places of each array, by its name in the C text."""
 OTHER_TABLES: Mapping[str, Mapping[str, type[Places]]] = {

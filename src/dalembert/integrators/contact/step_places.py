@@ -118,3 +118,19 @@ class ShapePlaces(Places):
     AXES = 2  # in AXES
     FEATURES = 3  # number of its first feature
     NUMBER = 4  # among balls and walls
+
+
+class Forms(Places):
+    """Head of a record in ``arg[FORMS]``: numbers of a form, then places within its record."""
+
+    CORNERS = 0
+    EDGES = 1
+    GROUPS = 2  # of parallel edges
+    LOOPS = 3
+    FACES = 4  # all loops, or none
+    EDGE_CORNERS = 5  # two of each edge
+    GROUP_STARTS = 6  # first edges of the groups
+    GROUP_EDGES = 7  # edges of the groups
+    LOOP_STARTS = 8  # first corners of the loops
+    LOOP_CORNERS = 9  # corners of the loops
+    LOOP_EDGES = 10  # edges along these

@@ -14,7 +14,7 @@ from dalembert.analysis.nonsmooth.free_bodies.step_arrays import stored_outputs
 from dalembert.integrators.contact.places import Counts, Inputs, Outputs, Status
 from dalembert.integrators.contact.schemes import ROUNDING, MoreauJean
 from dalembert.integrators.contact.step_calls import Calls, StepOutcome
-from dalembert.integrators.contact.step_places import Limits, Sizes
+from dalembert.integrators.contact.step_places import Descriptions, Limits, Sizes
 
 
 class MoreauJeanSteps(FreeBodySteps):
@@ -86,7 +86,7 @@ class MoreauJeanSteps(FreeBodySteps):
             outcome = StepOutcome(int(self.counts[Counts.OUTCOME]))
             if outcome is StepOutcome.OUTDATED and np.isfinite(self._status[Status.REACH]):
                 super()._renew_list(float(self._status[Status.REACH]))
-                described = stored[: 6 * self._sizes[Sizes.STORED]].reshape(-1, 6)
+                described = stored[: self._sizes[Sizes.STORED]]
                 if not self.pair_numbers(
                     self._pairs[:2, : self.counts[Counts.PAIRS]], described
                 ).all():
@@ -135,8 +135,8 @@ class MoreauJeanSteps(FreeBodySteps):
     def _ordered_pairs(self) -> np.ndarray:
         """Those of all contacts near each other at the start of the step, too, as the active ones
         change within it."""
-        stored = self._stored[: 6 * self._sizes[Sizes.STORED]].reshape(-1, 6)
-        return np.concatenate([super()._ordered_pairs(), stored[:, 5]])
+        stored = self._stored[: self._sizes[Sizes.STORED], Descriptions.PAIR]
+        return np.concatenate([super()._ordered_pairs(), stored])
 
     def _renew_list(self, reach: float) -> None:
         self._sizes[Sizes.STORED] = 0  # their pairs have other numbers

@@ -10,7 +10,16 @@ from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMo
 from dalembert.integrators.contact.machine_code import Loop
 from dalembert.integrators.contact.places import Counts
 from dalembert.integrators.contact.step_calls import Calls, StepOutcome
-from dalembert.integrators.contact.step_places import Limits, Sizes
+from dalembert.integrators.contact.step_places import (
+    Descriptions,
+    Forms,
+    Limits,
+    ShapePlaces,
+    Sizes,
+)
+
+SHAPES = [Descriptions.SHAPE, Descriptions.OTHER_SHAPE]
+"""Columns of both shapes in a description."""
 
 
 class PathContacts(ABC):
@@ -61,8 +70,9 @@ class PathContacts(ABC):
 
     def keys_of(self, described: np.ndarray) -> np.ndarray:
         """Keys of contacts between hulls, by their descriptions."""
-        features, first = int(self._sizes[Sizes.FEATURES]), self._motion.shapes.places[:, 3]
-        kind, i, own, j, other = described[:, :5].T.astype(np.int64)
+        features = int(self._sizes[Sizes.FEATURES])
+        first = self._motion.shapes.places[:, ShapePlaces.FEATURES]
+        kind, i, own, j, other = described[:, : Descriptions.PAIR].T.astype(np.int64)
         keys = (kind * features + first[i] + own) * features + first[j] + other
         return np.asarray(self._sizes[Sizes.OFFSET] + keys)
 
@@ -71,10 +81,11 @@ class PathContacts(ABC):
         of walls."""
         shapes = self._motion.shapes
         if max(first, second) >= shapes.hulls:
-            return np.zeros((0, 6), np.int32)
-        form, other = (shapes.records[shapes.places[k, 0] :] for k in (first, second))
-        count = form[1] if shapes.dimension == 2 else form[4]
-        face, corner = np.indices((count, other[0])).reshape(2, -1)
+            return np.zeros((0, Descriptions.size()), np.int32)
+        starts = shapes.places[[first, second], ShapePlaces.FORM]
+        form, other = (shapes.records[start:] for start in starts)
+        count = form[Forms.EDGES if shapes.dimension == 2 else Forms.FACES]
+        face, corner = np.indices((count, other[Forms.CORNERS])).reshape(2, -1)
         one = np.ones_like(face)
         columns = one, first * one, face, second * one, corner, pair * one
         return np.column_stack(columns).astype(np.int32)
@@ -93,10 +104,10 @@ class PathContacts(ABC):
         (2, m)."""
         shapes = np.array([self._motion.shapes.count, 1])
         codes: np.ndarray = shapes @ np.sort(pairs, axis=0)
-        order, own = np.argsort(codes), np.sort(described[:, [1, 3]], axis=1) @ shapes
+        order, own = np.argsort(codes), np.sort(described[:, SHAPES], axis=1) @ shapes
         place = np.searchsorted(codes, own, sorter=order)
         listed = np.isin(own, codes)
-        described[listed, 5] = order[place[listed]]
+        described[listed, Descriptions.PAIR] = order[place[listed]]
         return listed
 
     def set_path(self, keys: np.ndarray, described: np.ndarray) -> None:
@@ -134,7 +145,7 @@ class PathContacts(ABC):
         first, body, widest = self._motion.first, self.body, 2 * self._motion.widest
         means = self._means.reshape(-1, self.width, widest)[:, 0]
         for k, gap in enumerate(gaps):
-            bodies = [b for b in body[self._path[1][k, [1, 3]]] if b >= 0]
+            bodies = [b for b in body[self._path[1][k, SHAPES]] if b >= 0]
             own = np.concatenate([np.arange(first[b], first[b + 1]) for b in bodies])
             self._path[2][k] = gap - means[k, : own.size] @ displacement[own]
 

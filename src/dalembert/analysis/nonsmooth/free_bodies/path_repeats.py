@@ -9,8 +9,9 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.advance import is_settled
 from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import FreeBodySteps
+from dalembert.analysis.nonsmooth.free_bodies.path_contacts import SHAPES
 from dalembert.analysis.nonsmooth.mean_gaps import LOBATTO
-from dalembert.integrators.contact.step_places import Limits
+from dalembert.integrators.contact.step_places import Descriptions, Limits
 from dalembert.model.graph.manifold import Manifold
 
 
@@ -93,14 +94,16 @@ class PathRepeats:
         """Descriptions of gaps between faces and corners of the hulls of some contacts that
         separate these at the start, where the shapes are, and are closed at the end."""
         steps = self._steps
-        hulls = np.unique(np.column_stack([np.sort(described[:, [1, 3]]), described[:, 5]]), axis=0)
+        listed = described[:, Descriptions.PAIR]
+        hulls = np.unique(np.column_stack([np.sort(described[:, SHAPES]), listed]), axis=0)
         sides = [side for i, j, pair in hulls for side in ((i, j, pair), (j, i, pair))]
         faces = np.vstack([steps.face_contacts(*side) for side in sides])
         steps.set_path(steps.keys_of(faces), faces)
         opened = steps.path_gaps()
         place(1.0, displacement)
         closed = steps.path_gaps() < -self._rounding
-        face = np.unique(faces[:, 1:4], axis=0, return_inverse=True)[1].ravel()
+        columns = [Descriptions.SHAPE, Descriptions.FEATURE, Descriptions.OTHER_SHAPE]
+        face = np.unique(faces[:, columns], axis=0, return_inverse=True)[1].ravel()
         lowest = np.full(face.max(initial=0) + 1, np.inf)
         np.minimum.at(lowest, face, opened)
         separating: np.ndarray = faces[(lowest[face] >= -self._rounding) & closed]

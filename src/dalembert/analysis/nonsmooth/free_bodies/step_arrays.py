@@ -11,6 +11,7 @@ from dalembert.integrators.contact.newton_arrays import (
     solution_memory,
 )
 from dalembert.integrators.contact.places import Inputs, Outputs
+from dalembert.integrators.contact.step_places import Descriptions
 
 
 def integers(size: int) -> np.ndarray:
@@ -20,7 +21,8 @@ def integers(size: int) -> np.ndarray:
 
 def contact_arrays(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Keys, descriptions and gaps of contacts."""
-    return np.zeros(count, np.int64), np.zeros((count, 6), np.int32), np.zeros(count)
+    described = np.zeros((count, Descriptions.size()), np.int32)
+    return np.zeros(count, np.int64), described, np.zeros(count)
 
 
 def contact_inputs(
@@ -113,10 +115,10 @@ def stored_outputs(contacts: int, components: int, widest: int) -> dict[int, np.
         Outputs.STORED_FREE: np.zeros(rows),
         Outputs.STORED_GAPS: np.zeros(contacts),
         Outputs.STORED_KEYS: np.zeros(contacts, dtype=np.int64),
-        Outputs.STORED_DESCRIPTIONS: integers(6 * contacts),
+        Outputs.STORED_DESCRIPTIONS: contact_arrays(contacts)[1],
         Outputs.STORED_START: integers(contacts),
         Outputs.STORED_NORMALS: np.zeros(3 * contacts),
         Outputs.STATES: integers(contacts),
         Outputs.OTHER_KEYS: np.zeros(contacts, dtype=np.int64),
-        Outputs.OTHER_DESCRIPTIONS: integers(6 * contacts),
+        Outputs.OTHER_DESCRIPTIONS: contact_arrays(contacts)[1],
     }

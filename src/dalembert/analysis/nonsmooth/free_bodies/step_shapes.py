@@ -17,9 +17,7 @@ from dalembert.analysis.nonsmooth.gaps.neighbours import NeighbourList, Neighbou
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.pairs import APART
 from dalembert.elements.contact.shapes import Flat, Round
-
-PLACES = 5
-"""Numbers of a shape: its form, corners, axes, first feature, and number among balls and walls."""
+from dalembert.integrators.contact.step_places import ShapePlaces
 
 Laws = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """(n,) numbers of the laws of pairs of shapes."""
@@ -36,9 +34,9 @@ class StepShapes:
     references, twists : (3 s,) points of the bodies, and (6 s,) velocities there
     normals : (3 w,) of the walls
     constants : radii of the balls and hulls, and coefficients of the laws
-    places : (s, 5) int32 places of the shapes in the tables (``shape_contacts.c``)
+    places : (s, 5) int32, by ``ShapePlaces``
     corner_starts : (s + 1,)
-    records : forms (``hull_axes.c``)
+    records : forms, by ``Forms``
     axes, most, longest : as in ``FormTables``
     features, offset : number of features of all hulls, and offset of the keys of their contacts
     numbered : number of balls and walls, which are numbered of their own
@@ -73,7 +71,7 @@ class StepShapes:
     @property
     def only_balls(self) -> bool:
         """Whether all shapes are balls and walls."""
-        return bool((self.places[:, -1] >= 0).all())
+        return bool((self.places[:, ShapePlaces.NUMBER] >= 0).all())
 
     def neighbours(self) -> Neighbours:
         """A search for near pairs."""
@@ -118,8 +116,8 @@ def step_shapes(source: GapSource) -> StepShapes | None:
 def _of_balls(source: CollisionGaps) -> StepShapes:
     shapes, walls, balls = source.counts
     geometry = source.formulas.geometry
-    places = np.full((shapes, PLACES), -1, dtype=np.int32)
-    places[:, 1] = places[:, -1] = np.arange(shapes)
+    places = np.full((shapes, ShapePlaces.size()), -1, dtype=np.int32)
+    places[:, ShapePlaces.CORNERS] = places[:, ShapePlaces.NUMBER] = np.arange(shapes)
     return StepShapes(
         dimension=source.dimension,
         corners=geometry[: 3 * shapes],
@@ -154,11 +152,12 @@ def _of_hulls(source: HullGaps, balls: CollisionGaps | None) -> StepShapes | Non
     normals, points = ca.vec(flat[3:, :]), ca.vec(flat[:3, :])
     starts = np.append(geometry.starts, geometry.starts[-1] + 1 + np.arange(walls))
     first = np.cumsum([0, *geometry.feature_counts])
-    places = np.full((hulls + walls, PLACES), -1, dtype=np.int32)
-    places[:hulls, :3], places[:, 1], places[:, 3] = tables.places, starts[:-1], first[:-1]
+    places = np.full((hulls + walls, ShapePlaces.size()), -1, dtype=np.int32)
+    places[:hulls, : tables.places.shape[1]] = tables.places
+    places[:, ShapePlaces.CORNERS], places[:, ShapePlaces.FEATURES] = starts[:-1], first[:-1]
     if balls is not None:
         numbered = [isinstance(shape, Round | Flat) for shape in geometry.shapes]
-        places[numbered, -1] = np.arange(sum(numbered))
+        places[numbered, ShapePlaces.NUMBER] = np.arange(sum(numbered))
     return StepShapes(
         dimension=source.dimension,
         corners=ca.vertcat(parts["corners"], points),

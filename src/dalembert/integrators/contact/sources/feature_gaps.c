@@ -22,9 +22,9 @@ static casadi_real casadi_wall_gap(const casadi_real* point, const casadi_real* 
 }
 /* corners of an edge, reversed if its number is one of the second half */
 static void casadi_ends(const int* form, casadi_int edge, int* ends) {
-  const int* corner = form + form[5] + 2*(edge<form[1] ? edge : edge - form[1]);
-  ends[0] = edge<form[1] ? corner[0] : corner[1];
-  ends[1] = edge<form[1] ? corner[1] : corner[0];
+  const int* corner = form + form[EDGE_CORNERS] + 2*(edge<form[EDGES] ? edge : edge - form[EDGES]);
+  ends[0] = edge<form[EDGES] ? corner[0] : corner[1];
+  ends[1] = edge<form[EDGES] ? corner[1] : corner[0];
 }
 /* two edges */
 static casadi_real casadi_edge_gap(const int* a, const casadi_real* x, casadi_real r,
@@ -57,7 +57,7 @@ static casadi_real casadi_feature_gap(casadi_int kind, const int* a, const casad
   int ends[2];
   casadi_real foot[3], line[3], gap, fraction;
   if (kind==1) {
-    k = dimension==2 ? own : a[a[9]+a[a[8]+own]];
+    k = dimension==2 ? own : a[a[LOOP_CORNERS]+a[a[LOOP_STARTS]+own]];
     gap = casadi_wall_gap(x + 3*k, y + 3*other, s + r, n + 3*own, place);
     for (k=0; k<3; ++k) {
       normal[k] = n[3*own+k];

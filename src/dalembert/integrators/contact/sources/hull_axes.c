@@ -29,7 +29,7 @@ static casadi_real casadi_unit(casadi_real* a) {
 /* edge as a vector */
 static void casadi_line(const int* form, const casadi_real* x, casadi_int edge,
     casadi_real* line) {
-  const int* ends = form + form[5] + 2*edge;
+  const int* ends = form + form[EDGE_CORNERS] + 2*edge;
   casadi_between(x + 3*ends[0], x + 3*ends[1], line);
 }
 /* smallest and largest coordinates of corners along a direction */
@@ -68,11 +68,11 @@ static casadi_real casadi_span(const casadi_real* x, casadi_int count, const cas
 /* axes of a hull */
 static void casadi_axes(const int* form, const casadi_real* x, casadi_int dimension,
     casadi_real* axis) {
-  const int* start = form + form[8];
-  const int* loop = form + form[9];
-  const int* group = form + form[6];
-  const int* member = form + form[7];
-  casadi_int k, corners = form[0];
+  const int* start = form + form[LOOP_STARTS];
+  const int* loop = form + form[LOOP_CORNERS];
+  const int* group = form + form[GROUP_STARTS];
+  const int* member = form + form[GROUP_EDGES];
+  casadi_int k, corners = form[CORNERS];
   casadi_real u[3], v[3];
   if (dimension==2) {
     for (k=0; k<corners; ++k) {
@@ -84,15 +84,15 @@ static void casadi_axes(const int* form, const casadi_real* x, casadi_int dimens
     }
     return;
   }
-  for (k=0; k<form[4]; ++k) {
+  for (k=0; k<form[FACES]; ++k) {
     casadi_between(x + 3*loop[start[k]], x + 3*loop[start[k]+1], u);
     casadi_between(x + 3*loop[start[k]+1], x + 3*loop[start[k]+2], v);
     casadi_cross(u, v, axis + 3*k);
     casadi_unit(axis + 3*k);
   }
-  for (k=0; k<form[2]; ++k) {
-    casadi_line(form, x, member[group[k]], axis + 3*(form[4]+k));
-    casadi_unit(axis + 3*(form[4]+k));
+  for (k=0; k<form[GROUPS]; ++k) {
+    casadi_line(form, x, member[group[k]], axis + 3*(form[FACES]+k));
+    casadi_unit(axis + 3*(form[FACES]+k));
   }
 }
 /* append a pair of features: its kind, whether the second hull is first, and both features */

@@ -17,7 +17,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   const int* b;
   for (k=0; k<iw[HULLS]; ++k) {
     if (place[3*k]<0) continue;
-    casadi_axes(forms + place[3*k], corners + 3*place[3*k+1], iw[DIMENSION], axes + 3*place[3*k+2]);
+    casadi_axes(forms + place[3*k], corners + 3*place[3*k+CORNERS], iw[DIMENSION], axes + 3*place[3*k+AXES]);
   }
   for (k=0; k<iw[PAIRS]; ++k) {
     i = 3*pair[2*k];
@@ -25,11 +25,11 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     a = forms + place[i];
     b = forms + place[j];
     if (iw[DIMENSION]==2) {
-      count = casadi_planar_features(a, corners + 3*place[i+1], axes + 3*place[i+2], b,
-        corners + 3*place[j+1], axes + 3*place[j+2], rounded[k], limit[k], part);
+      count = casadi_planar_features(a, corners + 3*place[i+CORNERS], axes + 3*place[i+AXES], b,
+        corners + 3*place[j+CORNERS], axes + 3*place[j+AXES], rounded[k], limit[k], part);
     } else {
-      count = casadi_spatial_features(a, corners + 3*place[i+1], axes + 3*place[i+2], b,
-        corners + 3*place[j+1], axes + 3*place[j+2], rounded[k], limit[k], part, w);
+      count = casadi_spatial_features(a, corners + 3*place[i+CORNERS], axes + 3*place[i+AXES], b,
+        corners + 3*place[j+CORNERS], axes + 3*place[j+AXES], rounded[k], limit[k], part, w);
     }
     for (r=0; r<count; ++r) {
       if (total<iw[MAX_FEATURES]) {

@@ -7,13 +7,13 @@ static casadi_real casadi_beyond(const int* form, const casadi_real* corners,
   casadi_int p, q, count;
   casadi_real side[3], outward[3], relative[3];
   if (dimension==2) {
-    p = face+1<form[0] ? face + 1 : 0;
+    p = face+1<form[CORNERS] ? face + 1 : 0;
     q = j ? face : p;
     p = j ? p : face;
     casadi_between(corners + 3*q, corners + 3*p, outward);
   } else {
-    loop = form + form[9] + form[form[8]+face];
-    count = form[form[8]+face+1] - form[form[8]+face];
+    loop = form + form[LOOP_CORNERS] + form[form[LOOP_STARTS]+face];
+    count = form[form[LOOP_STARTS]+face+1] - form[form[LOOP_STARTS]+face];
     p = loop[j];
     q = loop[j+1<count ? j + 1 : 0];
     casadi_between(corners + 3*p, corners + 3*q, side);
@@ -41,8 +41,8 @@ static int casadi_leaves(const casadi_real** arg, const casadi_real** ahead, con
   casadi_real relative[3], height, closing, share, moved, past;
   if (arg[RADII][contact[SHAPE]]>0 || arg[RADII][contact[OTHER_SHAPE]]>0) return 0;
   if (dimension==3) {
-    count = form[form[8]+contact[FEATURE]+1] - form[form[8]+contact[FEATURE]];
-    point = form[form[9]+form[form[8]+contact[FEATURE]]];
+    count = form[form[LOOP_STARTS]+contact[FEATURE]+1] - form[form[LOOP_STARTS]+contact[FEATURE]];
+    point = form[form[LOOP_CORNERS]+form[form[LOOP_STARTS]+contact[FEATURE]]];
   }
   casadi_between(from + 3*point, here, relative);
   height = casadi_dot(normal, relative);

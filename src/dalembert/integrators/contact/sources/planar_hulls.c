@@ -7,7 +7,7 @@ static casadi_int casadi_planar_edge(const int* a, const casadi_real* x, const c
     int* rows) {
   const casadi_real* normal = n + 3*k;
   const casadi_real* start = x + 3*k;
-  casadi_int c, e, after, following = k+1<a[0] ? k+1 : 0, lowest = 0, count = 0, flush;
+  casadi_int c, e, after, following = k+1<a[CORNERS] ? k+1 : 0, lowest = 0, count = 0, flush;
   casadi_int begins, finishes, under, over;
   casadi_real tangent[3], relative[3], edge[3], part[2], depth[2], nearest, height, least, square;
   casadi_real length, upper, lower, ends[2];
@@ -15,7 +15,7 @@ static casadi_int casadi_planar_edge(const int* a, const casadi_real* x, const c
   tangent[1] = normal[0];
   tangent[2] = 0;
   least = INFINITY;
-  for (c=0; c<b[0]; ++c) {
+  for (c=0; c<b[CORNERS]; ++c) {
     casadi_between(start, y + 3*c, relative);
     height = casadi_dot(relative, normal);
     if (height<least) {
@@ -23,9 +23,9 @@ static casadi_int casadi_planar_edge(const int* a, const casadi_real* x, const c
       lowest = c;
     }
   }
-  e = lowest>0 ? lowest - 1 : b[0] - 1;
+  e = lowest>0 ? lowest - 1 : b[CORNERS] - 1;
   if (!(casadi_dot(m + 3*e, normal)<casadi_dot(m + 3*lowest, normal))) e = lowest;
-  after = e+1<b[0] ? e+1 : 0;
+  after = e+1<b[CORNERS] ? e+1 : 0;
   casadi_between(start, x + 3*following, relative);
   length = casadi_dot(relative, tangent);
   casadi_between(start, y + 3*e, relative);
@@ -51,7 +51,7 @@ static casadi_int casadi_planar_edge(const int* a, const casadi_real* x, const c
   if (finishes && ends[1]<nearest) nearest = ends[1];
   if (under && depth[0]<nearest) nearest = depth[0];
   if (over && depth[1]<nearest) nearest = depth[1];
-  if (nearest>least + 1e-3*casadi_span(y, b[0], y, 0)) {
+  if (nearest>least + 1e-3*casadi_span(y, b[CORNERS], y, 0)) {
     count = casadi_append(rows, count, 1, swapped, k, lowest);
   }
   if (begins) count = casadi_append(rows, count, 1, swapped, k, after);
@@ -67,8 +67,8 @@ static casadi_int casadi_planar_features(const int* a, const casadi_real* x, con
     casadi_real limit, int* rows) {
   casadi_int k, best = -1, corners[2];
   casadi_real largest = -INFINITY, apart, range[2];
-  for (k=0; k<a[1]; ++k) {
-    casadi_extent(y, b[0], n + 3*k, range);
+  for (k=0; k<a[EDGES]; ++k) {
+    casadi_extent(y, b[CORNERS], n + 3*k, range);
     apart = range[0] - casadi_dot(n + 3*k, x + 3*k);
     if (apart>limit) return 0;
     if (apart>largest) {
@@ -76,21 +76,21 @@ static casadi_int casadi_planar_features(const int* a, const casadi_real* x, con
       best = k;
     }
   }
-  for (k=0; k<b[1]; ++k) {
-    casadi_extent(x, a[0], m + 3*k, range);
+  for (k=0; k<b[EDGES]; ++k) {
+    casadi_extent(x, a[CORNERS], m + 3*k, range);
     apart = range[0] - casadi_dot(m + 3*k, y + 3*k);
     if (apart>limit) return 0;
     if (apart>largest) {
       largest = apart;
-      best = a[1] + k;
+      best = a[EDGES] + k;
     }
   }
   if (rounded) {
-    apart = casadi_nearest_corners(x, a[0], y, b[0], corners);
+    apart = casadi_nearest_corners(x, a[CORNERS], y, b[CORNERS], corners);
     if (apart>limit) return 0;
     if (apart>largest) return casadi_append(rows, 0, 2, 0, corners[0], corners[1]);
   }
   if (best<0) return 0;
-  if (best<a[1]) return casadi_planar_edge(a, x, n, b, y, m, best, 0, rows);
-  return casadi_planar_edge(b, y, m, a, x, n, best - a[1], 1, rows);
+  if (best<a[EDGES]) return casadi_planar_edge(a, x, n, b, y, m, best, 0, rows);
+  return casadi_planar_edge(b, y, m, a, x, n, best - a[EDGES], 1, rows);
 }

@@ -5,14 +5,14 @@
 static casadi_real casadi_edge_separation(const int* a, const casadi_real* x,
     const casadi_real* along, casadi_int i, const int* b, const casadi_real* y,
     const casadi_real* other, casadi_int j, casadi_real best, casadi_real* normal) {
-  const int* group = a + a[6];
-  const int* member = a + a[7];
+  const int* group = a + a[GROUP_STARTS];
+  const int* member = a + a[GROUP_EDGES];
   casadi_int k, flip;
   casadi_real own[2], theirs[2], apart, reached, size;
   casadi_cross(along, other, normal);
   if (!(casadi_unit(normal)>1e-6)) return -INFINITY;
-  casadi_extent(x, a[0], normal, own);
-  casadi_extent(y, b[0], normal, theirs);
+  casadi_extent(x, a[CORNERS], normal, own);
+  casadi_extent(y, b[CORNERS], normal, theirs);
   flip = own[0] - theirs[1]>theirs[0] - own[1];
   apart = flip ? own[0] - theirs[1] : theirs[0] - own[1];
   if (!(apart>best)) return -INFINITY;
@@ -21,18 +21,18 @@ static casadi_real casadi_edge_separation(const int* a, const casadi_real* x,
     own[1] = -own[0];
     theirs[0] = -theirs[1];
   }
-  size = casadi_span(x, a[0], x, 0) + casadi_span(y, b[0], y, 0);
+  size = casadi_span(x, a[CORNERS], x, 0) + casadi_span(y, b[CORNERS], y, 0);
   reached = -INFINITY;
   for (k=group[i]; k<group[i+1]; ++k) {
-    apart = casadi_dot(normal, x + 3*a[a[5]+2*member[k]]);
+    apart = casadi_dot(normal, x + 3*a[a[EDGE_CORNERS]+2*member[k]]);
     if (apart>reached) reached = apart;
   }
   if (!(own[1] - reached<1e-9*size)) return -INFINITY;
-  group = b + b[6];
-  member = b + b[7];
+  group = b + b[GROUP_STARTS];
+  member = b + b[GROUP_EDGES];
   reached = INFINITY;
   for (k=group[j]; k<group[j+1]; ++k) {
-    apart = casadi_dot(normal, y + 3*b[b[5]+2*member[k]]);
+    apart = casadi_dot(normal, y + 3*b[b[EDGE_CORNERS]+2*member[k]]);
     if (apart<reached) reached = apart;
   }
   if (!(reached - theirs[0]<1e-9*size)) return -INFINITY;
@@ -67,12 +67,12 @@ static casadi_real casadi_depth(const casadi_real* x, const int* loop, casadi_in
 static casadi_int casadi_crossings(const int* a, const casadi_real* x, casadi_int f, const int* b,
     const casadi_real* y, casadi_int g, const casadi_real* normal, casadi_int swapped,
     casadi_real margin, int* rows, casadi_int count, casadi_real* nearest) {
-  const int* start = a + a[8];
-  const int* sides = a + a[10];
-  const int* other = b + b[10] + b[b[8]+g];
-  casadi_int i, j, e, h, reverse, sides_b = b[4]>0 ? b[b[8]+g+1] - b[b[8]+g] : 1;
+  const int* start = a + a[LOOP_STARTS];
+  const int* sides = a + a[LOOP_EDGES];
+  const int* other = b + b[LOOP_EDGES] + b[b[LOOP_STARTS]+g];
+  casadi_int i, j, e, h, reverse, sides_b = b[FACES]>0 ? b[b[LOOP_STARTS]+g+1] - b[b[LOOP_STARTS]+g] : 1;
   casadi_real u[3], v[3], across[3], between[3], turned[3], area, size, first, second;
-  if (!b[1]) return count;
+  if (!b[EDGES]) return count;
   for (i=start[f]; i<start[f+1]; ++i) {
     e = sides[i];
     casadi_line(a, x, e, u);
@@ -84,7 +84,7 @@ static casadi_int casadi_crossings(const int* a, const casadi_real* x, casadi_in
       size = sqrt(casadi_dot(across, across));
       if (!(fabs(area)>0.7*size)) continue;
       if (!(size>1e-9*sqrt(casadi_dot(u, u))*sqrt(casadi_dot(v, v)))) continue;
-      casadi_between(x + 3*a[a[5]+2*e], y + 3*b[b[5]+2*h], between);
+      casadi_between(x + 3*a[a[EDGE_CORNERS]+2*e], y + 3*b[b[EDGE_CORNERS]+2*h], between);
       casadi_cross(between, v, turned);
       first = casadi_dot(turned, across)/(size*size);
       casadi_cross(between, u, turned);
@@ -94,8 +94,8 @@ static casadi_int casadi_crossings(const int* a, const casadi_real* x, casadi_in
       if (area<0) first = -first;
       if (first<nearest[0]) nearest[0] = first;
       reverse = area<0;
-      if (swapped) count = casadi_append(rows, count, 3, 0, h, e + reverse*a[1]);
-      else count = casadi_append(rows, count, 3, 0, e, h + reverse*b[1]);
+      if (swapped) count = casadi_append(rows, count, 3, 0, h, e + reverse*a[EDGES]);
+      else count = casadi_append(rows, count, 3, 0, e, h + reverse*b[EDGES]);
     }
   }
   return count;
@@ -119,20 +119,21 @@ static casadi_int casadi_face_rows(const int* a, const casadi_real* x, const cas
     const int* b, const casadi_real* y, const casadi_real* m, casadi_int f, casadi_int swapped,
     casadi_int farthest, int* rows, casadi_real* w) {
   const casadi_real* normal = n + 3*f;
-  const int* own = a + a[9] + a[a[8]+f];
-  const int* other = b + b[9];
-  casadi_int own_count = a[a[8]+f+1] - a[a[8]+f], other_count, k, g = 0, lowest = 0, count = 0;
+  const int* own = a + a[LOOP_CORNERS] + a[a[LOOP_STARTS]+f];
+  const int* other = b + b[LOOP_CORNERS];
+  casadi_int own_count = a[a[LOOP_STARTS]+f+1] - a[a[LOOP_STARTS]+f], other_count, k, g = 0, lowest = 0,
+    count = 0;
   casadi_int over;
   casadi_real nearest[1], facing, smallest = INFINITY, start, height, size;
-  for (k=0; k<b[4]; ++k) {
+  for (k=0; k<b[FACES]; ++k) {
     facing = casadi_dot(m + 3*k, normal);
     if (facing<smallest) {
       smallest = facing;
       g = k;
     }
   }
-  other = other + b[b[8]+g];
-  other_count = b[b[8]+g+1] - b[b[8]+g];
+  other = other + b[b[LOOP_STARTS]+g];
+  other_count = b[b[LOOP_STARTS]+g+1] - b[b[LOOP_STARTS]+g];
   start = casadi_dot(x + 3*own[0], normal);
   nearest[0] = INFINITY;
   casadi_inward(x, own, own_count, normal, w);
@@ -143,7 +144,7 @@ static casadi_int casadi_face_rows(const int* a, const casadi_real* x, const cas
     count = casadi_append(rows, count, 1, swapped, f, other[k]);
   }
   over = count;
-  size = casadi_span(y, b[0], y, 0);
+  size = casadi_span(y, b[CORNERS], y, 0);
   if (smallest<-0.7) {
     casadi_inward(y, other, other_count, m + 3*g, w);
     for (k=0; k<own_count; ++k) {
@@ -160,7 +161,7 @@ static casadi_int casadi_face_rows(const int* a, const casadi_real* x, const cas
   }
   if (!farthest) return count;
   smallest = INFINITY;
-  for (k=0; k<b[0]; ++k) {
+  for (k=0; k<b[CORNERS]; ++k) {
     height = casadi_dot(y + 3*k, normal);
     if (height<smallest) {
       smallest = height;
@@ -175,9 +176,9 @@ static casadi_int casadi_face_rows(const int* a, const casadi_real* x, const cas
 /* edge of a group whose middle is farthest along a normal */
 static casadi_int casadi_outermost(const int* form, const casadi_real* x, casadi_int group,
     const casadi_real* normal, casadi_real sign) {
-  const int* start = form + form[6];
-  const int* member = form + form[7];
-  const int* edge = form + form[5];
+  const int* start = form + form[GROUP_STARTS];
+  const int* member = form + form[GROUP_EDGES];
+  const int* edge = form + form[EDGE_CORNERS];
   casadi_int k, best = member[start[group]];
   casadi_real height, highest = -INFINITY;
   for (k=start[group]; k<start[group+1]; ++k) {
@@ -200,7 +201,7 @@ static casadi_int casadi_edge_row(const int* a, const casadi_real* x, const int*
   casadi_line(a, x, own, u);
   casadi_line(b, y, other, v);
   casadi_cross(u, v, across);
-  if (casadi_dot(across, normal)<0) other += b[1];
+  if (casadi_dot(across, normal)<0) other += b[EDGES];
   for (k=0; k<count; ++k) {
     if (rows[4*k]==3 && rows[4*k+2]==own && rows[4*k+3]==other) return count;
   }
@@ -212,7 +213,7 @@ static casadi_real casadi_beside(const int* a, const casadi_real* x, casadi_int 
   casadi_real line[3], fraction;
   casadi_int k;
   casadi_line(a, x, edge, line);
-  casadi_between(x + 3*a[a[5]+2*edge], place, vector);
+  casadi_between(x + 3*a[a[EDGE_CORNERS]+2*edge], place, vector);
   fraction = casadi_dot(vector, line)/casadi_dot(line, line);
   if (!(fraction>0 && fraction<1)) return INFINITY;
   for (k=0; k<3; ++k) vector[k] = vector[k] - fraction*line[k];
@@ -226,8 +227,8 @@ static casadi_real casadi_beside_edges(const int* a, const casadi_real* x, const
   casadi_real vector[3], best[3], own[2], theirs[2], distance;
   least[0] = INFINITY;
   for (k=0; k<3; ++k) best[k] = 0;
-  for (e=0; e<a[1]; ++e) {
-    for (c=0; c<b[0]; ++c) {
+  for (e=0; e<a[EDGES]; ++e) {
+    for (c=0; c<b[CORNERS]; ++c) {
       distance = casadi_beside(a, x, e, y + 3*c, vector);
       if (!(distance<least[0])) continue;
       least[0] = distance;
@@ -235,8 +236,8 @@ static casadi_real casadi_beside_edges(const int* a, const casadi_real* x, const
     }
   }
   if (!(casadi_unit(best)>0)) return -INFINITY;
-  casadi_extent(x, a[0], best, own);
-  casadi_extent(y, b[0], best, theirs);
+  casadi_extent(x, a[CORNERS], best, own);
+  casadi_extent(y, b[CORNERS], best, theirs);
   return theirs[0] - own[1];
 }
 /* corners beside edges that are nearly as near as the nearest */
@@ -244,8 +245,8 @@ static casadi_int casadi_beside_rows(const int* a, const casadi_real* x, const i
     const casadi_real* y, casadi_int swapped, casadi_real limit, int* rows, casadi_int count) {
   casadi_int e, c;
   casadi_real vector[3], distance;
-  for (e=0; e<a[1]; ++e) {
-    for (c=0; c<b[0]; ++c) {
+  for (e=0; e<a[EDGES]; ++e) {
+    for (c=0; c<b[CORNERS]; ++c) {
       distance = casadi_beside(a, x, e, y + 3*c, vector);
       if (distance<INFINITY && distance<=limit) {
         count = casadi_append(rows, count, 4, swapped, e, c);
@@ -262,56 +263,56 @@ static casadi_int casadi_spatial_features(const int* a, const casadi_real* x,
   casadi_int k, i, j, flat, crossed, best = 0, f = -1, column = -1, count = 0, corners[2];
   casadi_real face = -INFINITY, edge = -INFINITY, corner = -INFINITY, beside = -INFINITY;
   casadi_real range[2], normal[3], common[3], least[2], apart, size;
-  for (k=0; k<a[4]; ++k) {
-    casadi_extent(y, b[0], n + 3*k, range);
-    apart = range[0] - casadi_dot(n + 3*k, x + 3*a[a[9]+a[a[8]+k]]);
+  for (k=0; k<a[FACES]; ++k) {
+    casadi_extent(y, b[CORNERS], n + 3*k, range);
+    apart = range[0] - casadi_dot(n + 3*k, x + 3*a[a[LOOP_CORNERS]+a[a[LOOP_STARTS]+k]]);
     if (apart>limit) return 0;
     if (apart>face) {
       face = apart;
       f = k;
     }
   }
-  for (k=0; k<b[4]; ++k) {
-    casadi_extent(x, a[0], m + 3*k, range);
-    apart = range[0] - casadi_dot(m + 3*k, y + 3*b[b[9]+b[b[8]+k]]);
+  for (k=0; k<b[FACES]; ++k) {
+    casadi_extent(x, a[CORNERS], m + 3*k, range);
+    apart = range[0] - casadi_dot(m + 3*k, y + 3*b[b[LOOP_CORNERS]+b[b[LOOP_STARTS]+k]]);
     if (apart>limit) return 0;
     if (apart>face) {
       face = apart;
-      f = a[4] + k;
+      f = a[FACES] + k;
     }
   }
-  for (i=0; i<a[2]; ++i) {
-    for (j=0; j<b[2]; ++j) {
-      apart = casadi_edge_separation(a, x, n + 3*(a[4]+i), i, b, y, m + 3*(b[4]+j), j, edge,
+  for (i=0; i<a[GROUPS]; ++i) {
+    for (j=0; j<b[GROUPS]; ++j) {
+      apart = casadi_edge_separation(a, x, n + 3*(a[FACES]+i), i, b, y, m + 3*(b[FACES]+j), j, edge,
         normal);
       if (apart>limit) return 0;
       if (apart>edge) {
         edge = apart;
-        column = i*b[2] + j;
+        column = i*b[GROUPS] + j;
         for (k=0; k<3; ++k) common[k] = normal[k];
       }
     }
   }
   if (rounded) {
-    corner = casadi_nearest_corners(x, a[0], y, b[0], corners);
+    corner = casadi_nearest_corners(x, a[CORNERS], y, b[CORNERS], corners);
     beside = casadi_beside_edges(a, x, b, y, least);
     apart = casadi_beside_edges(b, y, a, x, least + 1);
     if (apart>beside) beside = apart;
     if (corner>limit || beside>limit) return 0;
   }
-  size = casadi_span(x, a[0], y, b[0]);
+  size = casadi_span(x, a[CORNERS], y, b[CORNERS]);
   apart = corner>beside ? corner : beside;
   flat = face>=edge - 1e-3*size && face>=apart - 1e-12*size;
   crossed = edge>face + 1e-12*size;
   if (corner>edge) best = 1;
   if (beside>(best==1 ? corner : edge)) best = 2;
-  if (flat && f>=a[4]) {
-    count = casadi_face_rows(b, y, m, a, x, n, f - a[4], 1, !crossed, rows, w);
+  if (flat && f>=a[FACES]) {
+    count = casadi_face_rows(b, y, m, a, x, n, f - a[FACES], 1, !crossed, rows, w);
   } else if (flat && f>=0) {
     count = casadi_face_rows(a, x, n, b, y, m, f, 0, !crossed, rows, w);
   }
   if (column>=0 && ((!flat && best==0) || (flat && crossed))) {
-    count = casadi_edge_row(a, x, b, y, column/b[2], column%b[2], common, rows, count);
+    count = casadi_edge_row(a, x, b, y, column/b[GROUPS], column%b[GROUPS], common, rows, count);
   }
   if (!flat && best==1) count = casadi_append(rows, count, 2, 0, corners[0], corners[1]);
   if (!flat && rounded && best!=1) {

@@ -8,9 +8,7 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.gaps.hulls.polyhedra import Form
 from dalembert.elements.contact.hull import Hull
-
-HEAD = 11
-"""Length of the head of a record: five numbers and six places (``hull_axes.c``)."""
+from dalembert.integrators.contact.step_places import Forms
 
 
 class FormTables:
@@ -56,25 +54,31 @@ class FormTables:
 
 
 def record(hull: Hull, dimension: int) -> list[int]:
-    """The record of a form, as described in ``hull_axes.c``."""
+    """The record of a form, by ``Forms``."""
     if dimension == 2:
-        return [len(hull.corners), len(hull.edges), *[0] * (HEAD - 2)]
+        return Forms.listed({Forms.CORNERS: len(hull.corners), Forms.EDGES: len(hull.edges)})
     form = Form(hull)
     loops = [row[:count].tolist() for row, count in zip(form.loops, form.counts, strict=True)]
     sides = [row[:count].tolist() for row, count in zip(form.sides, form.counts, strict=True)]
     groups = [group.tolist() for group in form.groups]
-    tables = [
-        form.edges.ravel().tolist(),
-        _starts(groups),
-        _joined(groups),
-        _starts(loops),
-        _joined(loops),
-        _joined(sides),
-    ]
-    places = HEAD + np.cumsum([0, *(len(table) for table in tables[:-1])])
-    faces = len(loops) if form.has_faces else 0
-    head = [len(hull.corners), len(form.edges), len(groups), len(loops), faces]
-    return [*head, *places.tolist(), *_joined(tables)]
+    tables: dict[int, list[int]] = {
+        Forms.EDGE_CORNERS: form.edges.ravel().tolist(),
+        Forms.GROUP_STARTS: _starts(groups),
+        Forms.GROUP_EDGES: _joined(groups),
+        Forms.LOOP_STARTS: _starts(loops),
+        Forms.LOOP_CORNERS: _joined(loops),
+        Forms.LOOP_EDGES: _joined(sides),
+    }
+    starts = Forms.size() + np.array(_starts(list(tables.values()))[:-1])
+    head = {
+        Forms.CORNERS: len(hull.corners),
+        Forms.EDGES: len(form.edges),
+        Forms.GROUPS: len(groups),
+        Forms.LOOPS: len(loops),
+        Forms.FACES: len(loops) if form.has_faces else 0,
+        **dict(zip(tables, starts.tolist(), strict=True)),
+    }
+    return [*Forms.listed(head), *_joined(list(tables.values()))]
 
 
 def _joined(lists: list[list[int]]) -> list[int]:
