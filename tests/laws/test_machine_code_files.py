@@ -59,3 +59,18 @@ def test_files_as_installed_compile_without_a_warning():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert machine_code.machine_code(*LOOPS) is not None or not find_llvm()
+
+
+def test_an_unknown_place_in_a_file_is_an_error(tmp_path, monkeypatch):
+    folder = tmp_path / "sources"
+    shutil.copytree(SOURCES, folder)
+    text = (folder / "sweep.c").read_text()
+    (folder / "sweep.c").write_text(text.replace("arg[MOBILITY]", "arg[STIFFNESS]"))
+    monkeypatch.setattr(machine_code, "resources", Folder(tmp_path))
+    monkeypatch.setattr(machine_code, "best_toolchain", lambda: find_llvm() or object())
+    machine_code.machine_code.cache_clear()
+    try:
+        with pytest.raises(LookupError, match=r"sweep\.c: arg\[STIFFNESS\] is unknown"):
+            machine_code.machine_code(*LOOPS)
+    finally:
+        machine_code.machine_code.cache_clear()

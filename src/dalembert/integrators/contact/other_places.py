@@ -40,7 +40,7 @@ class SearchInputs(Places):
     PAIRS = 2  # both hulls
     ROUNDED = 3  # whether one hull of a pair has a radius
     PLACES = 4  # of the record, the corners and the axes of each hull
-    FORMS = 5  # records of the hulls (hull_axes.c)
+    FORMS = 5  # class Forms, of each form, then its lists
 
 
 class SearchOutputs(Places):

@@ -65,8 +65,12 @@ VALUES: Mapping[str, int] = {
     **States.table(),
 }
 """Numbers outside of indices."""
-NAME = re.compile(r"\b[A-Z][A-Z_]+\b")
-"""Name of a place or a value."""
+MACROS = frozenset({"CASADI_SYMBOL_EXPORT", "INFINITY"})
+"""Names that the compiler knows."""
+NAME = re.compile(r"\b[A-Z][A-Z0-9_]+\b")
+"""Name of a place, of a value or of a macro."""
+WORDS = re.compile(rf"/\*.*?\*/|{NAME.pattern}", re.DOTALL)
+"""Comments, which keep their names, and names."""
 ARRAY = re.compile(r"(\w+(?:\[\w+\])?)\)?$")
 """Name of an array before an index, perhaps with a cast."""
 LONGEST = 80
@@ -84,25 +88,35 @@ def with_numbers(text: str, file: str) -> str:
     Raises
     ------
     LookupError
-        An array has no place of some name.
+        A name is unknown.
     """
     tables = {**TABLES, **OTHER_TABLES.get(file, {})}
 
     def number(match: re.Match[str]) -> str:
-        array, name = _indexed(text, match.start()), match[0]
+        name = match[0]
+        if name.startswith("/*"):
+            return name
+        array = _indexed(text, match.start())
         if array is None:
-            return str(VALUES.get(name, name))
+            return _value(name, file)
         if array not in tables:
-            raise LookupError(
-                f"{file}: {name} is an index of {array!r}, whose places have no names"
-            )
+            raise LookupError(f"{file}: {name} is unknown; places of {array!r} have no names")
         place = getattr(tables[array], name, None)
         if place is None:
             owner, names = tables[array].__name__, ", ".join(tables[array].table())
             raise LookupError(f"{file}: {array}[{name}] is unknown; {owner} has {names}")
         return str(place)
 
-    return NAME.sub(number, text)
+    return WORDS.sub(number, text)
+
+
+def _value(name: str, file: str) -> str:
+    """The number of a name outside of indices; macros remain."""
+    if name in MACROS:
+        return name
+    if name not in VALUES:
+        raise LookupError(f"{file}: {name} is unknown; values are {', '.join(VALUES)}")
+    return str(VALUES[name])
 
 
 def _indexed(text: str, place: int) -> str | None:

@@ -94,7 +94,7 @@ class Inputs(Places):
     LIMITS = 36  # class Limits
     SHARES = 37  # class Shares
     PLACES = 38  # class ShapePlaces, of each shape
-    FORMS = 39  # records of the hulls (hull_axes.c)
+    FORMS = 39  # class Forms, of each form, then its lists
     CORNERS = 40  # of all shapes; a ball has its centre and a wall a point
     AXES = 41  # of all hulls
     FEATURES = 42  # memory for the features of one pair of hulls

@@ -127,9 +127,7 @@ static casadi_int casadi_anticipated_impulses(const casadi_real** arg, casadi_re
   res[STATUS][RESIDUAL] = residual;
   return rounds;
 }
-/* a step; iw[OUTCOME] is its outcome: 0 done, 1 singular inertia, 2 the list is outdated, 3 more
-   contacts than memory of the record, 4 a gap is closed, 5 the order of elimination misses a pair of
-   bodies, 6 the impulses did not converge, 7 more contacts than memory */
+/* a call, by sizes[CALL]; iw[OUTCOME] is its outcome */
 static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w,
     int mem) {
   const casadi_real* last = res[RECORD] + 6*iw[RECORDED_STEPS];

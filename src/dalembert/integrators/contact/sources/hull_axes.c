@@ -1,9 +1,5 @@
-/* Forms and axes of convex hulls. The record of a form has the numbers of corners, of edges, of
-   groups of parallel edges, of loops and of faces (all loops, or none), then the places within the
-   record of: edges by two corners; first edges of groups, edges of groups; first corners of loops,
-   corners of loops, and the edges along these. The axes of a spatial hull are the normals of its
-   faces, then the directions of its groups of edges; those of a planar one the normals of its
-   edges */
+/* Forms and axes of convex hulls. The axes of a spatial hull are the normals of its faces, then the
+   directions of its groups of edges; those of a planar one the normals of its edges */
 static casadi_real casadi_dot(const casadi_real* a, const casadi_real* b) {
   return a[0]*b[0] + a[1]*b[1] + a[2]*b[2];
 }

@@ -1,6 +1,4 @@
-/* Features of pairs of hulls that touch first: (n, 5) kind, pair, whether the second hull is first,
-   and both features. iw: pairs, hulls, dimension, memory for features, number of these (above the
-   memory if it does not suffice), memory for those of one pair */
+/* Features of pairs of hulls that touch first */
 static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w,
     int mem) {
   const casadi_real* corners = arg[CORNERS];

@@ -226,9 +226,7 @@ static casadi_int casadi_check_end(const casadi_real** arg, casadi_real** res, c
   if (sizes[OPENS]) casadi_select(arg, res, iw);
   return CLOSED;
 }
-/* a call; iw[OUTCOME] is its outcome, of a step as of anticipated impacts; 4 a gap is closed at the end; 8 no
-   contact is added. Calls are a step (0), the last step with other forces (3), with more contacts (4) or
-   again without these (5), gaps at its end (6), and a correction (7) */
+/* a call, by sizes[CALL]; iw[OUTCOME] is its outcome, CLOSED only of a gap at the end */
 static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w,
     int mem) {
   const casadi_int* sizes = (const casadi_int*) arg[SIZES];

@@ -1,9 +1,4 @@
-/* Contacts of balls, hulls and walls that are near each other, on free bodies. The places of a shape
-   are those of its form, corners and axes, its first feature, and its number among balls and walls,
-   -1 for others. Sizes are the numbers of impulses before, of features, of balls and walls, the
-   offset of the keys of hulls, the size of the table of keys, whether there are hulls, whether the
-   call is a step (0), evaluates contacts of the path (1) or all contacts (2), and the numbers of
-   contacts of the path and of the step before */
+/* Contacts of balls, hulls and walls that are near each other, on free bodies */
 /* largest speeds of the centres of balls and walls, and of points of hulls, by speeds of the bodies,
    if larger than those before */
 static void casadi_fastest(const casadi_real** arg, const casadi_int* iw, const casadi_real* v,
@@ -125,8 +120,7 @@ static void casadi_direction_rows(const casadi_real** arg, const casadi_int* iw,
     row[contact*width+a+1] = next;
   }
 }
-/* gap of a contact at a position, by its description: kind, first shape and feature, second shape and
-   feature, and the pair of the list */
+/* gap of a contact at a position, by its description */
 static casadi_real casadi_described_gap(const casadi_real** arg, const casadi_int* iw,
     const int* contact, casadi_real* direction, casadi_real* point) {
   const int* place = (const int*) arg[PLACES];

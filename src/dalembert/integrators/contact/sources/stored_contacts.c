@@ -1,13 +1,5 @@
-/* Contacts near each other at the start of a step, of which some are active. They are stored: directions in
-   res[STORED_DIRECTIONS] with rows and columns in res[STORED_ROWS] and res[STORED_COLUMNS], velocities before
-   and at the end without impulses in res[STORED_BEFORE] and res[STORED_FREE], gaps, keys, descriptions and
-   kept directions in res[STORED_GAPS] to res[STORED_START], normals from the shape with the lower number in
-   res[STORED_NORMALS], and states in res[STATES]: whether a contact leaves its face (0), is idle (1), active
-   (2), or about to be added (3). The speeds at the end are in res[END_SPEEDS]. Sizes are, from the tenth one,
-   the numbers of stored contacts and of those about to be added, whether shapes may have an impact that the
-   step misses, contacts may be added, and those about to be added are final, and the number of contacts of
-   other features that are closed at the end, whose keys and descriptions are in res[OTHER_KEYS] and
-   res[OTHER_DESCRIPTIONS] */
+/* Contacts near each other at the start of a step, of which some are active, are stored in
+   res[STORED_DIRECTIONS] to res[STATES] */
 /* normal of a contact from the shape with the lower number */
 static void casadi_signed_normal(const casadi_real** arg, const casadi_int* iw,
     const int* contact, casadi_real* normal) {
