@@ -1,7 +1,7 @@
 """Arrays of the loops over contacts in machine code: the place and the meaning of each.
 
 The C text in ``sources`` names the places, as in ``arg[MOBILITY]``, ``iw[CONTACTS]`` or
-``arg[LIMITS][TOLERANCE]``; ``named_places`` puts the numbers in. ``W`` are the directions of the
+``arg[LIMITS][TOLERANCE]``; ``place_names`` puts the numbers in. ``W`` are the directions of the
 contacts, ``X = W M⁻¹`` their responses. Sparse matrices are compressed by rows. Contacts have the
 same number of components each: the normal one, then groups of tangential ones.
 """
@@ -9,6 +9,7 @@ same number of components each: the normal one, then groups of tangential ones.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 
 import numpy as np
 
@@ -26,6 +27,7 @@ class Places(Names):
     """Places in an array."""
 
     @classmethod
+    @cache
     def size(cls) -> int:
         """Number of places."""
         return max(cls.table().values()) + 1
