@@ -252,10 +252,9 @@ class Status(Places):
     MERIT = 0  # squared
     RESIDUAL = 1  # of the impulses [m/s]
     DESCENDS = 2  # whether the line search found a decrease
-    ITERATIONS = 3  # of Newton's method
     ROUNDS = 3  # proximal problems of a whole solution
-    REACH = 3  # that the list of pairs needs for a step [m]
     DEEPEST = 4  # smallest gap where the shapes are [m]
     FORCED = 5  # the largest change of a normal speed by forces [m/s]
     EXCHANGED = 6  # work of the impulses by the changes of velocity that they cause
     PUSHES = 7  # sum of the magnitudes of the impulses
+    REACH = 8  # that the list of pairs needs for a step [m]

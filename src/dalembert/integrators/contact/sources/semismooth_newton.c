@@ -302,7 +302,6 @@ static int casadi_iterate(const casadi_real** arg, casadi_real** res, const casa
   casadi_real least = 0, reference;
   pieces[iw[CONTACTS]+1] = 0;
   for (k=0; k<iterations; ++k) {
-    status[ITERATIONS] = k;
     if (casadi_assemble(arg, res, iw, w, pieces, known)) return 1;
     if (k==0 || status[MERIT]<least) {
       least = status[MERIT];
