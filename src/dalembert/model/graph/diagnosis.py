@@ -13,19 +13,15 @@ from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.driver import Driver
 from dalembert.errors import SingularityError
 from dalembert.model.graph.assembly.closure import Closure
-from dalembert.model.graph.assembly.independence import columns_of, least_fill
 from dalembert.model.graph.assembly.regularity import shared_constraints
 from dalembert.model.graph.checks import element_warnings
 from dalembert.model.graph.description import Description
 from dalembert.model.graph.idle_freedom import idle_freedoms
+from dalembert.model.graph.massless_motions import massless_bodies
 from dalembert.model.graph.tree.spanning_tree import Topology, analyse_topology
 from dalembert.symbolic.formulas.expression import free_symbols
 from dalembert.text.wording import card, messages, table
 
-MASSLESS = 1e-12
-"""Threshold for zero mass, relative to the largest one of coordinates with the same scale."""
-MOVING = 1e-6
-"""Threshold for a body that takes part in a motion, relative to the largest component."""
 MOVED = 1e-6
 """Threshold for reporting the correction of a guess, in natural units."""
 
@@ -214,7 +210,7 @@ def diagnose(d: Description, closure: Closure, mass: scipy.sparse.csc_array) -> 
         free=n - len(closure.generic),
         redundancies=redundancies,
         topology=analyse_topology(d.bodies, d.constraints, _touched(d)),
-        massless=_massless(closure, mass),
+        massless=massless_bodies(d, closure, mass),
         bodies=tuple(b.name for b in d.bodies),
         joints=tuple(c.name for c in d.constraints if not isinstance(c, Driver)),
         drivers=tuple(c.name for c in d.constraints if isinstance(c, Driver)),
@@ -264,23 +260,3 @@ def _redundancy(closure: Closure, row: int) -> Redundancy:
     constraint, component = closure.owners[row]
     shared = shared_constraints(closure.owners, closure.independence, row)
     return Redundancy(constraint.name, component, shared)
-
-
-def _massless(closure: Closure, mass: scipy.sparse.csc_array) -> tuple[str, ...]:
-    """Bodies that take part in a free motion without kinetic energy, ``C δ = M δ = 0``."""
-    if not mass.shape[0]:  # blocks alone
-        return ()
-    scale = scipy.sparse.diags_array(closure.scales.displacements)
-    scaled_mass = scipy.sparse.csr_array(scale @ mass @ scale)
-    largest = abs(scaled_mass).max(axis=1).toarray().ravel()
-    scales, kind = np.unique(closure.scales.displacements, return_inverse=True)
-    greatest = np.zeros(scales.size)
-    np.maximum.at(greatest, kind, largest)
-    heavy = np.flatnonzero(largest > MASSLESS * greatest[kind])
-    equations = scipy.sparse.vstack([closure.jacobian[closure.rows], scaled_mass[heavy]])
-    motions = columns_of(equations, least_fill(equations))
-    if not motions.free:
-        return ()
-    motion = np.abs(motions.any_kernel(np.random.default_rng(0)))
-    moving = motion > MOVING * motion.max()
-    return tuple(dict.fromkeys(o for o, m in zip(closure.guesses.owners, moving, strict=True) if m))
