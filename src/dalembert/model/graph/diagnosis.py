@@ -16,8 +16,7 @@ from dalembert.model.graph.assembly.closure import Closure
 from dalembert.model.graph.assembly.regularity import shared_constraints
 from dalembert.model.graph.checks import element_warnings
 from dalembert.model.graph.description import Description
-from dalembert.model.graph.idle_freedom import idle_freedoms
-from dalembert.model.graph.massless_motions import massless_bodies
+from dalembert.model.graph.idle_freedom import idle_freedoms, massless_bodies
 from dalembert.model.graph.tree.spanning_tree import Topology, analyse_topology
 from dalembert.symbolic.formulas.expression import free_symbols
 from dalembert.text.wording import card, messages, table
