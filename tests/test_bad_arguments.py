@@ -110,3 +110,20 @@ def test_shapes_without_a_size_are_named() -> None:
         kit.Circle(body, None)
     with pytest.raises(da.ModelError, match=r"HalfPlane\.normal: is None; .*, or leave"):
         kit.HalfPlane(body, normal=None)
+
+
+def test_times_of_results_and_steppers_that_are_texts() -> None:
+    system = da.System("crate", gravity=(0, -10))
+    crate = system.add(planar.Body("crate", mass=2.0, inertia=0.1, position=(0, 0.1)))
+    still = system.build()
+    shapes = [planar.contact.Rectangle(crate, (0.4, 0.2)), planar.contact.HalfPlane(system.ground)]
+    system.add(planar.Collisions("floor", shapes))
+    motion = da.solve_nonsmooth(system.build(), 0.1, step=0.01)
+    for act, message in (
+        (lambda: motion.contact_forces("x"), "time is 'x'; give a number from 0 to 0.1 s"),
+        (lambda: motion.draw("x"), "time is 'x'; give a number of seconds"),
+        (lambda: motion.animate(fps="x"), "fps is 'x'; give a positive number"),
+        (lambda: da.Stepper(still, step="x"), "step is 'x'; give a positive number of seconds"),
+    ):
+        with pytest.raises(da.AnalysisError, match=message):
+            act()

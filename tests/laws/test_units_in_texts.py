@@ -196,7 +196,16 @@ def test_times_may_be_texts_and_formulas():
         ({"duration": "3 mm"}, "duration: '3 mm' does not fit, expected s"),
         ({"duration": "l"}, "duration: 'l' does not fit, expected s"),
         ({"duration": "2*bob.angle"}, "duration is '2.bob.angle', which has"),
-        ({"duration": "ll"}, "duration: no measure 'll'; nearest: l"),
+        (
+            {"duration": "ll"},
+            "duration is 'll', which is no time; give .*formula of parameters .nearest .* l.$",
+        ),
+        (
+            {"duration": 1.0, "step": "x"},
+            "step is 'x', which is no time; give a number in seconds, a text with a unit",
+        ),
+        ({"duration": 1.0, "step": "2/ll"}, "step is '2/ll', which is no time: 'll' is no param"),
+        ({"duration": 1.0, "outputs": "many"}, "outputs is 'many', which is .* a number of out"),
         (
             {"duration": 1.0, "stp": 0.1},
             "solve_dynamics: unknown option 'stp' .did you mean 'step'",

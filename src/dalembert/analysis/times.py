@@ -10,11 +10,12 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.requirements import need_model
-from dalembert.errors import AnalysisError, ModelError
+from dalembert.errors import AnalysisError, ModelError, UnknownNameError
 from dalembert.results.analysis import Analysis
 from dalembert.results.batch.designs import are_designs
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.parametric_model import ParametricModel
+from dalembert.text.wording import similar
 from dalembert.units.amounts import check_unit
 
 Time = float | str | Expression
@@ -23,6 +24,7 @@ Times = int | Sequence[Time] | np.ndarray
 """A count, or times."""
 TIMES = ("duration", "step", "outputs", "t_span", "time")
 """Options whose values are times."""
+ACCEPTED = "give a number in seconds, a text with a unit such as '5 ms', or a formula of parameters"
 
 
 A = TypeVar("A", bound=Analysis[Any, Any])
@@ -137,15 +139,15 @@ def _seconds(value: Any, name: str, model: ParametricModel, parameters: Any, ver
         formula = model.expression(value)
         if formula.unit:
             check_unit(formula.unit, "s", name, repr(value))
+    except UnknownNameError as error:
+        raise AnalysisError(_unknown(name, value, error.name, list(model.parameters))) from None
     except ModelError as error:
         raise AnalysisError(f"{name}: {error.message}") from None
     symbols = {parameter.sx.name(): k for k, parameter in enumerate(model.parameters.values())}
     used = ca.symvar(formula.sx)
     foreign = [symbol.name() for symbol in used if symbol.name() not in symbols]
     if foreign:
-        raise AnalysisError(
-            f"{name} is {value!r}, which has {foreign[0]}; give a number or a formula of parameters"
-        )
+        raise AnalysisError(f"{name} is {value!r}, which has {foreign[0]}; {ACCEPTED}")
     if used and are_designs(parameters):
         raise AnalysisError(
             f"{name} is {value!r}, which differs from design to design; give all one number"
@@ -154,3 +156,12 @@ def _seconds(value: Any, name: str, model: ParametricModel, parameters: Any, ver
     function = ca.Function("time", [ca.vertcat(*used)], [formula.sx])
     seconds = float(function([p[symbols[symbol.name()]] for symbol in used]))
     return FollowingTime(seconds, formula) if used else seconds
+
+
+def _unknown(option: str, value: Any, unknown: str, parameters: list[str]) -> str:
+    """Message about a time with an unknown name in its text."""
+    reason = "no time" if value == unknown else f"no time: {unknown!r} is no parameter"
+    names = similar(unknown, parameters)
+    nearest = f" (nearest parameter: {names[0]})" if names else ""
+    count = "give a number of outputs, or times: " if option == "outputs" else ""
+    return f"{option} is {value!r}, which is {reason}; {count}{ACCEPTED}{nearest}"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.errors import AnalysisError
+from dalembert.options import is_number
 from dalembert.results.contact_forces import ContactForces
 from dalembert.results.files.contents import Contents
 from dalembert.results.motion import Motion
@@ -164,8 +165,9 @@ class NonsmoothMotion(Motion):
         """
         first, last = float(self.time[0]), float(self.time[-1])
         slack = 1e-9 * (last - first)
-        if not first - slack <= time <= last + slack:
-            raise AnalysisError(f"time is {time:g} s; give one from {first:g} to {last:g} s")
+        if not is_number(time) or not first - slack <= time <= last + slack:
+            given = f"{time:g} s" if is_number(time) else repr(time)
+            raise AnalysisError(f"time is {given}; give a number from {first:g} to {last:g} s")
         return self.drawn_contacts(int(np.argmin(np.abs(self.time - time))))
 
     def drawn_contacts(self, row: int) -> ContactForces:

@@ -23,6 +23,7 @@ from dalembert.errors import AnalysisError, AssemblyError, UnsupportedError
 from dalembert.formulations.base import WORK
 from dalembert.model.graph.model import Model
 from dalembert.model.graph.registry import AutomaticCoordinates
+from dalembert.options import is_number
 from dalembert.results.batch.designs import Designs, are_designs
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
@@ -66,7 +67,7 @@ class SteppedModel:
     ):
         if model.kind != "mechanism":
             raise UnsupportedError("a stepper needs a mechanism; the model is a structure")
-        if not step > 0 or not np.isfinite(step):
+        if not is_number(step) or not step > 0:
             raise AnalysisError(f"step is {step!r}; give a positive number of seconds")
         substeps = positive_count("substeps", substeps)
         for name in options:

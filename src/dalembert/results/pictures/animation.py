@@ -12,6 +12,7 @@ from matplotlib.animation import FuncAnimation
 
 from dalembert.errors import AnalysisError, FileError
 from dalembert.files import atomic_path
+from dalembert.options import is_number
 from dalembert.report.packing import unpack
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.pictures.mesh_picture import MeshPicture
@@ -35,6 +36,8 @@ class Film(FuncAnimation):
 def still(motion: LabelledRecording, time: float, ax: Axes | None = None) -> Axes:
     """Draw the mechanism at the output nearest to a time; returns the axes."""
     _check_outputs(motion)
+    if not is_number(time):
+        raise AnalysisError(f"time is {time!r:.60}; give a number of seconds")
     k = int(np.argmin(np.abs(motion.time - time)))
     picture = Picture(motion, np.array([k]), ax)
     picture.show(0)
@@ -53,7 +56,7 @@ def animate(
     """
     _check_outputs(motion)
     for name, value in (("fps", fps), ("speed", speed)):
-        if value is not None and not 0 < value < np.inf:
+        if value is not None and not (is_number(value) and value > 0):
             raise AnalysisError(f"{name} is {value!r:.60}; give a positive number")
     span = motion.time[-1] - motion.time[0]
     frames = int(
