@@ -30,7 +30,7 @@ from dalembert.analysis.nonsmooth.separate_impacts import ImpactSequence
 from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
 from dalembert.analysis.nonsmooth.speed_jumps import speeds_after
 from dalembert.analysis.nonsmooth.step_log import StepLog
-from dalembert.analysis.nonsmooth.step_state import PATH_CHANGE, StepResult
+from dalembert.analysis.nonsmooth.step_state import PATH_CHANGE, StepResult, step_lengths
 from dalembert.analysis.nonsmooth.touching_shapes import (
     bodies_of,
     refuse_lonely_shapes,
@@ -156,7 +156,11 @@ class NonsmoothRun:
             while k < grid.size - 1:
                 if loop is not None and last is not None:
                     own = grid, k, log, last, report
-                    k, last = sequence.march(loop, *own) if sequence else loop.march(*own)
+                    if sequence:
+                        grid, k, last = sequence.march(loop, self.divided, *own)
+                        self.divisions += grid.size - own[0].size
+                    else:
+                        k, last = loop.march(*own)
                     if k == grid.size - 1:
                         break
                 t, h = float(grid[k]), float(grid[k + 1] - grid[k])
@@ -242,16 +246,14 @@ class NonsmoothRun:
         return Status(Outcome.NOT_CONVERGED, text, t, residual * self.step.length)
 
     def step_at(self, grid: np.ndarray, k: int) -> ContactStep:
-        """Functions of the step ``k``; parts of a divided step leave room for impacts in the next
-        part, and not in one of full length."""
-        longest = max(float(grid[k + 1] - grid[k]), following_step(grid, k))
-        within = longest < 0.75 * self.step.longest
-        return replace(self.step, longest=longest) if within else self.step
+        """Functions of the step ``k``."""
+        longest = step_lengths(grid, k, self.step.longest)[2]
+        return self.step if longest == self.step.longest else replace(self.step, longest=longest)
 
     def divided(self, grid: np.ndarray, k: int, divisions: int = DIVISIONS) -> np.ndarray | None:
         """The grid with the step ``k`` divided in halves, or the next one if that is longer: a step
         may fail as it leaves room for an impact in a long next one. None where both are short."""
-        h, following = float(grid[k + 1] - grid[k]), following_step(grid, k)
+        h, following, _ = step_lengths(grid, k, self.step.longest)
         if following > 1.5 * h:
             return np.insert(grid, k + 2, grid[k + 1] + following / 2)
         if h > 1.5 * self.step.longest / 2**divisions:
@@ -313,8 +315,3 @@ class NonsmoothRun:
             "work of corrections of positions [J]": log.corrections.total,
             "maximum energy gained in contacts [J]": float((-record.loss).max(initial=0.0)),
         }
-
-
-def following_step(grid: np.ndarray, k: int) -> float:
-    """Length of the step after the step ``k``; zero after the last one [s]."""
-    return float(grid[k + 2] - grid[k + 1]) if k + 2 < grid.size else 0.0

@@ -13,11 +13,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.free_bodies.free_body_loop import FreeBodyLoop
 from dalembert.analysis.nonsmooth.step_impacts import (
     LastImpacts,
     PressedContacts,
@@ -34,8 +35,6 @@ RESOLVED = 8.0
 """Least time between impacts on connected bodies, in steps [-]."""
 CHUNK = 64
 """Upper limit of the steps that are repeated where one of them has to be divided."""
-FULL = 0.75
-"""Length of a step, relative to those of the run, below which it is part of a divided one [-]."""
 
 
 @dataclass(eq=False)
@@ -50,6 +49,7 @@ class ImpactSequence:
     step: ContactStep
     divisions: ClassVar[int] = DIVISIONS
     last: LastImpacts = field(init=False)
+    _chunk: int = field(init=False, default=CHUNK)
 
     def __post_init__(self) -> None:
         self.last = LastImpacts.none(self.step.model.equations.speed_count)
@@ -59,42 +59,43 @@ class ImpactSequence:
         """Length of the shortest parts of steps [s]."""
         return self.step.longest / 2**DIVISIONS
 
-    def is_part(self, h: float) -> bool:
-        """Whether a step of this length is part of a divided one."""
-        return h < FULL * self.step.longest
-
     def march(
         self,
-        loop: Any,
+        loop: FreeBodyLoop,
+        divided: Callable[[np.ndarray, int, int], np.ndarray | None],
         grid: np.ndarray,
         k: int,
         log: StepLog,
         last: LastImpulses,
         report: Callable[[float], None],
-    ) -> tuple[int, LastImpulses]:
-        """Steps in machine code up to one that is divided, or that these cannot do.
+    ) -> tuple[np.ndarray, int, LastImpulses]:
+        """Steps in machine code up to one that these cannot do.
 
         Parameters
         ----------
-        loop : FreeBodyLoop
+        divided : returns the grid with a step of this number divided, up to a number of divisions;
+            None where it is short enough
 
-        Returns the number of the instant reached, and the last impulses.
+        Returns the grid, the number of the instant reached, and the last impulses.
         """
-        while k < grid.size - 1 and not self.is_part(grid[k + 1] - grid[k]):
-            parts = np.flatnonzero(np.diff(grid[k : k + CHUNK + 1]) < FULL * self.step.longest)
-            stop = int(k + parts[0]) if parts.size else min(k + CHUNK, grid.size - 1)
-            stored, first = _stored(log), len(log.parts)
-            end, impulses = loop.march(grid[: stop + 1], k, log, last, report)
+        while k < grid.size - 1:
+            stop, sizes, first = min(k + self._chunk, grid.size - 1), log.sizes(), len(log.parts)
+            end, impulses = loop.march(grid, k, log, last, report, stop)
             number = self._first(end - k, log, first, last)
-            if number is not None:
-                vars(log).update(stored)
-                if number == 0:
-                    return k, last
-                return loop.march(grid[: k + number + 1], k, log, last, report)
-            k, last = end, impulses
-            if end < stop:
+            if number is None:
+                k, last, self._chunk = end, impulses, min(2 * self._chunk, CHUNK)
+                if end < stop:
+                    break
+                continue
+            log.cut(sizes)
+            parts = divided(grid, k + number, self.divisions)
+            stop = k + number + (parts is None)
+            if stop > k:
+                k, last = loop.march(grid, k, log, last, report, stop)
+            if k < stop:
                 break
-        return k, last
+            grid, self._chunk = grid if parts is None else parts, 1
+        return grid, k, last
 
     def _first(self, count: int, log: StepLog, first: int, last: LastImpulses) -> int | None:
         """Number of the first one of the last ``count`` steps that is divided; None without any."""
@@ -225,8 +226,3 @@ class ImpactSequence:
         times = -gaps.distance / u
         times = times[(-u > slow) & (moved @ speeds > 0) & (np.abs(times) > self.shortest)]
         return max(float(times.min(initial=np.inf)), 0.0)
-
-
-def _stored(log: StepLog) -> dict[str, Any]:
-    """The present contents of a log."""
-    return {k: list(v) if isinstance(v, list) else v for k, v in vars(log).items()}

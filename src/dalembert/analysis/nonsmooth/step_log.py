@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -186,6 +186,16 @@ class StepLog:
         for zeros in (self.speed_losses, self.speed_inputs, self.stored):
             zeros.extend([0.0] * t.size)
         self.parts.append(part)
+
+    def sizes(self) -> dict[str, int]:
+        """Numbers of entries, for ``cut``."""
+        lists = {name: value for name, value in vars(self).items() if isinstance(value, list)}
+        return {name: len(value) for name, value in lists.items()}
+
+    def cut(self, sizes: Mapping[str, int]) -> None:
+        """Remove the steps that were appended by ``extend`` since the entries had these numbers."""
+        for name, size in sizes.items():
+            del getattr(self, name)[size:]
 
     def _depth(self, t: float, y: np.ndarray) -> float:
         return abs(self.step.deepest(self.step.at(t, y)))

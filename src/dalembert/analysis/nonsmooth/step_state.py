@@ -15,6 +15,8 @@ from dalembert.integrators.contact.impulses import Impulses
 
 PATH_CHANGE = 1e-6
 """Estimated error of means over a step above which it is divided [-]."""
+FULL = 0.75
+"""Length of a step, relative to those of the run, below which it is part of a divided one [-]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,3 +180,13 @@ def warm_start(
 def convergence_rate(error: float, last: float) -> float:
     """Factor by which the next repetition reduces an error after one of ``last``."""
     return min(error / last, 1.0) if last < np.inf else 1.0
+
+
+def step_lengths(grid: np.ndarray, k: int, usual: float) -> tuple[float, float, float]:
+    """Lengths of a step, of the next one, zero after the last, and of the longest one that may
+    follow [s]: parts of a divided step leave room for impacts in the next part, others in a step of
+    the ``usual`` length."""
+    h = float(grid[k + 1] - grid[k])
+    following = float(grid[k + 2] - grid[k + 1]) if k + 2 < grid.size else 0.0
+    longest = max(h, following)
+    return h, following, longest if longest < FULL * usual else usual

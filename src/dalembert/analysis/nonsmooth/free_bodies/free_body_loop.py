@@ -17,6 +17,7 @@ from dalembert.analysis.nonsmooth.step_state import (
     PATH_CHANGE,
     LastImpulses,
     convergence_rate,
+    step_lengths,
 )
 from dalembert.integrators.contact.places import Counts
 from dalembert.integrators.contact.step_calls import StepOutcome
@@ -76,8 +77,10 @@ class FreeBodyLoop(ABC):
         log: StepLog,
         last: LastImpulses,
         report: Callable[[float], None],
+        stop: int | None = None,
     ) -> tuple[int, LastImpulses]:
-        """Steps from instant ``k`` of the grid until the end, or until one needs the general step.
+        """Steps from instant ``k`` of the grid until instant ``stop``, by default the end, or until
+        one needs the general step.
 
         Returns the number of the instant reached, and the last impulses.
         """
@@ -90,6 +93,13 @@ class FreeBodyLoop(ABC):
         arrays: Sequence[Sequence[np.ndarray]]
         arrays = [self._t, y, displacement, self._step.p], [end, *self._geometry]
         return self._places.on(*([flat(a) for a in part] for part in arrays))
+
+    def _take_lengths(self, grid: np.ndarray, k: int) -> None:
+        """Take over the length of the step that begins at instant ``k``, and of the longest one
+        that may follow."""
+        h, _, longest = step_lengths(grid, k, self._step.longest)
+        self._t[0], self._h[0] = grid[k], h
+        self._steps.set_lengths(h, longest, self._step.rest)
 
     def _look_ahead(self, grid: np.ndarray, k: int) -> None:
         """Place the shapes within the step that begins at instant ``k``."""
@@ -155,7 +165,9 @@ class FreeBodyLoop(ABC):
         if count <= 0:
             return begin
         end = begin + count
-        part = steps.entries(count, self._step.longest, self._curved_keys(begin, end))
+        usual = self._step.longest
+        longest = [step_lengths(grid, k, usual)[2] for k in range(begin, end)]
+        part = steps.entries(count, np.array(longest), self._curved_keys(begin, end))
         y, v = self._ys[:count].copy(), self._vs[:count].copy()
         before = y if uncorrected is None else uncorrected[:count].copy()
         depth = self._step.deepest(self._step.at(grid[end], y[-1]))

@@ -97,15 +97,16 @@ class FreeBodyMarch(FreeBodyLoop):
         log: StepLog,
         last: LastImpulses,
         report: Callable[[float], None],
+        stop: int | None = None,
     ) -> tuple[int, LastImpulses]:
         steps, span, begin = self._steps, grid[-1] - grid[0], k
+        stop = grid.size - 1 if stop is None else stop
         self._load(log, last)
         self.sleeping.begin(steps.v)
         self._look_ahead(grid, k)
         try:
-            while k < grid.size - 1:
-                self._t[0], self._h[0] = grid[k], grid[k + 1] - grid[k]
-                steps.limits[Limits.LENGTH] = self._h[0]
+            while k < stop:
+                self._take_lengths(grid, k)
                 steps.limits[Limits.ROUNDING] = self._limit(k)
                 outcome = self._attempt()
                 if outcome is StepOutcome.FULL and k - begin > 1:
@@ -186,7 +187,7 @@ class FreeBodyMarch(FreeBodyLoop):
 
         self._y[:] = self._ys[row - 1] if row else log.y
         steps.v[:] = self._vs[row - 1] if row else log.v
-        self._h[0] = steps.limits[Limits.LENGTH] = length
+        self._take_lengths(grid, k - 1)
         steps.limits[Limits.ROUNDING] = self._limit(k - 1)
         self._look_ahead(grid, k - 1)
         if not repeats.select(place, self._forces, displacement):

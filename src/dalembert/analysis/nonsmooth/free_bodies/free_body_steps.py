@@ -6,8 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.advance import AHEAD
-from dalembert.analysis.nonsmooth.contact_step import JAMMED, ROUNDS, ContactStep
+from dalembert.analysis.nonsmooth.contact_step import ROUNDS, ContactStep
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
 from dalembert.analysis.nonsmooth.free_bodies.pair_lists import GROWTH, PairLists
 from dalembert.analysis.nonsmooth.free_bodies.step_arrays import (
@@ -17,11 +16,10 @@ from dalembert.analysis.nonsmooth.free_bodies.step_arrays import (
     shape_inputs,
     step_outputs,
 )
-from dalembert.analysis.nonsmooth.gaps import corners_over_faces
+from dalembert.analysis.nonsmooth.free_bodies.step_shares import STEP_SHARES
 from dalembert.analysis.nonsmooth.gaps.hulls.compiled_features import GEOMETRY
 from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
-from dalembert.analysis.nonsmooth.middle_directions import TURNS
-from dalembert.integrators.contact.approach import SLOW, SLOWEST
+from dalembert.integrators.contact.approach import SLOW
 from dalembert.integrators.contact.compiled_newton import (
     BLOCK_REGULARIZATION,
     JUMPS,
@@ -31,7 +29,6 @@ from dalembert.integrators.contact.compiled_newton import (
 from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.integrators.contact.machine_code import Loop, machine_code
 from dalembert.integrators.contact.places import Counts, Inputs, Outputs, Settings, Status
-from dalembert.integrators.contact.schemes import CLOSING, ROUNDING
 from dalembert.integrators.contact.solution_settings import (
     FEW_PROXIMAL,
     INTERIOR_POINTS,
@@ -40,7 +37,6 @@ from dalembert.integrators.contact.solution_settings import (
     POLISHING,
     SHORT_STEPS,
     SOLUTION_FILES,
-    SOLUTION_SHARES,
 )
 from dalembert.integrators.contact.step_places import Limits, RecordColumns, Shares, Sizes
 
@@ -65,20 +61,6 @@ CONSTANT = (
     Counts.DIMENSION,
 )
 """Counts that are constants of the compiled code."""
-STEP_SHARES = {
-    **SOLUTION_SHARES,
-    Shares.REACH: 2 * AHEAD,
-    Shares.CLOSING: CLOSING,
-    Shares.SLOW: SLOW,
-    Shares.ROUNDING: ROUNDING,
-    Shares.JAMMED: JAMMED,
-    Shares.SLOWEST: SLOWEST,
-    Shares.TURNS: TURNS,
-    Shares.CORNER_SLACK: corners_over_faces.SLACK,
-    Shares.LATEST: corners_over_faces.LATEST,
-    Shares.AT_REST: corners_over_faces.ROUNDING,
-}
-"""Parameters of the solution and of the steps."""
 
 
 class FreeBodySteps(PairLists):
@@ -200,6 +182,12 @@ class FreeBodySteps(PairLists):
     def available(self) -> bool:
         """Whether there is machine code."""
         return self._code is not None
+
+    def set_lengths(self, h: float, longest: float, rest: float) -> None:
+        """Lengths of a step and of the longest one that may follow; impacts exceed the change of
+        speed by forces in a step of the length ``rest`` [s]."""
+        self.limits[Limits.LENGTH], self.limits[Limits.LONGEST] = h, longest
+        self._shares[Shares.SLOW] = SLOW * max(rest / h, 1.0)
 
     def reserve_record(self, contacts: int) -> None:
         """Room in the record for a number of contacts that are appended after each step."""

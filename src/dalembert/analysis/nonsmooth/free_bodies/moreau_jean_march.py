@@ -17,7 +17,7 @@ from dalembert.analysis.nonsmooth.step_log import StepLog
 from dalembert.analysis.nonsmooth.step_state import LastImpulses
 from dalembert.integrators.contact.places import Counts
 from dalembert.integrators.contact.step_calls import StepOutcome
-from dalembert.integrators.contact.step_places import Limits, RecordColumns
+from dalembert.integrators.contact.step_places import RecordColumns
 from dalembert.symbolic.evaluation.fixed_call import FixedCalls
 
 
@@ -59,13 +59,15 @@ class MoreauJeanMarch(FreeBodyLoop):
         log: StepLog,
         last: LastImpulses,
         report: Callable[[float], None],
+        stop: int | None = None,
     ) -> tuple[int, LastImpulses]:
         steps, span, begin = self._steps, grid[-1] - grid[0], k
+        stop = grid.size - 1 if stop is None else stop
         self._load(log, last)
         try:
-            while k < grid.size - 1:
+            while k < stop:
+                self._take_lengths(grid, k)
                 self._look_ahead(grid, k)
-                steps.limits[Limits.LENGTH] = self._h[0]
                 outcome = self._attempt(float(grid[k]), float(grid[k + 1]), k - begin)
                 if outcome is StepOutcome.FULL and k > begin:
                     begin = self._transfer(grid, begin, k, log, self._uncorrected)

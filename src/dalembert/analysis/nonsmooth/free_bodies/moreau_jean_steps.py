@@ -47,6 +47,9 @@ class MoreauJeanSteps(FreeBodySteps):
             Limits.MISSED_ENERGY: MISSING,
         }
 
+    def set_lengths(self, h: float, longest: float, rest: float) -> None:
+        self.limits[Limits.LENGTH] = h
+
     def joined(self) -> StepOutcome:
         """The last step with the contacts that are added, from its start; its entry in the record
         replaces the last one."""

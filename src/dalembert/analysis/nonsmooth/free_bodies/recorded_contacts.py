@@ -91,12 +91,14 @@ class RecordedContacts(PathContacts):
         self.counts[Counts.RECORDED_CONTACTS] += keys.size
         self.numbers[self.counts[Counts.RECORDED_STEPS] - 1, RecordColumns.PRESSING] += keys.size
 
-    def entries(self, steps: int, longest: float, curved: Mapping[int, np.ndarray]) -> StepEntries:
+    def entries(
+        self, steps: int, longest: np.ndarray, curved: Mapping[int, np.ndarray]
+    ) -> StepEntries:
         """The first recorded steps, with their contacts in the order of the keys.
 
         Parameters
         ----------
-        longest : longest step that might follow [s]
+        longest : (steps,) longest step that might follow [s]
         curved : keys of contacts with means over the path, by the number of the step
         """
         numbers = self.numbers[:steps].copy()
@@ -117,7 +119,7 @@ class RecordedContacts(PathContacts):
             offset=offsets[order],
             curved=means,
             kept=kept[order] > 0,
-            longest=np.full(steps, longest),
+            longest=longest,
             loss=numbers[:, RecordColumns.LOSS],
             friction=numbers[:, RecordColumns.FRICTION],
             work=zero,

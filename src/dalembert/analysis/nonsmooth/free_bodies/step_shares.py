@@ -1,0 +1,27 @@
+"""Parameters of steps in machine code, by their places."""
+
+from __future__ import annotations
+
+from dalembert.analysis.nonsmooth.advance import AHEAD
+from dalembert.analysis.nonsmooth.contact_step import JAMMED
+from dalembert.analysis.nonsmooth.gaps import corners_over_faces
+from dalembert.analysis.nonsmooth.middle_directions import TURNS
+from dalembert.integrators.contact.approach import SLOW, SLOWEST
+from dalembert.integrators.contact.schemes import CLOSING, ROUNDING
+from dalembert.integrators.contact.solution_settings import SOLUTION_SHARES
+from dalembert.integrators.contact.step_places import Shares
+
+STEP_SHARES = {
+    **SOLUTION_SHARES,
+    Shares.REACH: 2 * AHEAD,
+    Shares.CLOSING: CLOSING,
+    Shares.SLOW: SLOW,
+    Shares.ROUNDING: ROUNDING,
+    Shares.JAMMED: JAMMED,
+    Shares.SLOWEST: SLOWEST,
+    Shares.TURNS: TURNS,
+    Shares.CORNER_SLACK: corners_over_faces.SLACK,
+    Shares.LATEST: corners_over_faces.LATEST,
+    Shares.AT_REST: corners_over_faces.ROUNDING,
+}
+"""Parameters of the solution and of the steps."""
