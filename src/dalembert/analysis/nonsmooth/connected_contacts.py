@@ -10,6 +10,8 @@ from dalembert.integrators.contact.contact_laws import ContactLaws
 
 MOVED = 1e-9
 """Threshold of a change of speed by an impulse, relative to the largest change [-]."""
+DENSE = 50_000
+"""Upper limit of the entries of a dense matrix, which takes less time than a sparse one."""
 
 
 def connections(
@@ -33,6 +35,13 @@ def connections(
     if groups:
         acts[:, 1:] = np.repeat(laws.friction > 0, groups, axis=1)
     rows = np.flatnonzero(acts)
+    if rows.size * directions.shape[1] <= DENSE:
+        responses = np.abs(scipy.sparse.csr_array(mobility.responses(directions[rows])).toarray())
+        moves = responses > MOVED * responses.max(axis=1, initial=0.0, keepdims=True)
+        first = np.searchsorted(rows, width * np.arange(count))  # each has a normal component
+        dense = np.logical_or.reduceat(moves, first, axis=0).astype(float) if count else moves
+        with_states = np.hstack([dense, dense @ by_states]) if by_states.shape[1] else dense
+        return _components(with_states @ with_states.T > 0), scipy.sparse.csr_array(dense)
     speeds = scipy.sparse.csr_array(abs(mobility.responses(directions[rows])))
     largest = np.repeat(speeds.max(axis=1).toarray().ravel(), np.diff(speeds.indptr))
     speeds.data = (speeds.data > MOVED * largest).astype(float)
@@ -46,4 +55,15 @@ def connections(
     if by_states.shape[1]:
         moved = scipy.sparse.csr_array(scipy.sparse.hstack([speeds, speeds @ by_states]))
     labels = scipy.sparse.csgraph.connected_components(moved @ moved.T, directed=False)[1]
-    return labels, speeds
+    return np.asarray(labels), speeds
+
+
+def _components(adjacent: np.ndarray) -> np.ndarray:
+    """(n,) numbers of the connected components of a graph of few nodes, by its (n, n) mask."""
+    labels = np.arange(len(adjacent))
+    while True:
+        least = np.where(adjacent, labels, labels[:, None]).min(axis=1, initial=len(labels))
+        least = np.minimum(labels, least)
+        if np.array_equal(least, labels):
+            return np.unique(labels, return_inverse=True)[1]
+        labels = least

@@ -242,6 +242,8 @@ def connected(
 def _by_states(step: ContactStep) -> scipy.sparse.csr_array:
     """(n_v, n_x) ones where a speed changes a state of first order."""
     e = step.model.equations
-    rows, columns = states_moved_by_speeds(e).get_triplet() if e.states else ([], [])
+    if not e.states:
+        return scipy.sparse.csr_array((e.speed_count, 0))
+    rows, columns = states_moved_by_speeds(e).get_triplet()
     places = columns, rows
     return scipy.sparse.csr_array((np.ones(len(rows)), places), (e.speed_count, len(e.states)))
