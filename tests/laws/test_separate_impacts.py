@@ -14,6 +14,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
+from dalembert.analysis.nonsmooth import nonsmooth_run
 
 G, TINY = 9.81, 1e-30
 
@@ -271,3 +272,19 @@ def test_impacts_of_different_bodies_in_one_step_with_friction():
     turn = slip * 0.1 / 0.005
     np.testing.assert_allclose(gradient[[0, 2]], slip * np.eye(2), atol=3e-3)
     np.testing.assert_allclose(gradient[[1, 3]], turn * np.eye(2), atol=3e-2 * turn)
+
+
+@pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
+def test_parts_of_divided_steps_run_in_machine_code(scheme, monkeypatch):
+    """General steps are the first one and those whose impulses machine code does not determine."""
+    general, original = [], nonsmooth_run.advance
+
+    def counted(*arguments):
+        general.append(arguments[1])
+        return original(*arguments)
+
+    monkeypatch.setattr(nonsmooth_run, "advance", counted)
+    options = {"step": 1e-3, "integrator": scheme, "separate_impacts": True}
+    motion = da.solve_nonsmooth(row_of(1e-4, 1.013, 0.9), 0.08, **options)
+    assert motion.statistics["divisions of steps"] > 10
+    assert motion.record.loss.size > 90 and len(general) <= 3
