@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import dalembert as da
 from dalembert import planar
+from dalembert.analysis.nonsmooth import nonsmooth_run
 from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
 from dalembert.results.status import Outcome, Status
@@ -114,6 +117,27 @@ def test_the_error_estimate_is_that_of_the_times_of_the_run(scheme, failing):
     motion = da.solve_nonsmooth(bouncing(), 0.1, step=STEP, integrator=scheme)  # in flight
     assert motion.status.success and not motion.record.key.size
     assert motion.error_estimate.share < 1e-9
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_positions_of_steps_that_are_divided_are_not_corrected(scheme, monkeypatch):
+    """Steps whose means over their paths do not converge are divided at once."""
+    corrected, advance, correction = [], nonsmooth_run.advance, NonsmoothRun.corrected
+
+    def inexact(step, t, h, *state):
+        result = advance(step, t, h, *state)
+        return replace(result, path_change=1.0 if h > 0.75 * STEP else 0.0)
+
+    def counted(self, t, h, result):
+        corrected.append(h)
+        return correction(self, t, h, result)
+
+    monkeypatch.setattr(nonsmooth_run, "advance", inexact)
+    monkeypatch.setattr(NonsmoothRun, "corrected", counted)
+    monkeypatch.setattr(FreeBodyMarch, "of", lambda *arguments: None)
+    motion = da.solve_nonsmooth(bouncing(), 10 * STEP, step=STEP, integrator=scheme)
+    assert motion.statistics["divisions of steps"] == 10
+    assert corrected == pytest.approx([STEP / 2] * 20)
 
 
 def test_the_least_step_that_fails_is_named(monkeypatch):

@@ -166,12 +166,13 @@ class NonsmoothRun:
                 t, h = float(grid[k]), float(grid[k + 1] - grid[k])
                 result = advance(self.step_at(grid, k), t, h, log.y, log.v, last)
                 failure = self.failure(t, h, result, log)
-                position = self.corrected(t + h, h, result) if failure is None else None
-                divided, state = None, (t, h, log, result, last)
-                if position and result.path_change > PATH_CHANGE:
-                    divided = self.divided(grid, k)
-                elif position and sequence and sequence.divides(*state, position.x):
-                    divided = self.divided(grid, k, sequence.divisions)
+                inexact = failure is None and result.path_change > PATH_CHANGE
+                divided, state = self.divided(grid, k) if inexact else None, (t, h, log, result)
+                skips = failure is not None or divided is not None
+                position = None if skips else self.corrected(t + h, h, result)
+                if position and not inexact and sequence:
+                    if sequence.divides(*state, last, position.x):
+                        divided = self.divided(grid, k, sequence.divisions)
                 if divided is not None:
                     grid, self.divisions = divided, self.divisions + 1
                     continue
