@@ -155,24 +155,24 @@ class NonsmoothRun:
         try:
             while k < grid.size - 1:
                 if loop is not None and last is not None:
-                    own = grid, k, log, last, report
+                    state = grid, k, log, last, report
                     if sequence:
-                        grid, k, last = sequence.march(loop, self.divided, *own)
-                        self.divisions += grid.size - own[0].size
+                        grid, k, last = sequence.march(loop, self.divided, *state)
+                        self.divisions += grid.size - state[0].size
                     else:
-                        k, last = loop.march(*own)
+                        k, last = loop.march(*state)
                     if k == grid.size - 1:
                         break
                 t, h = float(grid[k]), float(grid[k + 1] - grid[k])
                 result = advance(self.step_at(grid, k), t, h, log.y, log.v, last)
                 failure = self.failure(t, h, result, log)
                 inexact = failure is None and result.path_change > PATH_CHANGE
-                divided, state = self.divided(grid, k) if inexact else None, (t, h, log, result)
-                skips = failure is not None or divided is not None
-                position = None if skips else self.corrected(t + h, h, result)
-                if position and not inexact and sequence:
-                    if sequence.divides(*state, last, position.x):
-                        divided = self.divided(grid, k, sequence.divisions)
+                divided = self.divided(grid, k) if inexact else None
+                goes_on = failure is None and divided is None
+                position = self.corrected(t + h, h, result) if goes_on else None
+                own = None if inexact else sequence
+                if position and own and own.divides(t, h, log, result, last, position.x):
+                    divided = self.divided(grid, k, own.divisions)
                 if divided is not None:
                     grid, self.divisions = divided, self.divisions + 1
                     continue
