@@ -18,8 +18,9 @@ BELT = {"bending_rigidity": 1e-2, "mass_per_length": 1.0, "rotary_inertia": 1e-4
 DRUM, HALF, LOAD, FRICTION = 0.1, 0.002, 100.0, 0.3
 
 
-def wound(elements: int) -> da.Model:
-    """A belt held at one end and loaded at the other, on a drum that turns under half of it."""
+def wound(elements: int, single: bool = False) -> da.Model:
+    """A belt held at one end and loaded at the other, on a drum that turns under half of it; they
+    are a ``single`` contact or collide."""
     system = da.System("capstan")
     drum = system.add(planar.Body("drum", mass=1.0, inertia=0.01, position=(0, 0), angle=0.0))
     system.add(planar.Revolute("axle", system.ground.center, drum.center))
@@ -35,7 +36,11 @@ def wound(elements: int) -> da.Model:
     load = LOAD * (1 - da.exp(-da.t / 0.015))
     system.add(planar.Force("load", belt.end, (0, -load)))
     shapes = [contact.BeamLine(belt, HALF), contact.Circle(drum, DRUM)]
-    system.add(planar.Collisions("touch", shapes, friction=FRICTION))
+    if single:
+        law = {"law": contact.Restitution(0.0), "friction": contact.Coulomb(FRICTION)}
+        system.add(planar.Contact("touch", *shapes, **law))
+    else:
+        system.add(planar.Collisions("touch", shapes, friction=FRICTION))
     return system.build()
 
 
@@ -164,10 +169,11 @@ def test_a_beam_without_radius_is_refused():
         planar.Collisions("touch", [contact.BeamLine(beam)])
 
 
+@pytest.mark.parametrize("single", [False, True])
 @pytest.mark.parametrize("elements", [4, 6, pytest.param(12, marks=pytest.mark.thorough)])
-def test_chords_too_long_for_a_drum_are_reported(elements):
+def test_chords_too_long_for_a_drum_are_reported(elements, single):
     """The warning states the error of the tension within a factor of 1.5; 12 chords suffice."""
-    motion = da.solve_nonsmooth(wound(elements), 0.12, step=2e-3)
+    motion = da.solve_nonsmooth(wound(elements, single), 0.12, step=2e-3)
     assert motion.status.success
     exact = LOAD * math.exp(FRICTION * math.pi * DRUM / (DRUM + HALF))
     error = 100 * abs(-motion["anchor.force"].values[-1, 1] / exact - 1)

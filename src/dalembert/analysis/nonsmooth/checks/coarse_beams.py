@@ -9,13 +9,17 @@ wrong by about ``θ²/6``.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping
 
 import casadi as ca
 import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.gaps.gap_source import FormulaGaps
 from dalembert.analysis.nonsmooth.gaps.model_gaps import APART
+from dalembert.elements.contact.beam_line import BeamLine
 from dalembert.elements.contact.beam_parts import BeamPart
+from dalembert.elements.contact.contact import ShapeContact
 from dalembert.elements.flexible.beam import Beam
 from dalembert.results.nonsmooth_motion import ContactRecord
 
@@ -36,9 +40,14 @@ def coarse_beam_warnings(step: ContactStep, record: ContactRecord) -> list[str]:
     chosen = np.linspace(0, pressing.size - 1, min(SAMPLES, pressing.size)).round().astype(int)
     worst = dict.fromkeys(beams.values(), (0.0, 0.0, 0.0))
     places = {beam: _node_places(step, beam) for beam in worst}
+    stations = {
+        k: _Stations(step, source)
+        for k, source in enumerate(step.sources)
+        if isinstance(source, FormulaGaps) and _lines(source)
+    }
     for k in pressing[chosen]:
         t, y = float(record.t[k + 1]), record.ends.y[: e.coordinate_count, k + 1]
-        for name, points, impulses in _contacts(step, record, int(k), t, y):
+        for name, points, impulses in _contacts(step, stations, record, int(k), t, y):
             if name not in beams:
                 continue
             nodes = places[beams[name]](t, y, step.p).full()
@@ -62,11 +71,51 @@ def _text(beam: Beam, error: float, turn: float, t: float) -> str:
 
 
 def _beams(step: ContactStep) -> dict[str, Beam]:
-    """Beams among the shapes of ``Collisions``, by name."""
+    """Beams among the shapes of ``Collisions`` and of single contacts, by name."""
     elements = [element for source in step.sources for element in source.elements]
     hulls = [hull for element in elements for hull in getattr(element, "hulls", ())]
     parts = [solid.carrier for _, solid in hulls if isinstance(solid.carrier, BeamPart)]
-    return {part.name: part.beam for part in parts}
+    formulas = [source for source in step.sources if isinstance(source, FormulaGaps)]
+    lines = [line for source in formulas for _, line in _lines(source)]
+    return {part.name: part.beam for part in parts} | {line.beam.name: line.beam for line in lines}
+
+
+def _lines(source: FormulaGaps) -> list[tuple[int, BeamLine]]:
+    """Beams of single contacts, with the numbers of their elements."""
+    contacts = [(k, c) for k, c in enumerate(source.elements) if isinstance(c, ShapeContact)]
+    return [(k, s) for k, c in contacts for s in c.shapes if isinstance(s, BeamLine)]
+
+
+class _Stations:
+    """Contact points of beams in single contacts.
+
+    Parameters
+    ----------
+    source : its gaps are those of the elements in their order
+    """
+
+    def __init__(self, step: ContactStep, source: FormulaGaps):
+        e, points = step.model.all_equations, list[ca.SX]()
+        for element, count in zip(source.elements, np.bincount(source.owner), strict=True):
+            if isinstance(element, ShapeContact):
+                points += [point.place for point in element.contact_points]
+            else:
+                points += [ca.SX.nan(2)] * int(count)
+        rows = max(point.numel() for point in points)
+        table = ca.horzcat(*(ca.vertcat(p, ca.SX.zeros(rows - p.numel())) for p in points))
+        table = step.model.at_ground(ca.densify(table))
+        self._places = ca.Function("stations", [e.t, e.y, e.p], [table])
+        self._lines, self._owner = _lines(source), source.owner
+
+    def contacts(
+        self, at: tuple[float, np.ndarray, np.ndarray], keys: np.ndarray
+    ) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
+        """Names of beams, their points, and masks of the gaps with some keys of these."""
+        points = self._places(*at).full().T[keys]
+        points = np.hstack([points, np.zeros((keys.size, 3 - points.shape[1]))])
+        for element, line in self._lines:
+            own = self._owner[keys] == element
+            yield line.beam.name, points[own], own
 
 
 def _node_places(step: ContactStep, beam: Beam) -> ca.Function:
@@ -77,7 +126,12 @@ def _node_places(step: ContactStep, beam: Beam) -> ca.Function:
 
 
 def _contacts(
-    step: ContactStep, record: ContactRecord, k: int, t: float, y: np.ndarray
+    step: ContactStep,
+    stations: Mapping[int, _Stations],
+    record: ContactRecord,
+    k: int,
+    t: float,
+    y: np.ndarray,
 ) -> list[tuple[str, np.ndarray, np.ndarray]]:
     """Positions and impulses of the contacts of a step, by the names of their shapes."""
     rows = np.flatnonzero((record.step == k) & (record.impulse[:, 0] > 0))
@@ -87,6 +141,10 @@ def _contacts(
         if not own.size:
             continue
         keys = record.key[own] % APART
+        if number in stations:
+            pressed = stations[number].contacts((t, y, step.p), keys)
+            parts += [(n, points, record.impulse[own[some]]) for n, points, some in pressed]
+            continue
         points, _ = source.points(step.at(t, y), keys)
         bodies = source.bodies(keys)
         for name in np.unique(bodies):
