@@ -124,4 +124,8 @@ def _disjoint(corners: ca.SX, following: ca.SX) -> ca.SX:
         ends = corners[:, other], following[:, other]
         return _cross(along, ends[0] - start) * _cross(along, ends[1] - start)
 
-    return ca.fmax(sides(*pairs), sides(*pairs[::-1])).T
+    low, high = ca.fmin(corners, following), ca.fmax(corners, following)
+    between = [low[:, edge] - high[:, other] for edge, other in (pairs, pairs[::-1])]
+    boxes = ca.vertcat(*between)  # some positive: apart, also on one line but for rounding
+    separated = ca.fmax(ca.fmax(boxes[0, :], boxes[1, :]), ca.fmax(boxes[2, :], boxes[3, :]))
+    return ca.fmax(separated, ca.fmax(sides(*pairs), sides(*pairs[::-1]))).T
