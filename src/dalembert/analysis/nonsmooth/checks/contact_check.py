@@ -14,6 +14,7 @@ from dalembert.analysis.nonsmooth.checks.coarse_beams import coarse_beam_warning
 from dalembert.analysis.nonsmooth.checks.contact_durations import duration_warnings
 from dalembert.analysis.nonsmooth.checks.early_impacts import early_impact_warnings
 from dalembert.analysis.nonsmooth.checks.gained_energy import gain_warnings
+from dalembert.analysis.nonsmooth.checks.interrupted_contacts import interruption_warnings
 from dalembert.analysis.nonsmooth.checks.lifted_bodies import lifting_warnings
 from dalembert.analysis.nonsmooth.checks.missing_rebounds import rebound_warnings
 from dalembert.analysis.nonsmooth.checks.quick_rotations import rotation_warnings
@@ -124,17 +125,19 @@ class ContactCheck(ResidualCheck):
     @property
     def warnings(self) -> list[str]:
         """Warnings about a run that counts as completed."""
+        record = self.record
         warnings = self.energy.warnings(self.balance)
         balanced = self.energy.objection(self.balance, "") is None
         if balanced and not warnings:
-            energies = self.corrections, self.record, self.energy.moved
+            energies = self.corrections, record, self.energy.moved
             warnings = lifting_warnings(*energies, self.starts_open)
+            if not (warnings or self.step.scheme.anticipates):
+                warnings = interruption_warnings(self.step, record)
         if DRIFT_WARNING < self.deepest.share <= self.limit:
             warnings.append(
                 f"{self.deepest.text}: positions are not corrected{self.cure(self.limit)}, "
                 "or use projection=True"
             )
-        record = self.record
         missed = np.flatnonzero(~record.converged)
         if missed.size:
             worst = missed[np.argmax(record.residual[missed])]
