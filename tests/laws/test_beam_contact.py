@@ -144,6 +144,21 @@ def test_a_strip_comes_to_rest_on_rigid_stations():
     assert abs(motion["strip.start.vx"].values[-1]) < 1e-4  # of 0.3, stopped by friction
 
 
+def test_coarse_steps_of_a_stiff_beam_are_warned_about():
+    """The runs that estimate the error may diverge, without warnings of NumPy."""
+    system = da.System("strip", gravity=(0, -9.81))
+    rigid = {"axial_rigidity": 2e4, "shear_rigidity": 8e3, "bending_rigidity": 5.0}
+    place = {"position": (0, 0.5), "angle": 0.1, "velocity": (0.5, 0)}
+    strip = {"length": 1.0, "mass_per_length": 1.0, "elements": 4, "damping": 1e-3}
+    line = kit.BeamLine(system.add(planar.Beam("strip", **strip, **rigid, **place)), radius=0.01)
+    law, friction = kit.Restitution(0.5), kit.Coulomb(0.3)
+    floor = kit.HalfPlane(system.ground.center)
+    system.add(planar.Contact("touch", floor, line, law=law, friction=friction))
+    motion = da.solve_nonsmooth(system.build(), 0.5, step=2e-2, integrator=da.MoreauJean())
+    assert motion.status.success
+    assert any("depends on the step" in t or "are long for this" in t for t in motion.warnings)
+
+
 # gradients -----------------------------------------------------------------------------------
 def test_direct_and_adjoint_gradients_are_those_of_the_motion():
     model = on_disc().build()

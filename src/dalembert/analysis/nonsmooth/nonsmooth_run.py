@@ -144,8 +144,10 @@ class NonsmoothRun:
         status = run.march(grid, log, lambda share: None)
         return np.stack(log.positions, 1)[:, np.isin(log.times, grid)], status
 
+    @np.errstate(over="ignore", invalid="ignore")
     def march(self, grid: np.ndarray, log: StepLog, report) -> Status:
-        """Steps until the end, or until one fails that is not divided further."""
+        """Steps until the end, or until one fails that is not divided further; numbers that are not
+        finite end in a status."""
         result, last, k = None, None, 0
         if self.step.smooth.coupling.orderings is not None:
             self.step.smooth.coupling.orderings.forget()
