@@ -86,7 +86,7 @@ def failure(make) -> da.AssemblyError:
     return caught.value
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", FAILURES)
 def test_wanted_and_reachable_are_told(name):
     make, joint, text = FAILURES[name]
@@ -118,6 +118,7 @@ def test_every_failure_has_its_page(name, tmp_path):
     assert joint in page.read_text(encoding="utf-8")
 
 
+@pytest.mark.thorough
 def test_the_page_shows_the_gap(browser, tmp_path):
     page = da.assembly_report(failure(lambda: four_bar(1.0, 2.0)), tmp_path / "page.html")
     with visit(browser, page) as shown:

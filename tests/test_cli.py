@@ -139,6 +139,7 @@ def test_run_as_json(model, tmp_path, capsys):
     assert all(Path(f).exists() for f in output["files"])
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", ["Equilibrium", "Modal"])
 def test_another_analysis(kind, model, tmp_path, capsys):
     text = model.read_text(encoding="utf-8").replace('angle = "pi/2"', 'angle = "-pi/2"')
@@ -173,6 +174,7 @@ def test_report_again(model, tmp_path, capsys):
     assert str(model) in capsys.readouterr().err
 
 
+@pytest.mark.thorough
 def test_methods_of_sensitivity_agree(model, tmp_path, capsys):
     gradients = {}
     for method in ("adjoint", "direct", "finite-difference"):

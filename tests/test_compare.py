@@ -251,6 +251,7 @@ def test_saved_and_loaded(tmp_path):
     assert "Refusing() never works" in result._repr_html_()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", ["work-precision", "violations", "energy"])
 def test_pictures(kind):
     import matplotlib.pyplot as plt

@@ -39,6 +39,7 @@ def test_cam_lifts_by_its_law(pictures: Path) -> None:
     assert numbers("cam_follower", pictures)["lift error"] < 2e-7
 
 
+@pytest.mark.thorough
 def test_cam_loses_its_follower_where_a_joint_would_have_to_pull(pictures: Path) -> None:
     """At low speed the contact bears what the joint bears, and it flies once that would pull."""
     printed, speeds = numbers("cam_lift_off", pictures), script("cam_lift_off").SPEEDS

@@ -16,6 +16,7 @@ from one_freedom import G, slider_crank, slider_crank_inertia, slope
 from scipy.optimize import minimize
 
 
+@pytest.mark.thorough
 def test_synthesis_beats_the_literature(pictures):
     """4.08e-5 is the least sum of squares printed for the six points; cognates draw one curve."""
     printed = numbers("straight_line_synthesis", pictures)
@@ -175,6 +176,7 @@ def test_steps_of_differences_as_tabulated(pictures: Path) -> None:
         assert printed[f"study against table {d}"] < 1e-8
 
 
+@pytest.mark.thorough
 def test_map_of_four_bars_has_grashofs_line(pictures: Path) -> None:
     printed, example = numbers("four_bar_map", pictures), script("four_bar_map")
     b, c = np.meshgrid(example.COUPLERS, example.ROCKERS)

@@ -75,6 +75,7 @@ def test_stroke_scatters_as_the_closed_form(pictures: Path) -> None:
     assert printed["±link_length"] == 0.5e-3
 
 
+@pytest.mark.thorough
 def test_torques_of_a_leg(pictures: Path) -> None:
     """Against Lagrange's equations in closed form; differences of the noise give half of it."""
     printed = numbers("gait_torques", pictures)
@@ -83,6 +84,7 @@ def test_torques_of_a_leg(pictures: Path) -> None:
     assert printed["misfit"] == pytest.approx(1, abs=0.2)
 
 
+@pytest.mark.thorough
 def test_a_wing_twists_as_the_closed_form(pictures: Path) -> None:
     """``α (1/cos λl − 1)``, to which a second-order mesh comes near; the wall it takes at most."""
     pytest.importorskip("openmdao.api")

@@ -78,7 +78,7 @@ def prose(page: Path) -> str:
     return FENCE.sub("", page.read_text(encoding="utf-8"))
 
 
-LONG = {"python": ["extending.md", "nonsmooth.md"], "sh": ["live.md", "pages.md"]}
+LONG = {"python": ["extending.md", "nonsmooth.md", "synthesis.md"], "sh": ["live.md", "pages.md"]}
 """Pages by the language of blocks that take several seconds."""
 
 

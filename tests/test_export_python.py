@@ -79,7 +79,7 @@ def check(path: Path) -> dict[str, Any]:
     return script
 
 
-@pytest.mark.few(8)
+@pytest.mark.few(5)
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_scripts_of_examples_build_their_models(
     path: Path, tmp_path: Path, monkeypatch: Any

@@ -39,6 +39,7 @@ def test_gripper_beside_its_pseudo_rigid_bodies(pictures: Path) -> None:
     assert abs(printed["tilt"]) < 2e-3
 
 
+@pytest.mark.thorough
 def test_leaf_spring_is_the_lightest(pictures: Path) -> None:
     """The least ``Σ h`` at a given ``Σ c/h³``, with ``c = ∫ x² dx`` over each of five steps.
 

@@ -148,6 +148,7 @@ def test_friction_gripper_lifts_what_its_force_permits(pictures: Path) -> None:
     )
 
 
+@pytest.mark.thorough
 def test_ratchet_turns_one_way_by_whole_pitches(pictures: Path) -> None:
     """Contact forces of the pawl that bears the load by statics; tips sink in by 0.1 mm."""
     printed, example = numbers("ratchet", pictures), script("ratchet")

@@ -119,6 +119,7 @@ def test_values_of_the_table_in_the_page(opened: Any, front: da.ParetoResult) ->
             assert value == pytest.approx(page.js(listed), rel=1e-7)
 
 
+@pytest.mark.thorough
 def test_iterations_of_an_optimum_run_in_the_page(
     opened: Any, optimum: da.OptimizationResult
 ) -> None:
@@ -224,6 +225,7 @@ def test_parameters_that_vary_come_first(opened: Any, front: da.ParetoResult) ->
         assert labels == ["r", "l", "mass"]
 
 
+@pytest.mark.thorough
 def test_the_address_names_a_design(opened: Any, front: da.ParetoResult) -> None:
     with opened(front, "#design=0") as page:
         assert page.js("dalembert.choice.chosen") == 0

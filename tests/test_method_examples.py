@@ -84,6 +84,7 @@ def test_equal_bars_share_the_load(pictures: Path) -> None:
     assert printed["difference of the shares, independent [N]"] > 10
 
 
+@pytest.mark.thorough
 def test_massless_coupler_is_the_limit_of_light_ones(pictures: Path) -> None:
     printed = numbers("massless_coupler", pictures)
     assert printed["difference to RangeSpace [m, rad]"] < 1e-10

@@ -53,6 +53,7 @@ def accelerations(tmp_path: Path, text: str) -> tuple[np.ndarray, np.ndarray]:
     return np.array(own), np.array(reference)
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("actuators", ACTUATORS.values(), ids=ACTUATORS)
 def test_forces_are_those_of_mujoco(tmp_path, actuators):
     text = ARM.format(limit="", actuators=actuators)

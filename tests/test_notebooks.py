@@ -22,8 +22,13 @@ def test_there_are_five() -> None:
     assert {path.stem for path in NOTEBOOKS} == expected
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, id=path.stem, marks=[pytest.mark.thorough] * (path.stem != "design"))
+        for path in NOTEBOOKS
+    ],
+)
 def test_notebook_runs(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join(__import__("sys").path))
     notebook = nbformat.read(path, as_version=4)

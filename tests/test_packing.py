@@ -69,6 +69,7 @@ def test_short_columns_stay_readable():
     assert data_of(render_page(four_bar(frames=21))).get("columns") is None
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("stream", ["true", "false"])
 def test_the_browser_reads_the_same(show, stream):
     """With its own inflation, and where it has none."""

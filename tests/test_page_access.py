@@ -70,7 +70,7 @@ def open_menus(page: Visit) -> None:
     page.frames()
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", PAGES)
 def test_everything_has_a_name_and_is_reached_where_it_is_seen(show, kind: str) -> None:
     page = show(PAGES[kind](), viewport=(1000, 700))

@@ -131,6 +131,7 @@ def test_a_page_is_one_scope_without_comments(kind: str) -> None:
     assert repeated == []
 
 
+@pytest.mark.few(11)
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_joined_scripts_of_a_page_are_valid(kind: str, tmp_path: Path) -> None:
     """Names of one declaration after the first included."""

@@ -112,6 +112,7 @@ def stop_at(monkeypatch, number: int) -> list:
     return calls
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("number", "rounds"), [(3, "0 complete rounds"), (9, "0"), (14, "1 complete")]
 )

@@ -77,6 +77,7 @@ def direct_four_bar():
     return system.build()
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("kind", ["urdf", "xml", "sdf"])
 def test_loops_move_like_a_direct_model(kind, tmp_path):
     robot = imported(tmp_path, four_bar(kind), kind)

@@ -109,6 +109,7 @@ def terms(model, seed: int) -> list[np.ndarray]:
     return [mass[np.ix_(order, order)], force[order]]
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("style", STYLES)
 def test_every_style_is_the_same_model(tmp_path, style):
     reference = imported(tmp_path, urdf()).build()

@@ -80,6 +80,7 @@ def test_bricard_moves_as_published(pictures: Path) -> None:
     assert printed["largest error of the energy [J]"] < 1e-6
 
 
+@pytest.mark.thorough
 def test_gyroscope_precesses(pictures: Path) -> None:
     """``Ω = m g l / (J ω)``; let go at rest, the weight drops by about ``2 Ω² I / (m g)``."""
     printed, rate = numbers("gyroscope", pictures), 0.2 * G * 0.1 / (4e-3 * 400.0)
@@ -260,6 +261,7 @@ def test_governor_settles_where_moments_balance(pictures: Path) -> None:
     assert printed["rise per speed [m s/rad]"] == pytest.approx(slope, rel=1e-4)
 
 
+@pytest.mark.thorough
 def test_bicycle_is_stable_between_the_published_speeds(pictures: Path) -> None:
     """By the matrices of Meijaard et al.; printed there as 4.292 m/s and 6.024 m/s."""
     mass = np.array([[80.81722, 2.31941332208709], [2.31941332208709, 0.29784188199686]])

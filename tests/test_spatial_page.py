@@ -112,7 +112,7 @@ def test_page_is_one_file_with_the_library_inside() -> None:
     assert len(render_page({"format": 1, "title": "plane", "time": [], "scene": {}})) < 2e5
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("make", "viewport", "scheme"),
     [

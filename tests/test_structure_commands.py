@@ -14,6 +14,7 @@ from dalembert.io import load_model_file
 from dalembert.results.files.store import report_of
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", ["truss", "plate"])
 def test_commands(name: str, tmp_path: Path, capsys) -> None:
     path, folder = EXAMPLES / f"{name}.toml", ["--output", str(tmp_path)]
@@ -43,6 +44,7 @@ def test_commands(name: str, tmp_path: Path, capsys) -> None:
     capsys.readouterr()
 
 
+@pytest.mark.thorough
 def test_settings_reach_the_structure(tmp_path: Path, capsys) -> None:
     path = written(tmp_path, MESH)
     results = []
@@ -80,6 +82,7 @@ def test_deck_has_a_report_too(tmp_path: Path, capsys) -> None:
     assert files == [".nc", ".html"]
 
 
+@pytest.mark.thorough
 def test_units_of_the_page_are_chosen(tmp_path: Path, capsys) -> None:
     path = written(tmp_path, HEAD + '[report]\nunits = ["cm", "kN"]\n')
     assert main(["run", str(path), "--output", str(tmp_path), "--csv", "--json"]) == 0

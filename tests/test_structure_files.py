@@ -97,6 +97,7 @@ LAW = {
 """Measures of results that are no displacements."""
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("name", list(STRUCTURAL_ANALYSES))
 def test_every_analysis_can_be_asked_for(name: str, tmp_path: Path, schema, capsys) -> None:
     head = HEAD.replace('nodes = "b"\nfy', 'case = "push"\nnodes = "b"\nfy')

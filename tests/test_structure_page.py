@@ -33,7 +33,7 @@ def motion():
     return da.Dynamics(duration=0.01, step=1e-4, outputs=21).run(structure.build())
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", list(BUILDERS))
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_every_kind_is_drawn(show, name: str, scheme: str) -> None:
@@ -252,6 +252,7 @@ def gif_frames(path: Path) -> int:
     return path.read_bytes().count(b"\x21\xf9\x04")
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("make", "frames", "state"),
     [
@@ -360,7 +361,7 @@ BESIDE_PANELS = """(() => {
 })()"""
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("viewport", [(1440, 900), (390, 844)])
 @pytest.mark.parametrize("name", list(BUILDERS))
 def test_values_of_loads_are_beside_the_legend_and_the_buttons(show, name: str, viewport) -> None:

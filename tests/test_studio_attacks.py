@@ -79,6 +79,7 @@ def test_a_page_that_reads_nothing_does_not_stop_others(studio: Studio) -> None:
         assert receive(two, "text", changed=False)["text"] == FOUR_BAR
 
 
+@pytest.mark.thorough
 def test_deep_and_odd_texts_are_problems_not_ends(studio: Studio) -> None:
     texts = ["a = " + "[" * 20_000, "[" + "a." * 20_000 + "b]", "a = 1979-05-27\n", "x" * 100_000]
     texts += ["a = nan", '"' * 50_000, "\x00", "[[a]]\n" * 5_000, "a.b = 1\n" * 3]

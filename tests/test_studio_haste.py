@@ -151,6 +151,7 @@ def test_a_press_that_ends_outside_the_picture_is_over(desk: tuple[Desk, Studio]
     visit.show(SQUARE + "# more\n")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "before",
     [
@@ -201,6 +202,7 @@ BEFORE = [
 RELEASE = "delete studio.pictures.receive; held.forEach((m) => studio.pictures.receive(m))"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("before", BEFORE)
 def test_a_spatial_structure_is_drawn_by_keys_before_its_first_picture(
     desk: tuple[Desk, Studio], before: dict[str, bool]

@@ -214,6 +214,7 @@ def test_every_odd_request_is_answered_on_the_same_connection(studio: Studio) ->
         assert receive(socket, "text", changed=False)["text"] == text
 
 
+@pytest.mark.thorough
 def test_a_refused_text_is_followed_by_a_shorter_one(studio: Studio) -> None:
     """A page counts the texts that it has sent; a refused one is reported with its kind."""
     with page(studio) as socket:

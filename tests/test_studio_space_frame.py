@@ -134,6 +134,7 @@ def test_a_solid_without_nodes_is_a_spatial_structure(desk: FrameDesk) -> None:
     assert desk.document["nodes"] == {"n1": [0, 0, 0.5], "n2": [1, 0, 0.5]}
 
 
+@pytest.mark.thorough
 def test_nodes_of_a_solid_are_supported_and_loaded_by_clicks(
     desk: FrameDesk, tmp_path: Path
 ) -> None:

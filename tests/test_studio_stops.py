@@ -36,6 +36,7 @@ def running(**fields: Any) -> str:
     return f"studio.handlers.task({json.dumps(task | fields)})"
 
 
+@pytest.mark.thorough
 def test_a_press_of_stop_lasts_while_messages_come(desk: tuple[Desk, Studio]) -> None:
     """A press of a mouse takes 100 ms, and the focus of the keyboard longer."""
     visit, _ = desk

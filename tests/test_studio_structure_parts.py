@@ -146,6 +146,7 @@ holes = [
 """
 
 
+@pytest.mark.thorough
 def test_holes_keep_comments_and_regions_their_type(desk: Desk) -> None:
     start(desk, PLATE)
     use(desk, "h", [(1, 0.4), (1.1, 0.4)], shown=False)

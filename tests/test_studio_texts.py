@@ -118,7 +118,7 @@ def test_an_entry_that_is_added_and_removed_leaves_the_text(path: Path) -> None:
     assert edits.text.split() == text.split()
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_every_number_can_be_replaced(path: Path) -> None:
     text = path.read_text("utf-8")

@@ -175,6 +175,7 @@ def test_a_slot_turns_a_lever(desk: tuple[Desk, Studio], tmp_path: Path) -> None
     assert np.asarray(motion["lever.angle"]) == pytest.approx(angle, abs=1e-8)
 
 
+@pytest.mark.thorough
 def test_a_weld_replaces_a_pin(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.show(CRANK)

@@ -33,6 +33,7 @@ def test_torque_of_the_four_bar_is_that_of_its_one_equation(pictures: Path) -> N
         assert torque[k] == pytest.approx(needed, abs=1e-6)
 
 
+@pytest.mark.thorough
 def test_counterweights_are_those_of_berkof_and_lowen(pictures: Path) -> None:
     printed = numbers("four_bar_balancing", pictures)
     for name, mass in script("four_bar_balancing").balanced_masses().items():
@@ -140,6 +141,7 @@ def by_optimality_criteria(columns: int, cone: np.ndarray) -> float:
     return float(moduli @ energy)
 
 
+@pytest.mark.thorough
 def test_beam_is_as_stiff_as_by_88_lines(pictures: Path) -> None:
     """Those lines, written again here; of 60 by 20 elements they give the published 233.71."""
     printed, example = numbers("mbb_beam", pictures), script("mbb_beam")

@@ -10,6 +10,7 @@ from example_runs import numbers, script
 import dalembert as da
 
 
+@pytest.mark.thorough
 def test_coupled_units_converge_to_one_model(pictures: Path) -> None:
     """Signals of the start of a step: the error is of first order."""
     printed = numbers("fmu_control", pictures)

@@ -120,6 +120,7 @@ def scan(count: int, seed: int = 0) -> list[tuple[int, int]]:
     return pairs
 
 
+@pytest.mark.thorough
 def test_planar_platforms_have_as_many_assemblies_as_their_polynomial():
     """Also where the branch of the nominal assembly ends before the lengths."""
     pairs = scan(12, seed=3)

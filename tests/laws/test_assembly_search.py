@@ -28,9 +28,10 @@ def loop_of_hinges(seed: int) -> da.System:
     return system
 
 
-def test_loops_are_assembled_from_poor_guesses():
+@pytest.mark.parametrize("seeds", [(2,), pytest.param((5, 9), marks=pytest.mark.thorough)])
+def test_loops_are_assembled_from_poor_guesses(seeds):
     """All of them close somewhere; where it took a search, the diagnosis says so."""
-    models = [loop_of_hinges(seed).build() for seed in (2, 5, 9)]
+    models = [loop_of_hinges(seed).build() for seed in seeds]
     assert all(model.start.residual < 1e-10 for model in models)
     messages = [
         text for model in models for level, text in model.diagnosis.messages if "far" in text

@@ -56,6 +56,7 @@ HARDEST = {
 """Of all cases those whose estimates are farthest from the errors: factors of .32 to 4.6."""
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("name", sorted({*SAMPLE[::2], *HARDEST}))
 def test_estimated_errors_of_fixed_steps_are_right_within_a_factor_of_five(name):
     model = model_of(name)

@@ -87,8 +87,7 @@ def beside(dimension: int) -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("dimension", [2, pytest.param(3, marks=pytest.mark.thorough)])
 def test_gaps_of_beams_are_rates_and_formulas(dimension):
     model = beside(dimension)
     source, e, p = gap_sources(model)[0], model.equations, model.nominal
@@ -170,7 +169,9 @@ def test_a_beam_without_radius_is_refused():
 
 
 @pytest.mark.parametrize("single", [False, True])
-@pytest.mark.parametrize("elements", [4, 6, pytest.param(12, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize(
+    "elements", [6, *(pytest.param(n, marks=pytest.mark.thorough) for n in (4, 12))]
+)
 def test_chords_too_long_for_a_drum_are_reported(elements, single):
     """The warning states the error of the tension within a factor of 1.5; 12 chords suffice."""
     motion = da.solve_nonsmooth(wound(elements, single), 0.12, step=2e-3)

@@ -160,6 +160,7 @@ def test_coarse_steps_of_a_stiff_beam_are_warned_about():
 
 
 # gradients -----------------------------------------------------------------------------------
+@pytest.mark.thorough
 def test_direct_and_adjoint_gradients_are_those_of_the_motion():
     model = on_disc().build()
     integrator = da.DormandPrince853(rtol=1e-11, atol=1e-13)

@@ -227,7 +227,7 @@ def test_formulas_are_the_numbers_and_have_their_derivatives(meetings, i, j):
         formulas.check_slopes(y, gaps, rng)
 
 
-@pytest.mark.product
+@pytest.mark.few(4)
 @pairs
 def test_selected_gaps_are_those_of_the_search(meetings, i, j):
     meeting, nominal = meeting_of(meetings, i, j), meeting_of(meetings, i, j).model.nominal

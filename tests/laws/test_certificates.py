@@ -141,7 +141,10 @@ def certified(name: str):
 
 
 @pytest.mark.few(1)
-@pytest.mark.parametrize("name", RESULTS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=[pytest.mark.thorough] * (n == "load path")) for n in RESULTS],
+)
 def test_right_gradients_pass(name):
     gradient = certified(name)
     certificate = gradient.attrs["certificate"]

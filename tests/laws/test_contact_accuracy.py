@@ -233,7 +233,7 @@ def test_errors_of_many_impacts_are_not_underestimated_by_chance(degrees, step, 
     assert any("their estimated error is" in text for text in motion.warnings)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_a_coin_that_reels_about_its_mass_centre_has_small_errors(scheme: da.AnticipatedImpacts):
     """Its rim rolls in a circle about the mass centre, which the exact motion keeps at rest. That
@@ -281,6 +281,7 @@ def links(touching: bool) -> da.Model:
     return system.build()
 
 
+@pytest.mark.thorough
 def test_a_chain_that_falls_flat_has_small_errors():
     """Its links turn by 1e-5 rad in the step of the impact, which are a large part of their
     rotations, but not of their motion."""

@@ -237,8 +237,7 @@ def rolled_ball(time: float) -> np.ndarray:
     return solve_ivp(rates, (0, time), start, rtol=1e-12, atol=1e-14, method="DOP853").y[-3:, -1]
 
 
-@pytest.mark.few(2)
-@pytest.mark.parametrize("compiled", [True, False])
+@pytest.mark.parametrize("compiled", [True, pytest.param(False, marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_chaplygins_ball_rolls_with_second_order(scheme, compiled, monkeypatch):
     """Gyroscopic moments are those of the mean speeds, and conserve the energy; friction of

@@ -197,6 +197,7 @@ def test_spins_do_not_turn_impulses(scheme):
     assert along == pytest.approx(speed * weaker / (weaker + 2 / 5), rel=1e-6)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("step", [1e-3, 5e-4])
 def test_the_estimate_is_that_of_a_coin_that_falls_flat(step: float):
     """In five or ten steps, as a pendulum about its rim; then it lies, also with longer steps."""
@@ -232,6 +233,7 @@ def test_the_estimate_is_that_of_a_coin_that_falls_flat(step: float):
     assert any("their estimated error is" in text for text in motion.warnings)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_a_string_on_a_drum_holds_up_to_the_ratio_of_its_forces(scheme: da.AnticipatedImpacts):
     """Beads over half a drum: at each, ``T₂ − T₁`` is at most ``μ tan(δ/2) (T₂ + T₁)`` for its turn

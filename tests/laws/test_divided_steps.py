@@ -97,7 +97,7 @@ def test_gradients_of_lasting_contacts_beside_divided_steps(scheme, method, fail
     np.testing.assert_allclose(gradient, expected, rtol=1e-5, atol=1e-6 * abs(expected).max())
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("fall", [0.01, 0.03, 0.05])
 @pytest.mark.parametrize("restitution", [0.2, 0.4])
 def test_gradients_of_a_disc_that_comes_to_rest_in_divided_steps(fall, restitution, failing):

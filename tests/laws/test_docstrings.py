@@ -109,7 +109,7 @@ def test_every_parameter_is_described(name):
         assert set(inspect.signature(thing).parameters) <= documented
 
 
-@pytest.mark.few(60)
+@pytest.mark.few(40)
 @pytest.mark.parametrize("name", NAMES)
 def test_an_example_runs_as_printed(name):
     if name in NEEDS:

@@ -59,6 +59,7 @@ def steps(request) -> ContactSteps:
     return ContactSteps(da.solve_nonsmooth(model, 0.2, step=2e-3, integrator=scheme))
 
 
+@pytest.mark.few(1)
 def test_gaps_without_derivatives(steps):
     """Distances, velocities, laws and directions are those with derivatives."""
     maps, contacts, t = steps.maps, steps.contacts, steps.record.t
@@ -75,6 +76,7 @@ def test_gaps_without_derivatives(steps):
         np.testing.assert_allclose(own, other, atol=1e-13)
 
 
+@pytest.mark.few(1)
 def test_impacts_of_free_bodies(steps):
     """The same groups of gaps close at the same instants as in single steps."""
     contacts = steps.contacts

@@ -44,6 +44,7 @@ def jack() -> da.System:
     return system
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", [da.MoreauJean(), da.AnticipatedImpacts()])
 def test_arrays_and_sparse_matrices_give_the_same_motion(scheme, monkeypatch):
     motions = []

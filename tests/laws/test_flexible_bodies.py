@@ -332,6 +332,7 @@ def test_moves_as_the_full_structure():
     assert np.abs(apart).max() < 0.01 * np.abs(expected).max()
 
 
+@pytest.mark.few(1)
 @SPACES
 def test_drawings_show_it_deformed(dimension):
     """Pieces in a row, from section to section."""

@@ -127,7 +127,7 @@ def test_response_of_the_nonlinear_equations(name: str) -> None:
         np.testing.assert_allclose(values, expected, rtol=0, atol=1e-6 * size)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", [*PLANAR[::5], *SPATIAL[::6]])
 def test_gradients_over_the_registry(name: str) -> None:
     """Direct = adjoint = differences, with every number a parameter."""

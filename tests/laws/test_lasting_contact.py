@@ -22,6 +22,7 @@ OPTIONS = [
 """Integrators with and without memory; that of the last but one grows with the constraints."""
 
 
+@pytest.mark.thorough
 def test_joints_transmit_what_lasting_contacts_give():
     """Reactions found along the tree of joints are those of the equations of all bodies."""
     options = {"parameters": {"restitution": 0.2}, "integrator": da.DormandPrince(rtol=1e-10)}

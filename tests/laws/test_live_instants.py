@@ -208,6 +208,7 @@ def test_status_equals_that_of_python(build, name: str, outcomes) -> None:
     assert without_numbers(values) == without_numbers(wanted)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("build", UNSTABLE)
 def test_growing_motions_about_equilibria_with_states(build, tmp_path: Path) -> None:
     """Eigenvalues of states and of a period of samples decide as in Python."""

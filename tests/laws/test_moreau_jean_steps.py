@@ -78,6 +78,7 @@ def same_contacts(*runs: NonsmoothMotion) -> list[np.ndarray]:
 SCENES = [(scene, seed) for scene in (planar_scene, spatial_scene) for seed in range(2)]
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("scene", "seed", "scheme"), crossed(SCENES, SCHEMES))
 def test_steps_in_machine_code_are_the_general_steps(scene, seed, scheme, general, monkeypatch):
     """Their impulses are unique, and their contacts the same; few steps are general ones."""
@@ -97,6 +98,7 @@ def test_steps_in_machine_code_are_the_general_steps(scene, seed, scheme, genera
 HULLS = [(scene, seed) for scene in (planar_hulls, spatial_hulls) for seed in range(2)]
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(("scene", "seed", "scheme"), crossed(HULLS, SCHEMES))
 def test_steps_of_hulls_are_the_general_steps(scene, seed, scheme, general, monkeypatch):
     """Impulses at several points of a face are not unique, but the speeds they cause are."""
@@ -159,6 +161,7 @@ def test_contacts_that_supply_energy_are_left_out_in_machine_code(general, monke
     assert_same(compiled, other)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES[:2])
 def test_walls_may_move(scheme, general, monkeypatch):
     options = {"integrator": scheme, "solver": EXACT, "duration": 0.3, "step": 1e-3}

@@ -94,6 +94,7 @@ def _numbers(shapes) -> list[np.ndarray]:
     return [table.ravel() for table in (*_tables(shapes), shapes.origin)]
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("name", FLOATING)
 @pytest.mark.parametrize(("frame", "second"), [("root", False), ("mean", False), ("root", True)])
 def test_numbers_of_floating_shapes(name, frame, second):

@@ -152,7 +152,7 @@ def test_lanes_go_the_same_way():
 @pytest.mark.parametrize("method", ["direct", "adjoint"])
 def test_gradients_go_the_same_way(method, monkeypatch):
     monkeypatch.setitem(backends.BACKENDS, "jit", lambda: backends.Compiled(REPEATING))
-    model = four_bars(4)
+    model = four_bars(2)
     gradients = []
     for backend in ("vm", "jit"):
         motion = da.solve_dynamics(model, 0.2, step=1e-3, outputs=[0.2], backend=backend)

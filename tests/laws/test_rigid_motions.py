@@ -171,7 +171,7 @@ def axes_of(d: int) -> np.ndarray:
     return np.diag({1: [0, 0, 0], 2: [0, 0, 1], 3: [1, 1, 1]}[d]).astype(float)
 
 
-@pytest.mark.product
+@pytest.mark.few(9)
 @pytest.mark.parametrize("lumped", [False, True])
 @pytest.mark.parametrize(("name", "d"), KINDS)
 def test_a_rigid_motion_has_the_inertia_of_a_rigid_body(name, d, lumped):
@@ -254,6 +254,7 @@ def flight(rigid: RigidBody, axes: np.ndarray, end: float) -> Rotation:
     return Rotation.from_quat(reference.y[:4, -1])
 
 
+@pytest.mark.thorough
 def test_half_a_turn_and_many_turns_of_a_pinned_bar():
     """One frame element turns by its own momentum: its angle is ``ω t``."""
     s = da.Structure("bar")

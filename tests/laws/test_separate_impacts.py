@@ -120,6 +120,7 @@ def bar(p: np.ndarray, end: float) -> np.ndarray:
     return np.array([y, angle])
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("tilt", [1e-3, -4e-4])
 def test_bar_that_lands_on_one_end_after_the_other(tilt):
     p, end = [0.3, tilt, 0.5], 0.29
@@ -159,6 +160,7 @@ def row(p: np.ndarray, end: float) -> np.ndarray:
         v[k], v[k + 1], t = v[k] - push / m[k], v[k + 1] + push / m[k + 1], t + span
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("gap", [4e-4, 1.5e-4])
 def test_discs_in_a_row_with_small_gaps(gap):
     p, end = [gap, 1.0, 0.9], 0.1
@@ -244,6 +246,7 @@ def corner(p: np.ndarray, end: float) -> np.ndarray:
     return np.array([x + vx * span, y + vy * span - G * span**2 / 2, turn])
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("delay", [-2e-4, -5e-4])
 @pytest.mark.parametrize("friction", [0.0, 0.1, 0.6])
 def test_disc_in_a_corner(delay, friction):

@@ -56,6 +56,7 @@ def test_both_ways_meet(marched):
             np.testing.assert_allclose(mostly, whole, rtol=0, atol=0)
 
 
+@pytest.mark.thorough
 def test_lanes_that_do_not_arrive_are_run_alone():
     """Steps so coarse that two iterations leave violations: the batch is that of single runs."""
     model, lengths = ladder(4), np.array([0.9, 1.0, 1.1])

@@ -31,6 +31,7 @@ def row_of_discs(seed: int) -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("seed", SCENES)
 def test_rounding_does_not_change_the_motion_after_an_impact(seed: int) -> None:
     """Discs that stop with a gap between them are pressed in the next step: their relative speed

@@ -76,6 +76,7 @@ def test_speed_and_spin(contact, near, share):
     np.testing.assert_allclose([speed, spin], [along * TIME, turning * TIME], rtol=near)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("share", [0.3, 2.0])
 def test_gradients(share):
     motion = release(share * LIMIT, "located")

@@ -104,7 +104,7 @@ def hinged(system):
         system.add(spatial.Spherical("pivot", system.ground.point(9, 9, 9.1), bob.point(0, 0, 0.1)))
 
 
-@pytest.mark.product
+@pytest.mark.few(2)
 @pytest.mark.parametrize("general", [False, True])
 @pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: type(scheme).__name__)
 @pytest.mark.parametrize("add", [planar_box, outlined_box, box_on_outline, spatial_box])

@@ -55,6 +55,7 @@ def test_state_and_multipliers_at_the_end():
     assert -link / (2 * L) == pytest.approx(MULTIPLIERS[1], abs=1e-9)
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(
     "formulation", [da.DAE(2), da.DAE(2, stabilized=True), da.DAE(3)], ids=["2", "stabilised", "3"]
 )

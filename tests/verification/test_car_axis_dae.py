@@ -24,7 +24,7 @@ TOLERANCE = 1e-9
 model = functools.cache(lambda: axle().build())
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("projected", [False, True])
 def test_radau(form, projected):
@@ -48,6 +48,7 @@ def test_radau(form, projected):
     np.testing.assert_allclose(results, MULTIPLIERS, atol=1e-8 if loose else 1e-9)
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("integrator", [da.Trapezoidal(), da.GeneralizedAlpha(0.9)])
 def test_second_order(integrator, form):

@@ -40,6 +40,7 @@ def heights(spin: np.ndarray, times: np.ndarray) -> np.ndarray:
     return RADIUS * np.sin(tilt) + HALF * np.cos(tilt)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("scheme", "error"), [(da.AnticipatedImpacts(), 1e-4), (da.MoreauJean(), 6e-4)]
 )

@@ -107,7 +107,7 @@ def test_restitution_of_hunt_and_crossley(restitution):
     assert lost == pytest.approx(0.5 * V0**2 * (1 - restitution**2), abs=1e-4)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("height", [1e-3, 3.7e-3, 9e-3])
 @pytest.mark.parametrize("step", [1e-3, 5e-3, 0.02])
 def test_long_steps_keep_energy_or_warn(step, height):

@@ -95,6 +95,7 @@ def test_bend(shapes):
     assert abs(computed).max() == pytest.approx(abs(expected).max(), rel=0.01)
 
 
+@pytest.mark.thorough
 def test_other_steps_find_the_same(shapes):
     """The first bend, which a mass matrix that is not positive definite breaks at any step."""
     run = da.solve_dynamics(shapes.model, 0.05, step=2e-4, integrator=da.HHT())

@@ -71,8 +71,9 @@ def tip(motion: da.Motion, parts: int) -> np.ndarray:
     return np.column_stack([c * x + s * y - LENGTH, c * y - s * x, turn])
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize(("parts", "tolerance"), [(1, 5e-4), (4, 1e-4)])
+@pytest.mark.parametrize(
+    ("parts", "tolerance"), [(1, 5e-4), pytest.param(4, 1e-4, marks=pytest.mark.thorough)]
+)
 def test_tip_lags_behind(parts, tolerance):
     motion = spun(parts, True, duration=7.5, step=0.05, outputs=[2.5, 5.0, 7.5])
     assert np.abs(tip(motion, parts) - list(EXACT.values())).max() < tolerance

@@ -155,7 +155,7 @@ CASES = {
 }
 
 
-@pytest.mark.few(8)
+@pytest.mark.few(6)
 @pytest.mark.parametrize(("number", "method"), crossed(CASES, ["slsqp", "ipopt"]))
 def test_optimum(number, method):
     variables, objective, limits, least = CASES[number]

@@ -202,7 +202,7 @@ def on_a_sled(build: Callable) -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", CASES)
 def test_states_agree_with_scipy(name):
     case = CASES[name]

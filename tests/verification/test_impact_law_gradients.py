@@ -77,6 +77,7 @@ def test_rough_impact_of_a_rod(name, scheme, law):
     np.testing.assert_allclose(gradient["adjoint"], gradient["direct"], rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_no_restitution_of_the_energetic_law_is_noted(scheme):
     """The speed after is ``e |u⁻|``; of Poisson's law, the derivative at ``e = 0`` is known."""

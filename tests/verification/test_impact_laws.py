@@ -207,6 +207,7 @@ def test_central_impacts_are_those_of_newtons_law(law):
     np.testing.assert_allclose(motion.trajectory.y, expected.trajectory.y, atol=1e-9)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", ["poisson", "energetic"])
 def test_anticipated_central_impacts(law):
     """They come in other steps than those of Newton's law, and leave with the same speeds."""

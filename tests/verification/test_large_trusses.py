@@ -89,6 +89,7 @@ def test_twenty_five_bars():
     np.testing.assert_allclose(list(best.x.values()), printed, atol=1e-4)
 
 
+@pytest.mark.thorough
 def test_seventy_two_bars():
     corners = np.array([(0, 0), (120, 0), (120, 120), (0, 120)])
     places = [(*xy, 60 * level) for level in range(4, -1, -1) for xy in corners]

@@ -83,6 +83,7 @@ def billiards(x: np.ndarray, v: np.ndarray, e: float, duration: float) -> np.nda
             v[i[k]], v[j[k]] = v[i[k]] - push, v[j[k]] + push
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("e", [1.0, 0.8])
 def test_billiards(e):
     rng, system = np.random.default_rng(4), da.System("table", gravity=(0.0, 0.0))

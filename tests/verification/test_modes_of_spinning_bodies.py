@@ -147,6 +147,7 @@ def test_free_body_spins_about_a_principal_axis(axis) -> None:
         compare(state_space_poles(modes), expected)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("speed", EIGENVALUES)
 def test_bicycle_in_absolute_coordinates(speed) -> None:
     """Table 2 of Meijaard et al., 2007; all other eigenvalues are zero."""
@@ -185,6 +186,7 @@ def test_unsymmetric_rotor_on_unsymmetric_bearings_has_a_warning() -> None:
     assert any("not steady" in warning for warning in modes.warnings)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("spin", [0.0, 50.0])
 def test_gradients_of_whirl(spin) -> None:
     """``ω = ½ (∓n + √(n² + 4 κ))`` with ``n = Ω I_p/I_t``, ``κ = k l²/I_t``, and both springs."""

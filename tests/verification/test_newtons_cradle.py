@@ -55,8 +55,9 @@ def test_three_balls_as_shapes(between, speeds, scheme):
     assert motion.data["energy"].values[-1] == pytest.approx(0.5, abs=1e-10)
 
 
-@pytest.mark.product
-@pytest.mark.parametrize("free", [True, False], ids=["balls", "pendulums"])
+@pytest.mark.parametrize(
+    "free", [True, pytest.param(False, marks=pytest.mark.thorough)], ids=["balls", "pendulums"]
+)
 @pytest.mark.parametrize("gap", [1e-4, 1e-3])
 def test_gaps_below_the_motion_of_a_step_dissipate_no_energy(gap, free):
     """Elastic balls that part slowly when an impact reaches them: with ``e = 1`` no impact

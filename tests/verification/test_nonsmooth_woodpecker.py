@@ -84,6 +84,7 @@ def test_equals_the_published_run(model):
     assert motion.values("bird.angle") == pytest.approx(SICONOS[:, 2], abs=1e-9)
 
 
+@pytest.mark.thorough
 def test_longer_steps_come_near(model):
     motion = da.solve_nonsmooth(
         model, 0.06, step=5 * H, outputs=SICONOS[:, 0], integrator=da.MoreauJean(projection=False)

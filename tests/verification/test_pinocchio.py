@@ -131,7 +131,7 @@ def in_body(point) -> tuple[np.ndarray, np.ndarray]:
     return axes, value(point.local.sx)
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("floating", [False, True])
 @pytest.mark.parametrize("seed", range(5))
 def test_random_trees(seed, floating):

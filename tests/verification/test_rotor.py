@@ -53,6 +53,7 @@ def test_rotor_adds_to_the_inertia_of_a_bar(space):
         np.testing.assert_allclose(motion["kinetic_energy"][-1], MOMENT * angle, rtol=1e-9)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("space", [planar, spatial])
 def test_both_coordinates_agree(space):
     model = arm(space)

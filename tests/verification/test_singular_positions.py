@@ -68,7 +68,7 @@ INTEGRATORS = {
 }
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("motor", [False, True])
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_output_exactly_in_the_singular_position(integrator, motor):

@@ -67,6 +67,7 @@ def test_ladder_between_rough_walls(scheme, beyond):
     assert moved == pytest.approx(exact, rel=1e-4, abs=1e-9)
 
 
+@pytest.mark.few(1)
 @SCHEMES
 @pytest.mark.parametrize("share", [0.98, 1.02])
 def test_wedge_between_blocks(scheme, share):

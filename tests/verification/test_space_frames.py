@@ -101,6 +101,7 @@ def test_stiffness_matrix_of_the_textbooks(shear):
     np.testing.assert_allclose(computed, own.T @ textbook_matrix(length, soft) @ own, atol=1e-13)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("end", "side"), [((2, 0, 0), (0, 0, 1)), ((0, 2, 0), (0, 0, 1)), ((0, 0, 2), (0, 1, 0))]
 )

@@ -66,6 +66,7 @@ def squeezer() -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("formulation", [da.RangeSpace(), da.KKT()])
 def test_angles_after_thirty_milliseconds(formulation):
     model = squeezer()

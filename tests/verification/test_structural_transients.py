@@ -138,6 +138,7 @@ def test_stiff_bar_swings_as_a_pendulum(lumped, share):
     assert motion.values("b.ux")[-1] == pytest.approx(0.0, abs=1e-3)
 
 
+@pytest.mark.thorough
 def test_right_angle_cantilever():
     """Simo and Vu-Quoc (Computer Methods in Applied Mechanics and Engineering 66, 1988).
 

@@ -16,7 +16,7 @@ contact = spatial.contact
 RADIUS, SPEED = 0.1, 2.0
 
 
-@pytest.mark.product
+@pytest.mark.few(1)
 @pytest.mark.parametrize("integrator", [da.AnticipatedImpacts(), da.MoreauJean()])
 @pytest.mark.parametrize("turn", [0.1, 0.3])
 def test_loss_of_energy_at_a_valley(turn, integrator):
@@ -55,6 +55,7 @@ def on_a_turntable(step: float) -> float:
     return float(abs(motion["ball.x"].values + 1j * motion["ball.y"].values - circle).max())
 
 
+@pytest.mark.thorough
 def test_circles_on_a_turntable():
     """Of first order in the turn of the table in a step."""
     errors = on_a_turntable(10e-3), on_a_turntable(5e-3)
