@@ -110,7 +110,7 @@ def test_the_other_joints_are_closed():
     assert abs(poses["piston"][1] - 1.0) < 1e-6 and abs(poses["piston"][2]) < 1e-6
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", FAILURES)
 def test_every_failure_has_its_page(name, tmp_path):
     make, joint, _ = FAILURES[name]

@@ -129,6 +129,7 @@ CHOICES: dict[str, tuple[str, list[str]]] = {
 }
 
 
+@pytest.mark.product
 @pytest.mark.parametrize("command", ["check", "run"])
 @pytest.mark.parametrize("case", CHOICES, ids=[name.replace(" ", "-") for name in CHOICES])
 def test_choices_that_cannot_work(case, command, tmp_path, capsys):

@@ -95,6 +95,7 @@ def test_run_writes_results_and_report(model, tmp_path, capsys):
     assert "coupler.P" in (out / "four_bar.report.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.thorough
 def test_profile_lists_the_durations(model, tmp_path, capsys):
     """Parts add up to the whole, and what is inside of them is no more than they are."""
     run = ["run", str(model), "--output", str(tmp_path / "out"), "--profile"]

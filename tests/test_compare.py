@@ -160,6 +160,7 @@ def test_a_doubtful_choice_is_marked():
     assert [row[status] for row in rows] == ["ok [1]", "ok"]
 
 
+@pytest.mark.thorough
 def test_choices_that_nobody_made_are_combined_where_they_can_work():
     result = da.compare(pendulum(), 0.1, steps=0.01, tolerances=1e-4, outputs=3)
     runs = result.table()
@@ -392,6 +393,7 @@ def test_without_a_duration(model, tmp_path, capsys):
     assert "give a duration" in capsys.readouterr().err
 
 
+@pytest.mark.thorough
 def test_an_interruption_keeps_the_rows_so_far(model, tmp_path, capsys, monkeypatch):
     """Ctrl-C comes while the third row is timed again."""
     plain, calls = da.Dynamics.run, []

@@ -92,6 +92,7 @@ def test_spring_smooths_the_torque_as_well_as_any(pictures: Path) -> None:
     assert printed["after"] == pytest.approx(best.fun, rel=1e-6)
 
 
+@pytest.mark.thorough
 def test_front_of_pump_springs(pictures: Path) -> None:
     """Its end in torque is the best for torque alone; every spring on it beats the first."""
     printed = numbers("pump_front", pictures)

@@ -246,6 +246,7 @@ def test_saved_and_read_again(task, tmp_path, capsys):
     assert is_same
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("task", "owner", "name", "call"),
     [

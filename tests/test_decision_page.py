@@ -49,6 +49,7 @@ def chosen(page) -> int:
     return page.js("dalembert.choice.chosen")
 
 
+@pytest.mark.thorough
 def test_a_point_of_the_front_is_a_mechanism(show, front):  # noqa: F811
     page = show(front.live_page(False), still=True)
     assert len(front) >= 4

@@ -40,6 +40,7 @@ def test_truss_is_as_reliable_as_the_closed_form(pictures: Path) -> None:
     assert printed["low"] < share < printed["high"]
 
 
+@pytest.mark.thorough
 def test_lightest_trusses_are_as_reliable_as_asked_for(pictures: Path) -> None:
     """Indices in closed form are those asked for, and so is the mass without scatter."""
     printed, example = (

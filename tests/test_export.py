@@ -278,6 +278,7 @@ def test_the_command_exports_plots_traces_and_responses(model, tmp_path, node, c
         assert value == pytest.approx(da.evaluate(motion, response), rel=1e-9)
 
 
+@pytest.mark.thorough
 def test_other_outputs_and_wrong_names(model, tmp_path, capsys):
     chosen = ["--measure", "crank.x", "--response", "angle", "--output", str(tmp_path), "--json"]
     assert main(["export", str(model), *chosen]) == 0

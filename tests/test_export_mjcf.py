@@ -172,7 +172,7 @@ def _first_copies(twin: Twin) -> np.ndarray:
     return np.vstack([*rows, np.zeros((others, twin.m.nv))])
 
 
-@pytest.mark.few(15)
+@pytest.mark.few(8)
 @pytest.mark.parametrize("name", CASES)
 def test_every_case_is_loaded_and_has_our_equations_unless_it_names_what_it_lacks(name):
     model = model_of(name)
@@ -307,6 +307,7 @@ BUILT = {
 }
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("name", BUILT)
 def test_loops_and_forces_have_our_equations(name):
     check_equations(BUILT[name]().build())

@@ -112,7 +112,7 @@ def test_modes_of_mechanisms_oscillate_about_the_rest(tmp_path):
     assert moved > 1e-3
 
 
-@pytest.mark.few(20)
+@pytest.mark.few(10)
 @pytest.mark.parametrize("name", CASES)
 def test_every_case_has_a_grid(name):
     motion = da.solve_dynamics(model_of(name), 0.01, step=0.01)

@@ -482,6 +482,7 @@ def sampled_arm(first: float) -> da.Model:
     return system.build()
 
 
+@pytest.mark.thorough
 def test_sampled_blocks(tmp_path):
     """Samples of co-simulation are those of a run, at any communication step and start time."""
     model = sampled_arm(0.01)

@@ -241,6 +241,7 @@ def test_what_is_visible_can_be_shown(text):
     assert visible(text) == text or HIDDEN.search(text)
 
 
+@pytest.mark.thorough
 def test_names_of_files_are_escaped_where_they_are_shown(tmp_path, capsys):
     """The file may be called anything; the terminal, the results and the page do not obey it."""
     name = os.fsdecode(b"\x1b[31m\xe2\x80\xae\xff[bold]") + ".toml"

@@ -37,7 +37,7 @@ def is_live(page: str) -> bool:
     return '"live":{' in page and '"code":"' in page and 'id="worker"' in page
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("value", "options", "live"),
     [
@@ -57,6 +57,7 @@ def test_the_file_states_whether_a_page_is_live_and_the_command_line_decides(
     assert live or '"reason":' not in page
 
 
+@pytest.mark.thorough
 def test_without_bounds_a_page_is_live_if_requested(model):
     text = model.read_text(encoding="utf-8")
     for bounds in ("[0.2, 0.4]", "[0.8, 1.2]", "[0.5, 0.8]"):

@@ -117,6 +117,7 @@ def test_strong_damping_changes_the_number_of_modes(browser: Any, tmp_path: Path
         assert page.console == []
 
 
+@pytest.mark.thorough
 def test_the_amplitude_and_kept_designs_remain(browser: Any, tmp_path: Path) -> None:
     path = da.linearize(carts()).report(tmp_path / "modes.html")
     with visit(browser, path) as page:

@@ -252,6 +252,7 @@ def present(page: Visit) -> dict[str, float]:
     )
 
 
+@pytest.mark.thorough
 def test_improvement_ends_at_an_optimum_within_bounds_and_limits(
     improving: Visit, motion: Any
 ) -> None:
@@ -418,6 +419,7 @@ def test_limits_of_tiny_responses_are_not_satisfied_by_chance(pendulum: Visit) -
     assert "Not all limits are satisfied." in message
 
 
+@pytest.mark.thorough
 def test_a_page_saved_as_shown_opens_with_its_design(
     browser: Any, live: Visit, tmp_path: Path
 ) -> None:
@@ -593,6 +595,7 @@ def rests(page: Visit) -> None:
     pytest.fail("the drag does not come to rest")
 
 
+@pytest.mark.thorough
 def test_a_dragged_path_follows_the_pointer(path_page: Visit) -> None:
     x, y = hold_path(path_page)
     path_page.page.mouse.move(x + 12, y - 1, steps=3)

@@ -102,6 +102,7 @@ def test_two_widgets_of_one_model_are_independent() -> None:
     assert one.parameters["l"] == 0.5
 
 
+@pytest.mark.thorough
 def test_sliders_and_parameters_follow_each_other(browser: Any) -> None:  # noqa: F811
     pytest.importorskip("anywidget")
     widget = pendulum().explore(da.Dynamics(duration=0.5, step=0.01))

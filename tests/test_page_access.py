@@ -100,6 +100,7 @@ def test_everything_has_a_name_and_is_reached_where_it_is_seen(show, kind: str) 
     assert page.js("unseen") == []
 
 
+@pytest.mark.thorough
 def test_time_is_told_where_it_comes_to_rest(show) -> None:
     page = show(four_bar())
     page.js("dalembert.player.play()")

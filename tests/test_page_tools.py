@@ -217,6 +217,7 @@ def test_what_travels_in_space_is_followed(show: Any, flight: da.Motion) -> None
     assert page.js("dalembert.scene.arrows[0].value") == pytest.approx(24)
 
 
+@pytest.mark.thorough
 def test_pictures_in_space_are_not_blank(show: Any, flight: da.Motion) -> None:
     image = pytest.importorskip("PIL.Image")
     page = show(flight, viewport=(1000, 560))

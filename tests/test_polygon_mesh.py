@@ -80,6 +80,7 @@ def test_groups_are_the_edges(kind: str) -> None:
     np.testing.assert_allclose(away, 0.2, rtol=1e-12)  # middles of edges too
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("kind", ["triangle", "triangle6"])
 @pytest.mark.parametrize("name", ["two holes", "L", "acute"])
 def test_patch(name: str, kind: str) -> None:
@@ -139,6 +140,7 @@ tx = 1e6
 """
 
 
+@pytest.mark.thorough
 def test_formulas_move_the_boundary(tmp_path: Path) -> None:
     """Other values move the nodes of the boundary to it, and the derivative is that of the area."""
     model = da.load_model(written(tmp_path, FILE)).build()

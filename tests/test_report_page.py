@@ -91,7 +91,7 @@ def test_write_page_replaces_the_file_in_one_go(
 # In a browser -------------------------------------------------------------
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("viewport", [(1440, 900), (390, 844)])
 @pytest.mark.parametrize("make", [four_bar, gallery])
@@ -103,6 +103,7 @@ def test_draws(show: Any, make: Any, viewport: tuple[int, int], scheme: str) -> 
     assert page.js("document.documentElement.scrollWidth <= innerWidth")
 
 
+@pytest.mark.thorough
 def test_plays_pauses_and_keeps_still_on_request(show: Any) -> None:
     page = show(four_bar())
     assert page.js("dalembert.player.playing") is False
@@ -186,7 +187,7 @@ def test_without_loop_it_stops_at_the_end(show: Any) -> None:
     assert page.js("dalembert.player.time") == pytest.approx(0.8)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("control", ["#reactions", "#labels", "#grid", ".trace"])
 def test_toggles_change_the_picture_and_back(show: Any, control: str) -> None:
     page = show(four_bar())

@@ -181,6 +181,7 @@ def test_floating_links_start_at_their_joint(tmp_path):
     np.testing.assert_allclose(at_start(model, "box.position"), [1, 2, 3], atol=1e-14)
 
 
+@pytest.mark.thorough
 def test_universal_joints_of_sdf_are_two_hinges(tmp_path):
     """Two hinges with a massless link between them, the second one coupled to a slide."""
     moments = "<ixx>0.2</ixx><iyy>0.3</iyy><izz>0.4</izz>"

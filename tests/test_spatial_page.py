@@ -200,6 +200,7 @@ def test_toggles_change_the_picture_and_back(show: Any) -> None:
             assert (now != start) is changed, control
 
 
+@pytest.mark.thorough
 def test_arrows_are_as_long_as_asked_and_point_along_the_reaction(show: Any) -> None:
     motion = heavy_top()
     page = show(motion)
@@ -230,6 +231,7 @@ def test_section_leaves_out_one_side(show: Any) -> None:
     assert page.js(plane) == [0, 0, 1, pytest.approx(-constant)]
 
 
+@pytest.mark.thorough
 def test_tooltip_names_what_is_under_the_pointer(show: Any) -> None:
     page = show(hinges())
     box = page.page.locator("#scene").bounding_box()

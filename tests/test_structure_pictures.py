@@ -176,6 +176,7 @@ def test_large_displacements_are_drawn_as_they_are() -> None:
 
 
 # pictures -------------------------------------------------------------------------------------
+@pytest.mark.few(4)
 @pytest.mark.parametrize("name", list(BUILDERS))
 @pytest.mark.parametrize("smooth", [False, True])
 def test_pictures_tell_scale_and_unit(name: str, smooth: bool) -> None:

@@ -163,6 +163,7 @@ def stored(request, monkeypatch) -> str:
     return request.param
 
 
+@pytest.mark.few(1)
 def test_folder_goes_on(tmp_path, stored):
     design = da.DesignTable.sobol(RANGES, 8, rng=0)
     whole = study(design, folder=tmp_path / "whole", chunk=3)
@@ -199,6 +200,7 @@ DAMAGE = {
 }
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("kind", DAMAGE)
 def test_damaged_parts_are_evaluated_again(kind, tmp_path, stored):
     """At random places, the last number among them; the damaged part is kept under another name."""

@@ -121,6 +121,7 @@ def test_two_programs_on_one_file(tmp_path: Path) -> None:
         assert receive(one, "text")["text"] == FOUR_BAR + "# one\n"
 
 
+@pytest.mark.thorough
 def test_a_file_that_another_program_saves_is_waited_for(tmp_path: Path) -> None:
     path = tmp_path / "model.toml"
     path.write_text("a = 0\n")

@@ -193,7 +193,11 @@ LONG = BAR.replace("duration = 0.4\nstep = 0.02", "duration = 2e4\nstep = 1e-3\n
 
 @pytest.mark.parametrize(
     ("options", "message"),
-    [({"time": 1.0}, "took more than 1 s"), ({"memory": 3e7}, "GB of memory"), ({}, "stopped")],
+    [
+        ({"time": 1.0}, "took more than 1 s"),
+        ({"memory": 3e7}, "GB of memory"),
+        pytest.param({}, "stopped", marks=pytest.mark.thorough),
+    ],
     ids=["time", "memory", "cancelled"],
 )
 def test_endless_builds_are_stopped(options: dict, message: str, tmp_path: Path) -> None:

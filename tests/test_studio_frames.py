@@ -41,6 +41,7 @@ def test_other_names_have_no_frame(name: str) -> None:
     assert PageFrame.named(name) is None and frame_page(name) == ""
 
 
+@pytest.mark.thorough
 def test_a_picture_is_shown_in_the_frame_that_waits(desk: tuple[Desk, Any]) -> None:
     visit, _ = desk
     visit.show(BAR)

@@ -115,6 +115,7 @@ def test_messages_are_shown_in_full(browser: Any, studio_server: Studio) -> None
         assert guide["x"] >= stage["x"] + stage["width"]  # the banner is not below the guide
 
 
+@pytest.mark.thorough
 def test_fields_of_a_row_have_one_distance(browser: Any, studio_server: Studio) -> None:
     reset(studio_server)
     with opened(browser, studio_server, "0", (1600, 900)) as visit:

@@ -150,6 +150,7 @@ def test_malformed_requests_are_answered(studio: Studio, data: str) -> None:
         assert receive(socket, "text")["text"] == text
 
 
+@pytest.mark.thorough
 def test_a_huge_message_closes_only_its_page(studio: Studio) -> None:
     with page(studio) as socket:
         receive(socket, "text")

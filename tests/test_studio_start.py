@@ -8,10 +8,10 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from dalembert.io import json_schema
 from dalembert.studio.event_loop import in_thread
 from dalembert.studio.schema_process import schema_text
 
@@ -59,6 +59,6 @@ def failing() -> None:
     raise EOFError
 
 
-def test_the_schema_of_the_process_is_that_of_the_package() -> None:
-    assert json.loads(schema_text()) == json_schema()
+def test_the_schema_of_the_process_is_that_of_the_package(schema: Any) -> None:
+    assert json.loads(schema_text()) == schema.schema
     assert schema_text() is schema_text()

@@ -76,6 +76,7 @@ def test_a_press_of_stop_lasts_while_messages_come(desk: tuple[Desk, Studio]) ->
         visit.page.click("#tab-text")
 
 
+@pytest.mark.thorough
 def test_a_double_click_on_stop_keeps_the_result(monkeypatch: pytest.MonkeyPatch) -> None:
     tasks = Tasks()
     state = tasks.start("synthesis", SLOW, EXAMPLES / "x.toml")

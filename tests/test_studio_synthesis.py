@@ -48,7 +48,7 @@ motor = { type = "RotationalDriver", connect = ["ground", "crank"], law = "2*pi*
 """
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", SIX_BARS)
 def test_an_inserted_six_bar_moves_as_the_candidate(kind: str, tmp_path: Path) -> None:
     joints, link = SIX_BARS[kind]
@@ -214,6 +214,7 @@ def test_an_emptied_coordinate_of_a_target_is_no_zero(desk: tuple[Desk, Studio])
     assert "synthesis.points[0][0]: in formula '2*'" in error and "ends with '*'" in error
 
 
+@pytest.mark.thorough
 def test_an_emptied_law_of_a_driver_is_restored(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     text = UNTITLED + DRIVEN
@@ -229,6 +230,7 @@ def test_an_emptied_law_of_a_driver_is_restored(desk: tuple[Desk, Studio]) -> No
     visit.until("studio.file.document.drivers.motor.law === '3*t'", 10)
 
 
+@pytest.mark.thorough
 def test_points_with_units_are_drawn_and_dragged(desk: tuple[Desk, Studio]) -> None:
     """A formula is not replaced by a drag; a message states it."""
     visit, _ = desk

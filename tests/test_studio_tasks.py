@@ -67,6 +67,7 @@ def test_wrong_tasks_are_reported_at_their_places() -> None:
     assert "peak" in state.outcome.sentence and state.outcome.problems[0].line > 0
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="lists processes by /proc")
 def test_the_end_of_the_server_ends_the_task(tmp_path: Path) -> None:
     (tmp_path / "model.toml").write_text(SLOW)

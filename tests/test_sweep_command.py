@@ -166,6 +166,7 @@ def test_cluster(model, tmp_path, cluster, capsys):
     assert one.equals(two)
 
 
+@pytest.mark.thorough
 def test_no_scheduler(model, capsys, monkeypatch):
     pytest.importorskip("distributed")
     monkeypatch.setattr("dalembert.design.studies.workers.WAIT", 0.5)

@@ -57,7 +57,7 @@ CASES = {  # shape, yaw, support, direction of the load, distance of the edge fr
 }
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("swapped", [False, True])
 @pytest.mark.parametrize("integrator", [da.AnticipatedImpacts(), da.MoreauJean()])
 @pytest.mark.parametrize("case", CASES)

@@ -39,6 +39,7 @@ def test_loops_are_assembled_from_poor_guesses(seeds):
     assert messages and all("random starts" in text and "moved" in text for text in messages)
 
 
+@pytest.mark.thorough
 def test_the_end_of_a_branch_is_distinguished_from_lengths_that_fit_nowhere():
     ground, triangle = np.array([(0, 0), (5, 0), (2, 6)]), np.array([(0, 0), (3, 0), (1, 2.5)])
     model = three_legs((3.09512671, 0.81252118), 1.08392049, ground, triangle)

@@ -204,6 +204,7 @@ def test_what_acts_for_a_short_time_is_not_stepped_over():
     assert len(motion.events) == int(20 * motion.values("mass.x")[-1] / (2 * np.pi))
 
 
+@pytest.mark.thorough
 def test_a_small_motion_below_the_absolute_tolerance_is_reported_with_a_remedy():
     def vibration(**options):
         system = da.System("small")

@@ -64,7 +64,7 @@ CHOICES = {
 }
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("choice", CHOICES.values(), ids=CHOICES)
 def test_designs_are_their_single_runs(model, choice):
     batch = da.solve_dynamics(model, parameters={"l1": [*LENGTHS, *BAD]}, **RUN, **choice)

@@ -68,7 +68,7 @@ def relative_errors(computed, true) -> np.ndarray:
     )
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("stabilization", [da.Stabilization(), da.Projection()], ids=repr)
 @pytest.mark.parametrize("form", FORMS)
 def test_tolerance_is_met_at_steps_and_between(form, stabilization):

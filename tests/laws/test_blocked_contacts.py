@@ -12,6 +12,7 @@ from dalembert.integrators.contact.delassus import Delassus
 contact = planar.contact
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("integrator", [da.AnticipatedImpacts(), da.MoreauJean()])
 def test_a_driver_that_presses_a_held_body_has_no_solution(integrator):
     """A ram moves towards the axis of a wheel: its speed over the rounding of a mobility that is
@@ -52,6 +53,7 @@ def test_many_contacts_of_one_freedom():
     assert speed == pytest.approx(-0.022 / 1.407, rel=1e-6)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("beside", [1e-5, 1e-6])
 def test_an_obtuse_corner_passes_the_corner_of_a_tooth(beside):
     """It is beside the flank of the tooth, below which no corner of it can hit the top."""

@@ -128,7 +128,7 @@ def measured(modes) -> list[Response]:
     return [da.at(float(k), m) for k in distinct(modes) for m in measures]
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(3)
 @pytest.mark.parametrize(("kind", "name"), PLACES)
 def test_direct_adjoint_and_differences_agree(kind, name):
     """Direct = adjoint to 1e-9, both = differences of repeated linearisations to 1e-6."""

@@ -20,7 +20,7 @@ def balance_error(name: str, step: float, **options) -> float:
     return float(np.abs(motion.data.balance_error).max())
 
 
-@pytest.mark.few(8)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("name", [*CASES, *SPATIAL_CASES])
 def test_energy_balance_closes_with_the_order(name):
     """Halving the step divides the balance error by 16, down to round-off."""

@@ -135,7 +135,7 @@ def test_every_kind_of_response(name, terminal):
     check(run(name, terminal), responses(name, terminal))
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("integrator", "terminal"), crossed([n for n in INTEGRATORS if n not in SUNDIALS], ENDS)
 )

@@ -94,12 +94,14 @@ def test_equilibrium(dimension):
     agree(da.solve_equilibrium(swing(dimension, weld)), TIP[::2])
 
 
+@pytest.mark.thorough
 @PLANE_OFTEN
 def test_linearisation(dimension):
     modes = da.linearize(swing(dimension, weld, modes=0))
     agree(modes, [da.at(1.0, "frequency"), da.at(2.0, "damping_ratio")])
 
 
+@pytest.mark.thorough
 def test_driven():
     def drive(system, rod):
         pin = planar.Revolute("pin", system.ground.center, rod.point("root"))

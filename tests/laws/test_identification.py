@@ -146,6 +146,7 @@ def test_a_step_to_where_nothing_can_be_is_shortened(oscillator):
     assert identification.sentence.startswith("1 unknown from ")
 
 
+@pytest.mark.thorough
 def test_robust_losses_forgive_outliers(crank):
     off = {}
     data = measured(crank, true={"r": 0.11}, noise=1e-3, x="slider.x")

@@ -89,6 +89,7 @@ def test_direct_and_adjoint_gradients_agree(choice, duration):
     np.testing.assert_allclose(direct, adjoint, rtol=1e-9, atol=1e-11)
 
 
+@pytest.mark.thorough
 def test_gradients_are_certified_by_differences():
     motion = da.solve_dynamics(thrown(), 0.7, integrator=da.DormandPrince())
     responses = [da.final(thrown()["b.end.x"]), da.at(0.5, thrown()["C.gap"])]

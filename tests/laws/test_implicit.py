@@ -231,6 +231,7 @@ def pendulum(stiff: bool) -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("method", ["BackwardEuler", "Radau", "GeneralizedAlpha", "HHT"])
 def test_stiff_spring_is_a_rod(method):
     """``ωh = 316``: RK4 diverges, these take the step of the slow motion, as with the rod."""

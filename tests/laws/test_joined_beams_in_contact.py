@@ -23,6 +23,7 @@ def closed_gaps(model: da.Model) -> int:
     return int((gaps.distance < 0).sum())
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_neighbouring_parts_of_joined_beams_do_not_touch(dimension):
     """Short elements of a thick rope overlap over the joint; the hook at its end is a node's."""

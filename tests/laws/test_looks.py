@@ -63,7 +63,7 @@ def test_every_element_looks_like_something(name):
         assert shown or results[0].not_drawn, "it draws nothing and does not say why"
 
 
-@pytest.mark.few(20)
+@pytest.mark.few(10)
 @pytest.mark.parametrize("name", CASES)
 def test_every_case_can_be_drawn(name):
     motion = still(model_of(name))

@@ -244,6 +244,7 @@ def test_a_pile_of_discs_closes_no_gap_and_gains_no_energy_in_contacts(scheme):
         assert np.diff(motion.data["energy"]).max() <= 1e-10
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 def test_runs_of_a_pile_are_repeated_bit_by_bit(scheme):
     """Orders of elimination of one run are not those of the next."""

@@ -147,6 +147,7 @@ def test_every_step_of_a_heap_is_the_general_step_from_its_start(scheme, general
     assert moved > 20
 
 
+@pytest.mark.thorough
 def test_contacts_that_supply_energy_are_left_out_in_machine_code(general, monkeypatch):
     rejected, original = [], march.MoreauJeanSteps.parted
 
@@ -183,6 +184,7 @@ def crossing(place: tuple[float, float], speed: float) -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("place", "speed", "text"),
     [
@@ -201,6 +203,7 @@ def test_impacts_within_a_step_are_warned_about(place, speed, text, general, mon
     assert_same(compiled, other)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "limits",
     [
@@ -250,6 +253,7 @@ def test_gradients_of_both_runs_are_the_same(monkeypatch):
     assert ours == pytest.approx(theirs, rel=1e-6, abs=1e-8)
 
 
+@pytest.mark.thorough
 def test_separate_impacts_are_divided_alike(general, monkeypatch):
     """Impacts that follow each other, in a row of discs."""
     system, kit = da.System("row", gravity=(0.0, -9.81)), planar.contact

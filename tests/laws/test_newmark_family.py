@@ -38,6 +38,7 @@ def structure(integrator):
     return motion, ("b.ux", "b.vx", "b.ax"), 0.0
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("integrator", FAMILY, ids=IDS)
 def test_mechanisms_and_structures_take_the_same_steps(integrator):
     """The force begins level, so that methods with memory begin alike as well."""

@@ -41,7 +41,7 @@ def ball(kind: str, inside: float, speed: float = 0.0) -> da.System:
 RIGID = ["planar gap", "spatial gap", "planar rigid", "spatial rigid"]
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", RIGID)
 @pytest.mark.parametrize("speed", [0.0, -1.0, 1.0, -1e-5])
 def test_a_rounded_start_is_the_touching_one(kind: str, speed: float) -> None:

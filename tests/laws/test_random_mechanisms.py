@@ -96,6 +96,7 @@ def with_springs(motion, k: int) -> Snapshot:
     return now
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("seed", TREES)
 def test_energy_of_a_pinned_tree_is_constant(seed):
     energy = run(seed, True).data.energy.values

@@ -86,7 +86,7 @@ def test_instants_of_a_driven_mechanism_with_a_redundant_bar():
     np.testing.assert_allclose(gradient, check, rtol=1e-8)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize(("turn", "few"), [(2.0, 90), (6.0, 160), (300.0, 2000)])
 def test_few_outputs_of_a_driven_motion_take_as_many_steps_as_the_way_asks_for(turn, few):
     """A tenth of a radian a step; those asked for are the same as among a thousand."""

@@ -125,6 +125,7 @@ def tumbling_box(shift: float, other: float | None = None) -> da.System:
     return system
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 def test_places_do_not_change_motions(scheme):
     """Neither a body kilometres away nor the distance of the origin changes rebounds, but for the
@@ -142,6 +143,7 @@ def test_places_do_not_change_motions(scheme):
     np.testing.assert_allclose(motion(tumbling_box(0.0, 1e3), 0.0), alone, rtol=0, atol=1e-8)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
 @pytest.mark.parametrize("radius", [1e-6, 1e-12])
 def test_a_ball_like_a_point_bounces_as_a_point(scheme, radius):

@@ -160,7 +160,7 @@ def columns(sources: Sources, motion) -> list[np.ndarray]:
     return list(table)
 
 
-@pytest.mark.few(8)
+@pytest.mark.few(5)
 @pytest.mark.parametrize("name", [*CASES, *SPATIAL_CASES, *OWN])
 def test_pages_state_what_follows_from_parameters(name, monkeypatch):
     model, sizes = model_of(name), MotionSizes(monkeypatch)

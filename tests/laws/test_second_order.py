@@ -97,6 +97,7 @@ def test_reductions(response):
     checked(motion, [response])
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("solve", [da.solve_kinematics, da.solve_inverse_dynamics])
 def test_driven_mechanisms(solve):
     """Positions and accelerations, and with inverse dynamics efforts and reactions too."""
@@ -154,7 +155,7 @@ def test_formulations(name):
     checked(motion, [da.final("b.angle")])
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", STABILIZATIONS)
 def test_stabilizations(name):
     """With corrections after every step and after every third one."""

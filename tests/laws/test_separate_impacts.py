@@ -168,7 +168,7 @@ def test_discs_in_a_row_with_small_gaps(gap):
     compare(row_of(*p), names, lambda q: row(q, end), p, end)
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("gap", [8e-5, 1e-4, 1.5e-4, 4e-4])
 @pytest.mark.parametrize("speed", [1.0, 1.013, 1.03, 1.04])
 def test_corrections_of_positions_do_not_join_impacts(gap, speed):

@@ -42,7 +42,7 @@ def test_random_trees(seed, reactions):
     assert_absolute(model, reactions)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("seed", "reactions"), SEEDS)
 def test_random_loops(seed, reactions):
     tree = SpatialTree(seed).grow(4, ["Spherical", "Revolute", *KINDS]).springs()

@@ -103,7 +103,7 @@ def errors(integrator: str, stabilization, steps) -> np.ndarray:
     return np.array(rows)
 
 
-@pytest.mark.product
+@pytest.mark.few(3)
 @pytest.mark.parametrize("stabilization", STABILIZATIONS)
 @pytest.mark.parametrize(
     "integrator", [n for n, i in INTEGRATORS.items() if isinstance(i, ExplicitRungeKutta)]

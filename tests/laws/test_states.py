@@ -96,7 +96,7 @@ def arm() -> da.Model:
 ARM = "upper.angle", "lower.angle", "control.integral", "control.filtered"
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("formulation", FORMULATIONS, ids=lambda f: type(f).__name__)
 def test_formulations_agree(formulation):
     model = arm()

@@ -169,7 +169,7 @@ def agree(motion, responses) -> None:
     assert (np.abs(slope - direct @ way) / np.maximum(np.abs(direct) @ way, 1e-12)).max() < 1e-6
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("nonlinear", [False, True])
 @pytest.mark.parametrize("integrator", INTEGRATORS.values(), ids=INTEGRATORS)
 def test_gradients_of_every_integrator(integrator, nonlinear):

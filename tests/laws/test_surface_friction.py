@@ -121,6 +121,7 @@ def slid(time: float, rough: float = ROUGH, pull: float = PULL) -> tuple[float, 
     return begins, ends.y[:2, -1]
 
 
+@pytest.mark.thorough
 def test_a_slide_begins_in_the_right_direction():
     model, (begins, place) = pushed(), slid(2.0)
     motion = da.solve_dynamics(model, 2.0, integrator=da.DormandPrince(1e-9, 1e-11))

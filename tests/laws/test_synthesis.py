@@ -134,6 +134,7 @@ def test_invalid_tasks_are_refused(ask, words):
         ask()
 
 
+@pytest.mark.thorough
 def test_progress_covers_the_selection_of_starts():
     """Most of the time of a path with free timing is spent on it."""
     fractions: list[float] = []

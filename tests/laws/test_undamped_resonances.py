@@ -51,7 +51,7 @@ def first_resonance(kind: str) -> float:
     return PLACE if kind == "mechanism" else da.solve_modes(beam(), 1).frequencies[0]
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", MODELS)
 def test_default_frequencies_leave_them_out_and_warn(kind, tmp_path) -> None:
     response = da.frequency_response(MODELS[kind](), outputs=["place"])

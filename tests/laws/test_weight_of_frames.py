@@ -78,6 +78,7 @@ def test_weight_is_the_mass_matrix_times_gravity(kind, seed):
         np.testing.assert_allclose(rotation, 0.0, atol=1e-6)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("kind", FRAMES)
 def test_a_clamped_beam_has_the_reactions_of_the_table(kind):
     """Moments ``± q L²/12`` and forces ``q L/2`` of one element between two clamps."""

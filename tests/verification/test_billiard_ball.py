@@ -19,6 +19,7 @@ SLIP = SPEED + np.cross(SPIN, (0, 0, -RADIUS))
 ROLLS = 2 * np.linalg.norm(SLIP) / (7 * ROUGH * G)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("moving", [None, "x"])
 def test_path_and_rolling(moving):
     """Friction of a direction that changes with the ball, on a plane that stands any way."""

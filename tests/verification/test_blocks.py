@@ -55,6 +55,7 @@ def test_transfer_functions(numerator, denominator):
     assert np.abs(out["output"] - expected).max() < 1e-9
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("order", [1, 2, 3, 4, 5, 8])
 def test_low_pass_is_the_filter_of_butterworth(order):
     out = response(lambda u: da.blocks.LowPass("g", u, cutoff=12.0, order=order))
@@ -93,6 +94,7 @@ def test_start_at_rest_with_an_input():
         assert np.abs(motion[f"{name}.output"].values - value).max() < 1e-9
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("limits", [{}, {"lower": 0.0, "upper": 40.0}])
 @pytest.mark.parametrize(
     ("integrator", "tolerance"),

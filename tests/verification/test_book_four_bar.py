@@ -106,6 +106,7 @@ def twin(case: str) -> np.ndarray:
     return np.array(states).T
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("case", "abcd")
 def test_every_step_is_that_of_the_joint_angles(case):
     example = importlib.import_module("four_bar_violation")

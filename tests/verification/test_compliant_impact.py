@@ -45,6 +45,7 @@ def impact(law, duration: float = 0.02, **options) -> da.Motion:
     return da.solve_dynamics(system.build(), duration, integrator=integrator, **options)
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(("kind", "restitution"), ACHIEVED)
 def test_the_restitution_that_laws_achieve(kind, restitution):
     law = kind(stiffness=STIFFNESS, restitution=restitution, impact_speed=SPEED)
@@ -56,6 +57,7 @@ def test_the_restitution_that_laws_achieve(kind, restitution):
     assert np.abs(motion.data.balance_error).max() < 1e-9
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize("restitution", [0.1, 0.5, 0.9, 1.0])
 @pytest.mark.parametrize("exponent", [1.0, 1.5, 2.0])
 def test_a_restitution_that_is_asked_for_can_be_had(restitution, exponent):

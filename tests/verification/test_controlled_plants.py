@@ -45,7 +45,7 @@ def computed(result, name: str) -> np.ndarray:
     return values - FIRST.get(name, 0.0)
 
 
-@pytest.mark.product
+@pytest.mark.few(4)
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("name", PLANTS)
 def test_motions(name, integrator, folder):
@@ -59,6 +59,7 @@ def test_motions(name, integrator, folder):
     assert errors.max() < tolerance
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", REST)
 def test_equilibria_and_poles(name, folder):
     """The balance of forces and rates, and the poles of python-control about it."""

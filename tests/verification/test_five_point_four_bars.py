@@ -16,6 +16,7 @@ from dalembert.design.synthesis.precision_points import general_solutions
 POINTS = np.array([(0.50, 1.06), (-0.83, -0.27), (-0.34, 0.22), (-0.13, 0.43), (0.22, 0.78)])
 
 
+@pytest.mark.thorough
 def test_number_of_solutions():
     assert len(general_solutions(0)[1]) == 36
     linkages = da.five_point_four_bars(POINTS)

@@ -72,6 +72,7 @@ def test_all_angles_zero():
     np.testing.assert_allclose(turn.as_matrix(), np.eye(3), atol=1e-12)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", range(3))
 def test_any_angles(seed):
     angles = np.random.default_rng(seed).uniform(-2, 2, 7)

@@ -58,7 +58,7 @@ def speeds_after(law: str, values: np.ndarray) -> np.ndarray:
     return np.array([vx + push[1] / mass, vy + push[0] / mass, spin + arm @ push * inverse])
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @LAWS
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("name", CASES)

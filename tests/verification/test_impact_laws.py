@@ -141,7 +141,7 @@ def test_oblique_impact_of_a_rod(name, law, e):
         assert energy[-1] <= energy[0] * (1 + 1e-12)
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("step", [1e-2, 1e-4])
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("law", ["poisson", "energetic"])

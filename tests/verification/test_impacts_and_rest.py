@@ -28,6 +28,7 @@ def ball(height: float, gravity: float = G, velocity: float = 0.0, **laws: float
     return system.build()
 
 
+@pytest.mark.few(1)
 @COMPILED
 def test_falls_of_two_steps_do_not_depend_on_rounding(compiled, monkeypatch):
     """From ``h = k a h²`` bodies hit at ``√(2k) a h``, of which round-off changes the last digit:

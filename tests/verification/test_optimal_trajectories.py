@@ -209,7 +209,7 @@ def parallelogram() -> da.Model:
 REST = {"crank.angle": 2.0, "crank.angular_velocity": 0.0}
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @both
 def test_a_closed_loop_from_rest_to_rest(method):
     inertia = 0.4**2 * (1.0 / 3 + 1.5 / 3 + 2.0)

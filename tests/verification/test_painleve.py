@@ -37,6 +37,7 @@ def slides(friction: float, speed: float, theta: float = THETA) -> da.Motion:
     return da.solve_dynamics(model, 1e-3, integrator=da.DormandPrince())
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("theta", [THETA, 0.9])
 def test_limit(theta):
     limit = (1 + 3 * np.cos(theta) ** 2) / (3 * np.sin(theta) * np.cos(theta))

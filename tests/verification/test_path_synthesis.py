@@ -49,6 +49,7 @@ def test_better_than_printed():
     assert abs(steps.sum()) < 2 * np.pi
 
 
+@pytest.mark.thorough
 def test_an_ellipse_that_ever_longer_links_draw_better():
     """Acharyya and Mandal's closed path: the search comes to no end, what it reached is a linkage.
 

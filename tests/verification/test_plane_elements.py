@@ -122,7 +122,7 @@ def bending(kind: str, fine: int) -> float:
     return abs(result[f"n{nx}_{ny // 2}.uy"] / tip - 1)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", ["triangle", "quadrilateral"])
 def test_errors_fall_with_the_square_of_the_mesh(kind):
     errors = [bending(kind, fine) for fine in (4, 8, 16)]

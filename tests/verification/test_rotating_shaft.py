@@ -51,6 +51,7 @@ def shaft() -> da.Model:
     return system.build()
 
 
+@pytest.mark.thorough
 def test_sag(shaft):
     equilibrium = da.solve_equilibrium(shaft)
     assert equilibrium.status.success

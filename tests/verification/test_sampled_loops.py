@@ -211,6 +211,7 @@ def lift(gain: float = 80.0, *, delay: int = 0, more=None) -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("gain", "delay"), [(80.0, 0), (200.0, 0), (400.0, 0), (80.0, 3)])
 def test_equilibrium_is_the_fixed_point_of_samples(gain, delay):
     model = lift(gain, delay=delay)

@@ -32,6 +32,7 @@ def oscillator(slip_speed: float) -> da.Model:
     return system.build()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("slip_speed", [1e-2, 1e-3, 1e-4])
 def test_where_it_stops(slip_speed):
     """Smoothing moves the stop by less than half the square of the transition speed."""

@@ -159,7 +159,7 @@ def error(shape: str, count: int) -> float:
     return float(np.sqrt(np.mean(np.sum((computed - harmonic(places)) ** 2, axis=1))))
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("shape", CLASSES)
 def test_order_of_convergence(shape):
     """Displacements of linear cells converge with the square, of quadratic ones with the cube."""

@@ -181,6 +181,7 @@ def test_princeton_beam():
     np.testing.assert_allclose(result[f"{end.name}.uz"], expected_z, rtol=0.01, atol=1e-12)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("axis", ["y", "z"])
 def test_roll_up_by_most_of_a_circle(axis):
     """A moment rolls a straight beam up by 1.8 π; its nodes lie on a circle."""

@@ -54,7 +54,7 @@ def test_a_beam_under_its_weight(dimension):
     assert result["n0.fy"] == pytest.approx(2 * q, rel=1e-10)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("nonlinear", [False, True])
 @pytest.mark.parametrize("method", ["adjoint", "direct"])
 def test_gradients_under_spread_loads(nonlinear, method):

@@ -50,7 +50,7 @@ def test_break_away_by_static_friction_and_acceleration_by_the_other(scheme, sha
     assert motion["block.angle"][-1].item() == pytest.approx(0.0, abs=1e-9)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_a_sliding_block_keeps_sliding_until_it_stops(scheme):
     """Between both angles it remains at rest, and remains in motion until it stops."""

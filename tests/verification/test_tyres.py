@@ -129,7 +129,7 @@ INTEGRATORS = {
 }
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("method", "name", "rtol"),
     crossed(INTEGRATORS, itertools.product(CASES, [1e-4, 1e-6, 1e-8, 1e-10]), 2),

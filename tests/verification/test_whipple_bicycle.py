@@ -121,6 +121,7 @@ def linearised(system: da.System) -> np.ndarray:
     return total @ np.linalg.pinv(u_by @ ways)
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("speed", EIGENVALUES)
 def test_eigenvalues(speed):
     matrix = linearised(bicycle(speed))
@@ -137,7 +138,7 @@ def test_eigenvalues(speed):
     )
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("speed", EIGENVALUES)
 def test_eigenvalues_in_joint_coordinates(speed):
     """``linearize`` about the steady run; those of cyclic motions are zero."""

@@ -60,6 +60,7 @@ def test_frequency_response(spin, damping) -> None:
     assert (np.abs(response.table - expected) / size).max() < 1e-10
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("spin", [0.0, 50.0, 300.0])
 def test_campbell_diagram(spin) -> None:
     """Both whirls are resonances of the fixed frame, at any turn of the disc."""
