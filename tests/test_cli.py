@@ -233,6 +233,10 @@ def test_schema(tmp_path, capsys):
     assert json.loads((tmp_path / "s.json").read_text(encoding="utf-8")) == output
 
 
+def test_schema_is_itself_valid(schema):
+    schema.check_schema(schema.schema)
+
+
 def test_examples(tmp_path, capsys):
     assert main(["examples", "--json"]) == 0
     assert "four_bar" in json_output(capsys)["examples"]
@@ -305,6 +309,7 @@ def test_interrupted_gradients(model, tmp_path, capsys, monkeypatch, owner, name
     assert not list((tmp_path / "o").glob("*"))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("call", "saved"), [(1, False), (2, True)])
 def test_interrupted_optimisations(model, tmp_path, capsys, monkeypatch, call, saved):
     """The design reached is told and written, where there is one."""

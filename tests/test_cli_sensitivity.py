@@ -118,6 +118,7 @@ def test_files(model, tmp_path, capsys):
     assert chart.read_bytes()[:4] == b"\x89PNG"
 
 
+@pytest.mark.thorough
 def test_chart_alone(model, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["sensitivity", str(model), "--plot", "--svg", "--json"]) == 0

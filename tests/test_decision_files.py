@@ -162,6 +162,7 @@ def test_tolerance(tmp_path, capsys):
     assert spread == pytest.approx(3e6)
 
 
+@pytest.mark.thorough
 def test_linkages(tmp_path, capsys):
     path = written(tmp_path, SYNTHESIS)
     result = run(capsys, "synthesize", path, "--output", tmp_path)
@@ -228,6 +229,7 @@ def test_no_table(task, tmp_path, capsys):
 
 
 # what is kept --------------------------------------------------------------------------
+@pytest.mark.few(2)
 @pytest.mark.parametrize("task", TASKS)
 def test_saved_and_read_again(task, tmp_path, capsys):
     not_live = "\n[report]\nlive = false\n"  # the stored page never is
@@ -314,6 +316,7 @@ def test_a_front_without_points_is_told(capsys):
     assert "0 designs" in capsys.readouterr().out
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("task", ["identify", "invert"])
 def test_interrupted_searches(task, tmp_path, capsys, monkeypatch):
     """Ctrl-C in the fourth run: the unknowns of the best so far are told and written."""

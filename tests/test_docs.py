@@ -78,8 +78,11 @@ def prose(page: Path) -> str:
     return FENCE.sub("", page.read_text(encoding="utf-8"))
 
 
-LONG = {"python": ["extending.md", "nonsmooth.md", "synthesis.md"], "sh": ["live.md", "pages.md"]}
-"""Pages by the language of blocks that take several seconds."""
+LONG = {
+    "python": ["extending.md", "gradients.md", "nonsmooth.md", "synthesis.md", "trajectories.md"],
+    "sh": ["live.md", "pages.md"],
+}
+"""Pages by the language of blocks that take more than one and a half seconds."""
 
 
 def having(language: str) -> list:

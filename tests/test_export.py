@@ -290,6 +290,7 @@ def test_other_outputs_and_wrong_names(model, tmp_path, capsys):
     assert "peak" in capsys.readouterr().err
 
 
+@pytest.mark.thorough
 def test_types_are_those_of_the_module(model, tmp_path, compiler):  # noqa: F811
     folder = tmp_path / "page"
     assert main(["export", str(model), "--output", str(folder)]) == 0

@@ -543,6 +543,7 @@ def test_refusals(model, tmp_path):
     assert not path.exists()
 
 
+@pytest.mark.thorough
 def test_one_degree_of_freedom(tmp_path):
     """A pendulum without other coordinates, in both interface types."""
     system = da.System("pendulum", gravity=(0, -10))

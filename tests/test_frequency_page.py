@@ -71,6 +71,7 @@ def test_the_page_shows_the_highest_peak(name: str, show: Any) -> None:
     assert int(chosen) == page.js("dalembert.motion.chosen")
 
 
+@pytest.mark.thorough
 def test_a_click_chooses_a_frequency(show: Any) -> None:
     page = show(RESPONSES["planar"]())
     chart = page.page.locator("svg.chart").first

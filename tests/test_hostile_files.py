@@ -202,6 +202,7 @@ def good() -> dict:
     return tomllib.loads(GOOD)
 
 
+@pytest.mark.few(40)
 @pytest.mark.parametrize("text", HIDDEN_ONES, ids=ascii)
 @pytest.mark.parametrize("place", PLACES)
 def test_hidden_characters_are_refused(place, text, tmp_path, capsys):
@@ -280,6 +281,7 @@ def test_devices_are_not_replaced(tmp_path, capsys):
     assert (tmp_path / "pipe").is_fifo()
 
 
+@pytest.mark.thorough
 def test_what_is_read_is_not_replaced(tmp_path, capsys):
     source = tmp_path / "model.nc"
     source.write_text(GOOD, encoding="utf-8")

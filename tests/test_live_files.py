@@ -75,6 +75,7 @@ def test_a_page_that_cannot_be_live_states_the_reason_unless_declined(model):
     assert '"reason":' not in run(model, "--no-live")
 
 
+@pytest.mark.thorough
 def test_stored_pages_are_not_live(model):
     run(model)
     assert main(["report", str(model.with_suffix(".nc"))]) == 0
@@ -103,6 +104,7 @@ def test_structures_are_live_with_the_responses_of_their_file(tmp_path):
     assert not is_live(run(model, "--no-live"))
 
 
+@pytest.mark.thorough
 def test_modes_of_a_file_are_live_with_its_responses_or_their_frequencies(tmp_path):
     model = Path(shutil.copy(EXAMPLE.parent / "teaching" / "ride.toml", tmp_path))
     page = run(model).replace("\\", "")

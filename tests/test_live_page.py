@@ -321,6 +321,7 @@ def test_improvement_is_stopped(improving: Visit) -> None:
 # Kept designs, texts, address ---------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 def test_kept_designs_are_compared_and_recalled(live: Visit, motion: Any) -> None:
     change(live, l1=0.35, l2=1.1)
     live.page.click("#keep")
@@ -491,6 +492,7 @@ def test_sliders_by_keyboard(live: Visit) -> None:
     assert not live.js("dalembert.player.playing")
 
 
+@pytest.mark.thorough
 def test_typed_values(live: Visit) -> None:
     entry, status = "[aria-label='Value of l2 in mm']", live.page.locator(".live-status").first
     for text, value in {"1100": 1.1, "1200 mm": 1.2, "1,25e3": 1.25, " 900mm ": 0.9}.items():

@@ -53,6 +53,7 @@ def test_conserved_energy_is_not_accuracy(pictures: Path) -> None:
     assert printed["energy (a) RK-Gill, 0.1 s"] > 1e-5
 
 
+@pytest.mark.thorough
 def test_partition_is_regular_in_every_position(pictures: Path) -> None:
     """|det W| = √(l2² − (b + l3 sin φ3 − l1)²) for u = θ3 (Example 6.2), zero for the others."""
     printed = numbers("partition_conditioning", pictures)
@@ -64,6 +65,7 @@ def test_partition_is_regular_in_every_position(pictures: Path) -> None:
     assert printed["velocity violation [m/s]"] < 1e-12
 
 
+@pytest.mark.thorough
 def test_four_bars_pass_where_they_are_flat(pictures: Path) -> None:
     printed = numbers("flat_four_bars", pictures)  # IFToMM A02
     place = (

@@ -50,7 +50,7 @@ def test_shapes_are_those_of_the_modes() -> None:
         np.testing.assert_allclose(imag, modes.shapes.imag[3 * k : 3 * k + 3], atol=1e-9)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("build", [carts, double_pendulum, suspended_body])
 def test_the_largest_movement_is_a_tenth_of_the_mechanism(build: Any, show: Any) -> None:
     modes = da.linearize(build())

@@ -87,6 +87,7 @@ def test_points_that_are_one_share_a_chip(show: Any) -> None:
     assert page.page.locator(".trace").all_inner_texts() == ["p0 = p1"]
 
 
+@pytest.mark.thorough
 def test_time_is_zoomed_in_all_plots(show: Any) -> None:
     page = show(four_bar())
     assert page.js("dalembert.board.span") == pytest.approx([0, 0.8])

@@ -38,6 +38,7 @@ std = 1e4
 """
 
 
+@pytest.mark.thorough
 def test_an_optimum_with_a_reliability(tmp_path, capsys):
     """``A = exp(μ + βσ)/s``, and twice as far with ``--beta 6``."""
     path, out = written(tmp_path, ROD + RELIABLE), tmp_path / "o"

@@ -127,6 +127,7 @@ def test_plays_by_itself_where_motion_is_welcome(show: Any) -> None:
     page.until("dalembert.player.time > 0.01")
 
 
+@pytest.mark.thorough
 def test_scrubber_keys_and_seek_set_the_time(show: Any) -> None:
     payload = four_bar(frames=81, duration=8.0)
     page = show(payload)
@@ -292,7 +293,7 @@ def test_theme_button(show: Any) -> None:
     assert page.picture("#scene") != before
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("frames", [0, 1, 2])
 @pytest.mark.parametrize("scene", [{}, {"bodies": []}, {"bodies": [{"name": "only"}]}])
 def test_nearly_empty_payloads(show: Any, frames: int, scene: dict[str, Any]) -> None:

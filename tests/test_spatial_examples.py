@@ -55,6 +55,7 @@ def test_driveline_has_the_speeds_of_cardan_joints(pictures: Path) -> None:
     np.testing.assert_allclose(run["motor.effort"], torque, atol=1e-9)
 
 
+@pytest.mark.thorough
 def test_disc_rolls_in_its_steady_circle(pictures: Path) -> None:
     """``(Ia + m r²) ω Ω sin θ = (It Ω² sin θ − m g r) cos θ``."""
     tilt, turn, r = 1.2, 1.5, 0.3
@@ -72,6 +73,7 @@ def test_disc_rolls_in_its_steady_circle(pictures: Path) -> None:
     assert printed["slip [m/s], reeling"] < 1e-12
 
 
+@pytest.mark.thorough
 def test_bricard_moves_as_published(pictures: Path) -> None:
     printed = numbers("bricard", pictures)
     assert printed["degrees of freedom"] == 1
@@ -92,6 +94,7 @@ def test_gyroscope_precesses(pictures: Path) -> None:
     assert printed["axis drops by [m], let go at rest"] == pytest.approx(drop, rel=1e-2)
 
 
+@pytest.mark.thorough
 def test_stewart_platform_carries_what_newton_and_euler_ask(pictures: Path) -> None:
     """Forces of the legs by the motion wanted, differentiated by central differences."""
     from scipy.spatial.transform import Rotation

@@ -139,6 +139,7 @@ def test_solids_turn_and_plates_pan(show) -> None:
         assert page.js("dalembert.scene.view.fitted") is False
 
 
+@pytest.mark.thorough
 def test_motion_plays(show) -> None:
     page = show(motion())
     assert page.js("dalembert.motion.n") == 21

@@ -232,6 +232,7 @@ def test_a_redundant_constraint_is_freed(
     assert picture.facts["redundant"] == 0
 
 
+@pytest.mark.thorough
 def test_remedies_of_a_text_with_a_preview_are_at_their_places(tmp_path: Path) -> None:
     text = PARALLEL.replace("[bodies]", '[analysis]\ntype = "Kinematics"\nduration = 2\n[bodies]')
     preview = Preview()

@@ -65,6 +65,7 @@ def test_a_four_bar_is_drawn_moved_and_saved(desk: tuple[Desk, Studio], tmp_path
         assert visit.text == text
 
 
+@pytest.mark.thorough
 def test_plates_springs_forces_and_sliders(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     visit.draw("p", (0.2, 0.2), (0.6, 0.2), (0.6, 0.4), (0.2, 0.4), (0.2, 0.2))

@@ -81,6 +81,7 @@ def written(value: Any) -> str:
     return json.dumps(value)
 
 
+@pytest.mark.thorough
 @settings(max_examples=200, deadline=None)
 @given(st.dictionaries(KEYS, VALUES, min_size=1, max_size=4))
 def test_places_of_random_texts(table: dict[str, Any]) -> None:

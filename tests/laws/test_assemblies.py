@@ -76,6 +76,7 @@ def test_whole_turns_do_not_count_beside_a_body_in_space():
     assert len(da.solve_assembly(system.build(), all=True)) == 2
 
 
+@pytest.mark.thorough
 def test_parallel_hinges_of_a_link_are_not_turned_upside_down():
     """A rod on a ball and a link with parallel hinges: an open and a crossed four-bar."""
     system, axis = da.System("link"), (0, 0, 1)

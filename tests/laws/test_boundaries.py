@@ -178,7 +178,7 @@ def meeting_of(meetings: dict, i: str, j: str) -> Meeting:
     return meetings[i, j]
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(3)
 @pairs
 def test_smallest_gap_is_the_distance(meetings, i, j):
     """Between two sharp corners, a lower bound."""
@@ -227,7 +227,7 @@ def test_formulas_are_the_numbers_and_have_their_derivatives(meetings, i, j):
         formulas.check_slopes(y, gaps, rng)
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pairs
 def test_selected_gaps_are_those_of_the_search(meetings, i, j):
     meeting, nominal = meeting_of(meetings, i, j), meeting_of(meetings, i, j).model.nominal

@@ -165,7 +165,7 @@ def test_every_engine_is_certified():
             assert any(one == model and issubclass(cls, kind) for one, cls in analyses)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("name", "side"),
     crossed(

@@ -151,6 +151,7 @@ def test_polygons_that_cross_themselves_are_refused():
         system.build()
 
 
+@pytest.mark.thorough
 def test_polygons_may_have_corners_on_an_edge():
     """Rounding makes some of these corners a dent of 1e-17 m."""
     for angle in np.linspace(0.1, 3, 30):

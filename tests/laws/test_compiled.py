@@ -533,6 +533,7 @@ def test_without_llvm_jit_names_the_cure_and_auto_runs(no_llvm, monkeypatch):
     assert motion.statistics["backend"] == "VM (neither llvmlite nor a C compiler is installed)"
 
 
+@pytest.mark.thorough
 @needs_compiler
 def test_without_llvm_auto_takes_the_compiler(no_llvm):
     motion = run(four_bar(), "auto", step=0.5 / 200_000, outputs=[0.5])

@@ -184,7 +184,7 @@ def test_a_disc_slides_flat_on_an_inclined_plane():
     assert motion["d.vx"][-1] == pytest.approx(expected * np.cos(angle), abs=1e-9)
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("integrator", [da.AnticipatedImpacts(), da.MoreauJean()])
 @pytest.mark.parametrize("floor", ["plane", "box", "cylinder"])
 def test_a_disc_that_spins_on_its_end_is_braked_at_its_rim(floor, integrator):

@@ -282,6 +282,7 @@ def test_a_thrown_space_frame_keeps_its_momenta_and_its_energy():
     np.testing.assert_allclose(totals, np.tile(totals[0], (3, 1)), atol=1e-10)
 
 
+@pytest.mark.thorough
 def test_a_pinned_bar_turns_on_stretched_by_its_own_pull():
     """One element about a slanted axis past half a turn.
 

@@ -91,7 +91,7 @@ def growths(motion: da.Motion) -> np.ndarray:
     return np.where(grown > LEAST * moved, grown, 0.0)
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("scene", SCENES)
 @pytest.mark.parametrize("gravity", [0.0, G])

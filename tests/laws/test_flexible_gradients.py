@@ -59,7 +59,7 @@ def agree(result, responses, rtol: float = 1e-6) -> np.ndarray:
 TIP = [da.final("rod.tip.y"), da.integral("rod.tip.deflection.y"), da.final("rod.q1")]
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize(("dimension", "frame"), crossed([2, 3], ["mean", "root"]))
 def test_explicit_steps(dimension, frame):
     place = {"position": None} if frame == "mean" else {}

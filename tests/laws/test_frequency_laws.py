@@ -187,6 +187,7 @@ def test_gradients_at_an_equilibrium_that_moves(response) -> None:
     assert float(certificate.data["disagreement"].max()) <= 1e-9
 
 
+@pytest.mark.thorough
 def test_gradients_with_inputs_in_constraints() -> None:
     result = da.frequency_response(driven("driver"))
     for measure in ("drive.effort.road.amplitude", "turn.road.phase", "bar.ay.road.imag"):

@@ -128,6 +128,7 @@ def test_no_parameters():
         da.sensitivity(motion, da.final("p.x"))
 
 
+@pytest.mark.thorough
 def test_switches_between_independent_speeds():
     motion = four_bar(duration=1.5, formulation=da.VelocityPartitioning(limit=1.5))
     changes = motion.statistics["variant changes"]

@@ -96,6 +96,7 @@ def test_gradients_are_certified_by_differences():
     assert certify(motion, responses, list(range(len(PARAMETERS)))).passed
 
 
+@pytest.mark.thorough
 def test_switches_of_forces_and_contacts_go_together():
     """Drag by the square of speeds that jump, a stop beside the floor, friction on it."""
     system = da.System("both", gravity=(0, -9.81))

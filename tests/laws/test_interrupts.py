@@ -74,7 +74,7 @@ def test_another_exception_in_its_place_is_an_interrupt():
         raise NotImplementedError  # nothing was pressed
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", ["slsqp", "ipopt", "mma", "multistart"])
 def test_after_the_last_iteration_the_optimum_is_kept(method, monkeypatch):
     original = optimization.verified_optimum

@@ -224,6 +224,7 @@ def test_operators_of_the_tree(name, angles):
         np.testing.assert_allclose(one, other, atol=1e-12 * (1 + np.abs(other).max(initial=0)))
 
 
+@pytest.mark.thorough
 def test_cost_grows_with_the_number_of_bodies():
     """Operations of one acceleration of an open chain: linear, no quadratic part."""
     count = {}
@@ -482,7 +483,7 @@ def test_spanning_trees_of_random_graphs(seed):
         assert set(degree.values()) <= {0, 2}
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("forward", [True, False])
 def test_ball_joints_between_turned_frames(forward):
     """The start is the absolute one, also where the frames of a ball joint are turned."""

@@ -100,6 +100,7 @@ def test_starts_on_the_surface(options, speed):
     assert [i.time for i in motion.impacts] == ([0.0] if speed < 0 else [])
 
 
+@pytest.mark.thorough
 def test_a_box_settles_on_its_face():
     """Corners whose gaps are differences, where rounding ends the bounces before time does."""
     system = da.System("box", gravity=(0, -9.81))

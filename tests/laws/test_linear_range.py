@@ -152,6 +152,7 @@ def test_linear_structures():
     assert not quiet.warnings
 
 
+@pytest.mark.thorough
 def test_strains_of_beams():
     """Strains beyond those of a linear law, at the edge of a solid section."""
 

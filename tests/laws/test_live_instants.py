@@ -283,6 +283,7 @@ def test_modes_equal_those_of_python(build, equilibrium: bool, tmp_path: Path) -
     assert outcome.status["message"] == other.status.message
 
 
+@pytest.mark.thorough
 def test_energies_of_inverse_dynamics(tmp_path: Path) -> None:
     """Dissipated energy and input along the path, with the gradient of their sum."""
     model, values, step = slider_crank(), np.array(MODELS[slider_crank]), 1e-4

@@ -159,6 +159,7 @@ def test_responses_over_impacts_that_move(options):
         assert gradient.values[1] == pytest.approx([-np.sqrt(10 / (2 * 0.83)), 0], abs=1e-6)
 
 
+@pytest.mark.thorough
 def test_a_certificate_over_impacts():
     motion = da.solve_dynamics(bouncing_ball(), 0.6, step=0.013, backend="vm")
     gradient = da.sensitivity(motion, BOUNCES[3:5], ["height"], certificate=True)

@@ -152,6 +152,7 @@ def sliding(**values: float) -> da.Model:
     return system.build()
 
 
+@pytest.mark.thorough
 def test_all_parameters_of_anticipated_impacts():
     """``x = x₀ + v t − μ g t²/2``, ``y`` = floor + radius; differences of the run confirm it."""
     motion = run(sliding(), 0.2, 1e-2, integrator=da.AnticipatedImpacts())

@@ -304,6 +304,7 @@ def test_a_start_on_a_limit_that_is_zero():
         assert root.success and root.fun == pytest.approx(2 * math.sqrt(2), rel=1e-6)
 
 
+@pytest.mark.thorough
 def test_an_objective_without_gradient_is_told():
     """It does not depend on what varies, or changes in jumps; a start outside of bounds is told."""
     x = {"x": (0.52, 0.0, 1.0), "y": (0.5, 0.0, 1.0)}

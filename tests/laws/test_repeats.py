@@ -134,6 +134,7 @@ def test_code_does_not_grow_with_the_number_of_equal_mechanisms():
     assert many < 2 * few  # rows end where they end, which three times as many do alike
 
 
+@pytest.mark.thorough
 def test_lanes_go_the_same_way():
     function, x, q = step_of(four_bars(6), lanes=True)
     lanes, rng = 4, np.random.default_rng(4)

@@ -102,7 +102,7 @@ def plain_swing(name: str) -> da.Motion:
     return swing(Units(), STRATEGIES[name] if name in STRATEGIES else GAINS[name](Units()))
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("name", "units"), crossed([*STRATEGIES, *GAINS], OTHERS), ids=str)
 def test_dynamics(name, units):
     motion = swing(units, STRATEGIES[name] if name in STRATEGIES else GAINS[name](units))

@@ -89,7 +89,7 @@ REDUCTIONS = [
 ]
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("response", REDUCTIONS, ids=lambda r: r.label)
 def test_reductions(response):
     """Every reduction, on one run with outputs inside steps."""
@@ -194,6 +194,7 @@ def test_integrators(name, model):
     checked(motion, [da.final("b.angle"), da.mean("B.force_norm")])
 
 
+@pytest.mark.thorough
 def test_joint_coordinates():
     coordinates = da.JointCoordinates()
     motion = da.solve_dynamics(four_bar(False), 0.08, step=0.01, coordinates=coordinates)
@@ -210,6 +211,7 @@ def test_variants_that_change():
     checked(motion, [da.final("b.angle")], h=1e-4)
 
 
+@pytest.mark.thorough
 def test_few_states_kept():
     """A run that keeps few of its states has the same second derivatives."""
     options = {"step": 1 / 5000, "outputs": 5}

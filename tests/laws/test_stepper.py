@@ -221,6 +221,7 @@ def test_lanes_have_their_own_parameters():
         assert np.allclose(single, y[lane], rtol=0, atol=1e-12)
 
 
+@pytest.mark.thorough
 def test_samples_of_blocks_are_between_substeps():
     system = da.System("cart")
     cart = system.add(planar.Particle("cart", mass=2.0, position=(1.0, 0)))

@@ -113,6 +113,7 @@ def test_frequency_vanishes_at_the_load_factor(name):
     assert np.abs(modes.eigenvalues).min() < 1e-9 * largest
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("count", [4, 70])
 def test_floating_structures_have_rigid_modes(count):
     """Three of them, of the whole mass; the others keep their place."""
@@ -151,6 +152,7 @@ def test_displacements_without_mass_follow_the_others():
     np.testing.assert_allclose(modes.eigenvalues, expected, rtol=1e-8)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("vibrating", [True, False])
 def test_many_displacements_by_iteration(vibrating, monkeypatch):
     """The iteration finds what the whole decomposition finds."""

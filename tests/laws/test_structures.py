@@ -268,7 +268,7 @@ def test_masses(name):
             assert motion @ matrix @ motion == pytest.approx(whole, rel=1e-12)
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(3)
 @pytest.mark.parametrize(("name", "what"), crossed(CASES | HELD, MATRICES, 2))
 def test_derivatives_of_matrices(name, what):
     """``aᵀ 𝗠 b`` by direct and adjoint products and by differences."""

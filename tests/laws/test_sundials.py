@@ -111,7 +111,7 @@ def test_gradients_are_right_to_about_the_tolerance(method):
         np.testing.assert_allclose(gradient, true, rtol=0, atol=1e-6 * np.abs(true).max())
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("method", [da.CVODES, da.IDA])
 def test_outputs_cost_no_accuracy(method):
     """A thousand intervals: starting anew in each made 1e-5 of the run and its gradients."""

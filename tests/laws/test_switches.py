@@ -187,6 +187,7 @@ def test_notes_of_gradients_over_switches():
         assert "switch" not in messages and "independent speeds" not in messages
 
 
+@pytest.mark.thorough
 def test_integrals_of_what_is_continuous_over_switches():
     """The integral of a speed is the way, and so are their derivatives."""
     for method in INTEGRATORS:

@@ -148,6 +148,7 @@ def test_progress_covers_the_selection_of_starts():
     assert fractions == [0.25, 0.5, 0.75, 1.0]
 
 
+@pytest.mark.thorough
 def test_a_failed_search_counts_the_starts_that_it_compared():
     target = da.Target.path([(0, 0), (1, 0.2), (2, 0), (3, 1)])
     with pytest.raises(da.AnalysisError, match="none of 12 starts converges to a FourBar within"):

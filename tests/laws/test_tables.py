@@ -159,6 +159,7 @@ def test_many_rows_cost_a_formula_no_more_than_few():
     assert operations(17) < 90 and operations(1000) < 90
 
 
+@pytest.mark.thorough
 def test_look_ups_among_many_operations_are_compiled():
     """In text of several pieces, for numbers and for lanes."""
     x = np.linspace(0, 1, 50)

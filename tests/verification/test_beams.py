@@ -118,6 +118,7 @@ def test_large_deflection_under_a_force():
     assert errors[-1] < 2e-5
 
 
+@pytest.mark.thorough
 def test_gradients_at_large_deflection():
     """Adjoint, direct and differences through the nonlinear equilibrium."""
     structure = da.Structure("bent")

@@ -135,6 +135,7 @@ def test_three_inputs_that_contradict_each_other() -> None:
     assert rms**2 == pytest.approx(9 / (4 * 1.0 * 10.0), rel=1e-10)  # of thrice the force
 
 
+@pytest.mark.thorough
 def test_files_have_cross_densities(tmp_path, capsys) -> None:
     text = """
 format = 1

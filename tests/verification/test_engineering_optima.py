@@ -155,6 +155,7 @@ def test_gear_train(method):
     assert best.runs <= 3
 
 
+@pytest.mark.thorough
 def test_a_train_with_too_many_designs_is_not_called_proved():
     """Larger wheels leave 10⁹ trains: the search stops early, and says that nothing is proved."""
     variables = {f"x{k}": (30, 12, 200) for k in range(1, 5)}

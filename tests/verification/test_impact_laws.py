@@ -298,7 +298,7 @@ def rods(laws: dict[str, str], together: bool) -> da.Model:
     return system.build()
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("together", [True, False], ids=["pairs", "elements"])
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_each_pair_or_element_has_its_law(together, scheme):

@@ -44,7 +44,7 @@ def test_falls_of_two_steps_do_not_depend_on_rounding(compiled, monkeypatch):
             assert risen == rebounds, (k, gravity, step)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @COMPILED
 @pytest.mark.parametrize("restitution", [0.0, 0.7])
 def test_a_ball_at_rest_carries_its_weight_in_every_step(restitution, compiled, monkeypatch):
@@ -111,6 +111,7 @@ def test_impacts_of_a_contact_with_restitution_have_the_levers_of_the_surfaces()
     assert motion["ball.angular_velocity"][-1].item() == pytest.approx(-1 / 1.4 / R, rel=1e-8)
 
 
+@pytest.mark.few(1)
 @COMPILED
 def test_rebounds_do_not_depend_on_forces_on_other_bodies(compiled, monkeypatch):
     """Beside a ball that a stiff spring presses on the floor by 900 g."""

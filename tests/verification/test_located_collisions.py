@@ -197,6 +197,7 @@ def test_pairs_without_contact_are_refused():
         da.solve_dynamics(system.build(), 1.0, step=0.02)
 
 
+@pytest.mark.thorough
 def test_many_pairs_are_refused():
     system = da.System("sand")
     balls = [planar.Particle(f"b{k}", mass=1.0, position=(k, 0)) for k in range(30)]

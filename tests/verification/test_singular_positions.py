@@ -19,7 +19,7 @@ G = 9.81
 EVERY = da.AugmentedLagrangian()
 
 
-@pytest.mark.few(1)
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "integrator",
     [da.DormandPrince853(1e-11, 1e-11), da.DormandPrince(1e-9, 1e-9)],
@@ -117,6 +117,7 @@ def test_a_step_too_long_is_not_called_singular():
     assert "AugmentedLagrangian" not in motion.status.message
 
 
+@pytest.mark.thorough
 def test_simple_pendulum_over_2000_seconds():
     """Positions within 1e-3 at 4000 outputs, the benchmark's high accuracy; here 1e-5."""
     system = da.System("pendulum", gravity=(0.0, -G))

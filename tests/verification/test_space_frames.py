@@ -80,6 +80,7 @@ def test_rotation_vectors():
     np.testing.assert_allclose(third, -np.cross(np.eye(3), axis), atol=1e-14)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("shear", [False, True])
 def test_stiffness_matrix_of_the_textbooks(shear):
     start, end = np.array([0.1, 0.2, 0.3]), np.array([1.0, 1.5, 0.9])

@@ -138,6 +138,7 @@ def test_stick_slip_oscillator(scheme):
     assert errors[1] < 0.3 * errors[0]  # first order
 
 
+@pytest.mark.thorough
 def test_gradients_before_break_away():
     angle, scheme = np.arctan(0.9 * STATIC), da.MoreauJean()
     motion = da.solve_nonsmooth(block(angle, "Circle", 0.2), 0.1, step=1e-3, integrator=scheme)
