@@ -12,16 +12,16 @@ from dalembert import planar
 from dalembert.sensitivity.nonsmooth import contact_steps
 
 
-def pyramid(rows: int) -> da.Model:
-    """Discs with a force law that fall onto each other as a pyramid."""
+def pyramid() -> da.Model:
+    """Six discs with a force law that fall onto each other as a pyramid."""
     system = da.System("pyramid", gravity=(0.0, -9.81))
     stiffness, push = system.parameter("stiffness", 1e5), system.parameter("push", 0.0)
     friction, size = system.parameter("friction", 0.3), 0.1
     shapes = [planar.contact.HalfPlane(system.ground)]
-    for row in range(rows):
-        for k in range(rows - row):
+    for row in range(3):
+        for k in range(3 - row):
             x, y = 1.02 * size * (2 * k + row), size * (1 + 3**0.5 * row) + 2e-3 * (row + 1)
-            start = {"position": (x, y), "velocity": (push if row == rows - 1 else 0.0, 0.0)}
+            start = {"position": (x, y), "velocity": (push if row == 2 else 0.0, 0.0)}
             disc = system.add(planar.Body(f"disc{row}{k}", mass=1.0, inertia=0.005, **start))
             shapes.append(planar.contact.Circle(disc, size))
     law = planar.contact.HuntCrossley(stiffness=stiffness, damping=0.3)
@@ -29,13 +29,11 @@ def pyramid(rows: int) -> da.Model:
     return system.build()
 
 
-@pytest.mark.parametrize("rows", [2, pytest.param(3, marks=pytest.mark.thorough)])
-def test_pyramid_of_compliant_discs(rows):
+@pytest.mark.thorough
+def test_pyramid_of_compliant_discs():
     """Steps that are repeated with means over their path for one gap after the other."""
-    motion = da.solve_nonsmooth(pyramid(rows), 0.07, step=1e-3)
-    top = f"disc{rows - 1}0"
-    names = f"{top}.y", "disc00.x", f"disc{rows - 2}0.y", f"{top}.x"
-    responses = [da.final(name) for name in names]
+    motion = da.solve_nonsmooth(pyramid(), 0.07, step=1e-3)
+    responses = [da.final(name) for name in ("disc20.y", "disc00.x", "disc10.y", "disc20.x")]
     gradient = da.sensitivity(motion, responses, method="direct").values
     adjoint = da.sensitivity(motion, responses, method="adjoint").values
     scales = abs(gradient).max(axis=0)
