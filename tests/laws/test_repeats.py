@@ -150,10 +150,11 @@ def test_lanes_go_the_same_way():
 
 
 @pytest.mark.few(1)
+@pytest.mark.parametrize("count", [2, pytest.param(4, marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("method", ["direct", "adjoint"])
-def test_gradients_go_the_same_way(method, monkeypatch):
+def test_gradients_go_the_same_way(method, count, monkeypatch):
     monkeypatch.setitem(backends.BACKENDS, "jit", lambda: backends.Compiled(REPEATING))
-    model = four_bars(2)
+    model = four_bars(count)
     gradients = []
     for backend in ("vm", "jit"):
         motion = da.solve_dynamics(model, 0.2, step=1e-3, outputs=[0.2], backend=backend)
