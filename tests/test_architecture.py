@@ -129,8 +129,9 @@ def test_public_names():
     """Each is there whatever was imported before, and packages do not hide functions."""
     optimization = "dalembert.design.optimize.optimization"
     for before in ("dalembert", "dalembert.sensitivity.gradient", optimization):
-        code = f"import dalembert, {before}; print(callable(dalembert.sensitivity))"
-        assert run(code) == "True", before
-    code = "import dalembert as da; print(set(da.__all__) - set(dir(da)), da.structures.__name__)"
-    assert run(code) == "set() dalembert.structures"
+        code = (
+            f"import dalembert as da, {before}; print(callable(da.sensitivity), "
+            "set(da.__all__) - set(dir(da)), da.structures.__name__)"
+        )
+        assert run(code) == "True set() dalembert.structures", before
     assert not hasattr(__import__("dalembert"), "no_such_name")

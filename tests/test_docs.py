@@ -79,7 +79,10 @@ def prose(page: Path) -> str:
 
 
 LONG = {
-    "python": ["extending.md", "gradients.md", "nonsmooth.md", "synthesis.md", "trajectories.md"],
+    "python": [
+        *("extending.md", "flexible.md", "fmu.md", "gradients.md", "nonsmooth.md"),
+        *("structures.md", "synthesis.md", "trajectories.md"),
+    ],
     "sh": ["live.md", "pages.md"],
 }
 """Pages by the language of blocks that take more than one and a half seconds."""

@@ -71,7 +71,7 @@ def test_file_and_script_are_the_same_structure(name: str) -> None:
     np.testing.assert_allclose(again.displacements, motion(name).displacements, atol=1e-12)
 
 
-LONG = ("compass_biped", "friction_gripper", "tippe_top")
+LONG = ("compass_biped", "friction_gripper", "path_optimization", "tippe_top")
 """Files whose runs of one gradient or optimum take several seconds."""
 
 

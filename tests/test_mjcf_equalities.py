@@ -106,7 +106,7 @@ class Exact:
         return self.body_jacobian(k) @ self.accelerations() + rate @ self.d.qvel
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", EQUALITIES)
 def test_accelerations_are_exact(name, tmp_path):
     """Bodies in loops and behind them, in motion, to the accuracy of the differences."""

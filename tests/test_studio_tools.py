@@ -232,6 +232,7 @@ def test_redundant_joints_are_named(desk: tuple[Desk, Studio]) -> None:
     assert "follows from" in visit.js("studio.drawing.status")
 
 
+@pytest.mark.thorough
 def test_numbers_are_typed_while_drawing(desk: tuple[Desk, Studio]) -> None:
     visit, _ = desk
     cases = {

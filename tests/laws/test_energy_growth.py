@@ -140,6 +140,7 @@ def test_energy_of_corrections_of_positions(scene):
     assert stated
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("scene", sampled(SCENES, 2))
 def test_energy_given_by_inexact_impulses(scene):
     """Elastic impacts without friction give none with the default tolerance."""

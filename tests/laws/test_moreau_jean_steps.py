@@ -98,7 +98,7 @@ def test_steps_in_machine_code_are_the_general_steps(scene, seed, scheme, genera
 HULLS = [(scene, seed) for scene in (planar_hulls, spatial_hulls) for seed in range(2)]
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("scene", "seed", "scheme"), crossed(HULLS, SCHEMES))
 def test_steps_of_hulls_are_the_general_steps(scene, seed, scheme, general, monkeypatch):
     """Impulses at several points of a face are not unique, but the speeds they cause are."""
@@ -124,6 +124,7 @@ def heap() -> da.Model:
     return system.build()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", SCHEMES[:1])
 def test_every_step_of_a_heap_is_the_general_step_from_its_start(scheme, general):
     """Whatever the motion amplifies: contacts that a correction would open act one after the other,

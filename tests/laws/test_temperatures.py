@@ -107,7 +107,7 @@ def test_gradients_under_heat(name, d, analysis):
 
 
 @pytest.mark.parametrize(
-    "name", sampled(["Frame", "Truss", "SpaceFrame", "Quadrilateral", "Hexahedron"], 5)
+    "name", sampled(["Truss", "Frame", "SpaceFrame", "Quadrilateral", "Hexahedron"], 5)
 )
 def test_vibration_and_buckling_under_heat(name):
     """Frequencies and load factors follow the stress of hindered expansion."""
