@@ -33,7 +33,6 @@ def joined(visit: Desk) -> None:
     visit.until("studio.isAnswered && !studio.commands.waiting.length", WAIT)
 
 
-@pytest.mark.thorough
 def test_what_is_drawn_without_a_connection_comes_after_it(desk: tuple[Desk, Studio]) -> None:
     """A bar, another change, an undo and a save, in this order."""
     visit, studio = desk

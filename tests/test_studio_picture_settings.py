@@ -45,7 +45,6 @@ def set_value(desk: Desk, identifier: str, value: str) -> None:
     )
 
 
-@pytest.mark.thorough
 def test_parts_and_speed_of_a_mechanism(browser: Any, studio_server: Studio) -> None:
     reset(studio_server, path=str(EXAMPLES / "four_bar.toml"))
     with opened(browser, studio_server) as desk:
