@@ -99,10 +99,11 @@ def test_discs_at_rest_in_a_heap():
         assert (abs(np.diff(rolled[last])) <= bound + 1e-12).all()
 
 
+@pytest.mark.thorough
 def test_contacts_of_repeated_steps(monkeypatch):
     """Gradients of steps with means over their paths use the recorded contacts, even where the
     repeated solution lacks one that presses by rounding."""
-    motion = da.solve_nonsmooth(heap(), 0.5, step=2e-3)
+    motion = da.solve_nonsmooth(heap(), 0.3, step=2e-3)
     gradient = da.sensitivity(motion, da.final("disc19.x")).values
     advance, lacking = contact_steps.advance, []
 
@@ -116,7 +117,7 @@ def test_contacts_of_repeated_steps(monkeypatch):
         return result
 
     monkeypatch.setattr(contact_steps, "advance", without_one)
-    motion = da.solve_nonsmooth(heap(), 0.5, step=2e-3)
+    motion = da.solve_nonsmooth(heap(), 0.3, step=2e-3)
     values = da.sensitivity(motion, da.final("disc19.x")).values
     assert lacking
     np.testing.assert_allclose(values, gradient, rtol=1e-7)
