@@ -10,7 +10,7 @@ from dalembert import planar
 from dalembert.model.graph.absolute import absolute_equations
 from dalembert.model.graph.assembly.guesses import Guesses
 from dalembert.model.graph.description import Description
-from dalembert.model.graph.natural_units import scales_of
+from dalembert.model.graph.natural_units import body_sizes, scales_of
 
 SIZES = [1.0, 1e-9, 2.0**-40, 1e9, 3.7]
 
@@ -166,3 +166,18 @@ def test_nothing_that_tells_gives_one():
     system.add(planar.Particle("p"))
     scales = system.build().scales
     assert (scales.length, scales.mass, scales.time, scales.force) == (1.0, 1.0, 1.0, 1.0)
+
+
+@pytest.mark.parametrize("factor", [1e-9, 1.0, 1e9])
+def test_size_of_a_beam_is_that_of_its_chords(factor):
+    """It has the unit of length of the model."""
+    system = da.System("strip on the floor")
+    properties = {"axial_rigidity": 1e3, "shear_rigidity": 1e3, "bending_rigidity": 1.0}
+    properties |= {"mass_per_length": 1.0, "elements": 4}
+    strip = planar.Beam("strip", length=2 * factor, position=(0, factor), angle=0, **properties)
+    line = planar.contact.BeamLine(system.add(strip), radius=0.01 * factor)
+    shapes = [line, planar.contact.HalfPlane(system.ground)]
+    system.add(planar.Collisions("floor", shapes))
+    parts = Description(system)
+    sizes = body_sizes(parts, absolute_equations(parts), np.zeros(0))
+    np.testing.assert_allclose(np.array(list(sizes.values())) / factor, np.full(13, 1 / 6))

@@ -12,6 +12,8 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
+from dalembert.elements.contact.beam_line import BeamLine
+from dalembert.elements.contact.beam_surface import BeamSurface
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact import ShapeContact
 from dalembert.elements.contact.shapes import Shape
@@ -106,7 +108,10 @@ def _formulas(shape: Shape, parameters: set[str]) -> list[ca.SX]:
 
 
 def _corners(shape: Shape) -> list[ca.SX]:
-    """Corners of the solids of a shape; none of a beam without thickness, which has no solids."""
+    """Corners of the solids of a shape, or ends of a chord of a beam along it; none of a shape
+    without solids."""
+    if isinstance(shape, (BeamLine, BeamSurface)):
+        return [ca.SX.zeros(1), shape.beam.length.sx / (shape.beam.count - 1)]
     try:
         return [corner for solid in shape.solids() for corner in solid.hull.corners]
     except ModelError:
