@@ -7,30 +7,12 @@ import re
 
 import numpy as np
 import pytest
+from involute_gears import gear_corners
 
 import dalembert as da
 from dalembert import planar
 
 TEETH, MODULE, PRESSURE, CLEARANCE, SPEED = (20, 30), 4e-3, math.radians(20), 2e-4, 10.0
-
-
-def involute(angle: float) -> float:
-    return math.tan(angle) - angle
-
-
-def wheel(teeth: int, chords: int) -> list[tuple[float, float]]:
-    """Corners of an involute gear; a tooth is on the x axis."""
-    radius = MODULE * teeth / 2
-    base, root = radius * math.cos(PRESSURE), radius - 1.25 * MODULE
-    half = math.pi / (2 * teeth) - CLEARANCE / (4 * radius) + involute(PRESSURE)
-    radii = np.linspace(base * 1.000001, radius + MODULE, chords + 1)
-    flank = [(r, half - involute(math.acos(base / r))) for r in radii]
-    flank = [(root, flank[0][1]), *flank]
-    polar = []
-    for k in range(teeth):
-        middle = 2 * math.pi * k / teeth
-        polar += [(r, middle - a) for r, a in flank] + [(r, middle + a) for r, a in flank[::-1]]
-    return [(r * math.cos(a), r * math.sin(a)) for r, a in polar]
 
 
 def pair(inertia: float) -> da.Model:
@@ -49,7 +31,7 @@ def pair(inertia: float) -> da.Model:
     system.add(planar.RotationalDriver("motor", system.ground, wheels[0], SPEED * da.t))
     system.add(planar.Torque("load", wheels[1], 5.0))
     outlines = [
-        planar.contact.Outline(body, wheel(teeth, 6))
+        planar.contact.Outline(body, gear_corners(teeth, 6, MODULE, PRESSURE, CLEARANCE))
         for body, teeth in zip(wheels, TEETH, strict=True)
     ]
     system.add(planar.Collisions("teeth", outlines))

@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 import pytest
+from involute_gears import gear_corners
 from thorough import sampled
 
 import dalembert as da
@@ -15,24 +16,6 @@ from dalembert import planar
 
 TEETH, MODULE, PRESSURE, CLEARANCE = 18, 4e-3, math.radians(20), 2e-4
 RADIUS, SPEED, LOAD = MODULE * TEETH / 2, 8.0, 20.0
-
-
-def involute(angle: float) -> float:
-    return math.tan(angle) - angle
-
-
-def pinion(chords: int) -> list[tuple[float, float]]:
-    """Anticlockwise; a tooth is on the x axis."""
-    base, root = RADIUS * math.cos(PRESSURE), RADIUS - 1.25 * MODULE
-    half = math.pi / (2 * TEETH) - CLEARANCE / (4 * RADIUS) + involute(PRESSURE)
-    radii = np.linspace(base * 1.000001, RADIUS + MODULE, chords + 1)
-    flank = [(r, half - involute(math.acos(base / r))) for r in radii]
-    flank = [(root, flank[0][1]), *flank]
-    polar = []
-    for k in range(TEETH):
-        middle = 2 * math.pi * k / TEETH
-        polar += [(r, middle - a) for r, a in flank] + [(r, middle + a) for r, a in flank[::-1]]
-    return [(r * math.cos(a), r * math.sin(a)) for r, a in polar]
 
 
 def rack(teeth: int) -> list[tuple[float, float]]:
@@ -64,7 +47,8 @@ def test_rack_and_pinion(integrator):
     rail = system.ground.point(0, -RADIUS)
     system.add(planar.Prismatic("guide", rail, bar.center, axis=(1, 0)))
     system.add(planar.Force("load", bar, (-LOAD, 0)))
-    outlines = [planar.contact.Outline(wheel, pinion(5)), planar.contact.Outline(bar, rack(7))]
+    pinion = gear_corners(TEETH, 5, MODULE, PRESSURE, CLEARANCE)
+    outlines = [planar.contact.Outline(wheel, pinion), planar.contact.Outline(bar, rack(7))]
     system.add(planar.Collisions("teeth", outlines, friction=0.1))
     motion = da.solve_nonsmooth(system.build(), 0.08, step=5e-4, integrator=integrator)
     assert motion.status.success
@@ -96,7 +80,8 @@ def test_a_torque_accelerates_a_rack_from_rest(integrator, step: float):
     rail = system.ground.point(0, -RADIUS)
     system.add(planar.Prismatic("guide", rail, system.add(bar).center, axis=(1, 0)))
     system.add(planar.Force("load", bar, (-LOAD, 0)))
-    outlines = [planar.contact.Outline(wheel, pinion(3)), planar.contact.Outline(bar, rack(7))]
+    pinion = gear_corners(TEETH, 3, MODULE, PRESSURE, CLEARANCE)
+    outlines = [planar.contact.Outline(wheel, pinion), planar.contact.Outline(bar, rack(7))]
     system.add(planar.Collisions("teeth", outlines))
     motion = da.solve_nonsmooth(system.build(), 0.03, step=step, integrator=integrator)
     acceleration = (torque / RADIUS - LOAD) / (1.0 + inertia / RADIUS**2)

@@ -166,8 +166,8 @@ class NonsmoothMotion(Motion):
         first, last = float(self.time[0]), float(self.time[-1])
         slack = 1e-9 * (last - first)
         if not is_number(time) or not first - slack <= time <= last + slack:
-            given = f"{time:g} s" if is_number(time) else repr(time)
-            raise AnalysisError(f"time is {given}; give a number from {first:g} to {last:g} s")
+            text = f"{time:g} s" if is_number(time) else repr(time)
+            raise AnalysisError(f"time is {text}; give a number from {first:g} to {last:g} s")
         return self.drawn_contacts(int(np.argmin(np.abs(self.time - time))))
 
     def drawn_contacts(self, row: int) -> ContactForces:

@@ -60,11 +60,11 @@ def interruptions(step: ContactStep, record: ContactRecord) -> list[tuple[list[s
         for body in (i, j):
             touched.setdefault(body, set()).add(k)
     h = np.diff(record.t)
-    found = []
+    interrupted = []
     for bodies, own in steps.items():
         moving = [body for body in bodies if body not in ("", "ground")]
         for k in sorted(k + 1 for k in own if {k - 1, k + 2} <= own and k + 1 not in own):
             alike = np.ptp(h[k - 1 : k + 2]) < ALIKE * h[k]
             if alike and not any(k in touched[body] for body in moving):
-                found.append((moving, k))
-    return found
+                interrupted.append((moving, k))
+    return interrupted

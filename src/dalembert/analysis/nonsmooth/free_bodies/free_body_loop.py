@@ -159,9 +159,8 @@ class FreeBodyLoop(ABC):
         uncorrected : (CHUNK, n_y) positions before their corrections; by default the same
         """
         steps = self._steps
-        count = min(
-            end - begin, int(steps.counts[Counts.RECORDED_STEPS])
-        )  # a repetition may be interrupted
+        recorded = int(steps.counts[Counts.RECORDED_STEPS])
+        count = min(end - begin, recorded)  # a repetition may be interrupted
         if count <= 0:
             return begin
         end = begin + count
@@ -176,7 +175,7 @@ class FreeBodyLoop(ABC):
         contacts = part.key.size
         own = slice(contacts - int(part.count[-1]), contacts)
         self._last = LastImpulses((part.key[own], part.impulse[own]), part.key[:0])
-        rest = int(steps.counts[Counts.RECORDED_STEPS]) - count
+        rest = recorded - count
         for states in (self._ys, self._vs, *([] if uncorrected is None else [uncorrected])):
             states[:rest] = states[count:][:rest]
         steps.forget(count, contacts)
