@@ -20,15 +20,20 @@ WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN = 1e-3, 4.0, 0.3, 1.0, 1e-11
 """Proximal weight: initial value, factors after failure and success, upper and lower limit [-]."""
 LAST_DECREASE, LAST_STEPS = 0.8, 8
 """Factor of the weight after success, and upper limit of Newton's steps, of the last problems."""
-RESIDUAL_SHARE, TOLERANCE_SHARE = 0.1, 0.3
+RESIDUAL_SHARE, TOLERANCE_SHARE = 0.3, 0.3
 """Tolerance of a proximal problem relative to the residual and to the tolerance of the original
 problem; the larger one counts [-]."""
 FEW_PROXIMAL, MANY_PROXIMAL = 8, 200
 """Upper limits of the proximal problems before interior points or sweeps, and after interior
 points."""
-NEWTON_STEPS, INTERIOR_POINTS, POLISHING, SHORT_STEPS = 15, 45, 6, 5
-"""Upper limits of Newton's steps, of interior points, of Newton's steps from one of these, and of
-consecutive short steps of interior points."""
+FIRST_STEPS, NEWTON_STEPS, INTERIOR_POINTS, POLISHING, SHORT_STEPS = 5, 15, 45, 6, 5
+"""Upper limits of Newton's steps until redundant contacts continue with proximal problems, of
+Newton's steps, of interior points, of Newton's steps from one of these, and of consecutive short
+steps of interior points."""
+REDUNDANT, REDUNDANT_STEPS, REDUNDANT_PROBLEMS, FAILURES = 1.2, 40, 16, 3
+"""Number of pressing contacts of a pair, as the mean of all pairs, above which contacts are
+redundant, as those of boxes are; upper limits of Newton's steps on their proximal problems, of
+these problems, and of failures, before interior points, which rarely solve them."""
 INTERIOR_STARTS, TO_BOUNDARY, SHORT = (0.1, 1.0), 0.995, 1e-2
 """Distances of the first interior points from the boundary relative to the largest speed, share of
 a step to the boundary, and share of a short step [-]."""
@@ -57,5 +62,10 @@ SOLUTION_SHARES = {
     Shares.NEWTON_SHARE: NEWTON_SHARE,
     Shares.LAST_DECREASE: LAST_DECREASE,
     Shares.LAST_ITERATIONS: LAST_STEPS,
+    Shares.FIRST_ITERATIONS: FIRST_STEPS,
+    Shares.REDUNDANT: REDUNDANT,
+    Shares.REDUNDANT_ITERATIONS: REDUNDANT_STEPS,
+    Shares.REDUNDANT_PROBLEMS: REDUNDANT_PROBLEMS,
+    Shares.FAILURES: FAILURES,
 }
 """Parameters of the machine code."""

@@ -51,18 +51,23 @@ class Shares(Places):
     NEWTON_SHARE = 16  # tolerance of Newton's method relative to that of the problem
     LAST_DECREASE = 17  # as DECREASE, of the last proximal problems
     LAST_ITERATIONS = 18  # of Newton's method in these
-    REACH = 19  # of contacts, by the distance at the largest speed
-    CLOSING = 20  # of a gap by gradual approach
-    SLOW = 21  # speed of an impact by the change of speed by forces
-    ROUNDING = 22  # of the work of all contacts
-    JAMMED = 23  # residual of blocked contacts by the largest speed
-    SLOWEST = 24  # speed of an impact by the gap over the length of the step
-    TURNS = 25  # clearance of a gap by its turn
+    FIRST_ITERATIONS = 19  # of Newton's method on the problem itself
+    REDUNDANT = 20  # pressing contacts by their pairs of bodies above which they are redundant
+    REDUNDANT_ITERATIONS = 21  # of Newton's method in proximal problems of such contacts
+    REDUNDANT_PROBLEMS = 22  # proximal problems of such contacts before interior points
+    FAILURES = 23  # unsolved ones of these
+    REACH = 24  # of contacts, by the distance at the largest speed
+    CLOSING = 25  # of a gap by gradual approach
+    SLOW = 26  # speed of an impact by the change of speed by forces
+    ROUNDING = 27  # of the work of all contacts
+    JAMMED = 28  # residual of blocked contacts by the largest speed
+    SLOWEST = 29  # speed of an impact by the gap over the length of the step
+    TURNS = 30  # clearance of a gap by its turn
     CORNER_SLACK = (
-        26  # steps by which a corner may come later to the end of a face than to the face
+        31  # steps by which a corner may come later to the end of a face than to the face
     )
-    LATEST = 27  # steps within which a gap closes
-    AT_REST = 28  # closing of a gap that counts as rest, by the size of the face
+    LATEST = 32  # steps within which a gap closes
+    AT_REST = 33  # closing of a gap that counts as rest, by the size of the face
 
 
 class Sizes(Places):

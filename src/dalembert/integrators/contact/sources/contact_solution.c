@@ -116,14 +116,26 @@ static casadi_real casadi_centered(const casadi_real** arg, casadi_real** res, c
   res[STATUS][RESIDUAL] = least;
   return least;
 }
+/* whether contacts are redundant: many pairs of bodies press at several points */
+static int casadi_redundant(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
+  const int* block = (const int*) res[ENTRY_STARTS];
+  casadi_int i, pressing = 0, pairs = 0, last = -1;
+  for (i=0; i<iw[CONTACTS]; ++i) {
+    if (!(res[IMPULSE][i*iw[COMPONENTS]]>0)) continue;
+    if (last<0 || block[i]!=block[last]) ++pairs;
+    ++pressing;
+    last = i;
+  }
+  return pressing>arg[SHARES][REDUNDANT]*pairs;
+}
 /* at most a number of proximal problems from the impulses in res[IMPULSE]; their number, and the residual in
    status[RESIDUAL]. The best impulses are in res[IMPULSE]. Above the residual at which interior points end,
-   there are fewer problems, and none after one that Newton's method does not solve, unless few is that
-   number: then their weights fall more slowly, and Newton's method has fewer steps. Solutions of successive
-   problems often move in the same direction, by lengths that are inverse to the weights: Newton's method
-   begins where this leads to */
+   the problems end after a number of failures of Newton's method. The weights of the last problems, after
+   interior points, fall more slowly. Solutions of successive ones often move in the same direction, by
+   lengths that are inverse to the weights: Newton's method begins where this leads to */
 static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, casadi_int* iw,
-    casadi_real* w, casadi_real share, casadi_real scale, casadi_int most, casadi_int few) {
+    casadi_real* w, casadi_real share, casadi_real scale, casadi_int most, casadi_int few,
+    casadi_int failures) {
   casadi_real* velocity = (casadi_real*) arg[VELOCITY];
   casadi_real* shift = (casadi_real*) arg[SHIFT];
   casadi_real* impulse = res[IMPULSE];
@@ -131,11 +143,10 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
   casadi_real* center = original + iw[CONTACTS]*iw[COMPONENTS];
   casadi_real* best = center + iw[CONTACTS]*iw[COMPONENTS];
   casadi_real* move = best + iw[CONTACTS]*iw[COMPONENTS];
-  casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], steps = iw[MAX_ITERATIONS], rounds, r, solved = 1;
+  casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], rounds, r, solved = 1, last = few==most;
   casadi_real weight = arg[SHARES][WEIGHT], residual = res[STATUS][RESIDUAL], least = residual, tolerance,
     allowed;
   casadi_real ahead, moved = 0;
-  if (few==most) iw[MAX_ITERATIONS] = arg[SHARES][LAST_ITERATIONS];
   for (r=0; r<rows; ++r) {
     original[r] = velocity[r];
     center[r] = impulse[r];
@@ -145,8 +156,8 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
   for (rounds=0; rounds<most && residual<1e300; ++rounds) {
     allowed = share*casadi_size(arg, iw, best, scale);
     if (!(least>allowed)) break;
-    if (few<most && least>arg[SHARES][INTERIOR_END]*scale && (rounds>=few || !solved)) break;
-    ahead = few<most ? 0.0 : moved/weight;
+    if (!last && least>arg[SHARES][INTERIOR_END]*scale && (rounds>=few || failures<0)) break;
+    ahead = last ? moved/weight : 0.0;
     for (r=0; r<rows; ++r) {
       shift[r] = weight*arg[MOBILITY][r];
       velocity[r] = original[r] - shift[r]*center[r];
@@ -158,13 +169,14 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
     if (arg[SHARES][TOLERANCE_SHARE]*allowed>tolerance) tolerance = arg[SHARES][TOLERANCE_SHARE]*allowed;
     solved = casadi_newton(arg, res, iw, w, tolerance)<=tolerance;
     moved = solved ? weight : 0.0;
+    if (!solved) --failures;
     for (r=0; r<rows; ++r) {
       move[r] = impulse[r] - center[r];
       shift[r] = 0;
       velocity[r] = original[r];
     }
     weight = weight*(!solved ? arg[SHARES][INCREASE]
-      : (few<most || rounds<3 ? arg[SHARES][DECREASE] : arg[SHARES][LAST_DECREASE]));
+      : (last && rounds>2 ? arg[SHARES][LAST_DECREASE] : arg[SHARES][DECREASE]));
     if (weight>arg[SHARES][WEIGHT_MAX]) weight = arg[SHARES][WEIGHT_MAX];
     if (weight<arg[SHARES][WEIGHT_MIN]) weight = arg[SHARES][WEIGHT_MIN];
     casadi_mobilities(arg, res, iw);
@@ -180,7 +192,6 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
     }
   }
   for (r=0; r<rows; ++r) impulse[r] = best[r];
-  iw[MAX_ITERATIONS] = steps;
   res[STATUS][RESIDUAL] = least;
   return rounds;
 }
@@ -189,12 +200,31 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
 static casadi_int casadi_solution(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real tolerance, casadi_real scale) {
   casadi_real allowed = tolerance*casadi_size(arg, iw, res[IMPULSE], scale);
-  casadi_int rounds, most = 5*iw[FEW_PROXIMAL]<iw[MAX_PROXIMAL] ? 5*iw[FEW_PROXIMAL] : iw[MAX_PROXIMAL];
-  if (casadi_newton(arg, res, iw, w, arg[SHARES][NEWTON_SHARE]*allowed)
-      <=tolerance*casadi_size(arg, iw, res[IMPULSE], scale)) return 0;
-  rounds = casadi_proximal(arg, res, iw, w, tolerance, scale, most, iw[FEW_PROXIMAL]);
+  casadi_int rounds, steps = iw[MAX_ITERATIONS], most = iw[MAX_PROXIMAL], failures = 0,
+    few = iw[FEW_PROXIMAL];
+  if (arg[SHARES][FIRST_ITERATIONS]<steps) iw[MAX_ITERATIONS] = arg[SHARES][FIRST_ITERATIONS];
+  casadi_newton(arg, res, iw, w, arg[SHARES][NEWTON_SHARE]*allowed);
+  iw[MAX_ITERATIONS] = steps;
+  if (res[STATUS][RESIDUAL]<=tolerance*casadi_size(arg, iw, res[IMPULSE], scale)) return 0;
+  if (casadi_redundant(arg, res, iw)) {
+    iw[MAX_ITERATIONS] = arg[SHARES][REDUNDANT_ITERATIONS];
+    few = arg[SHARES][REDUNDANT_PROBLEMS];
+    failures = arg[SHARES][FAILURES];
+  } else if (arg[SHARES][FIRST_ITERATIONS]<steps) {
+    iw[MAX_ITERATIONS] = steps - arg[SHARES][FIRST_ITERATIONS];
+    casadi_newton(arg, res, iw, w, arg[SHARES][NEWTON_SHARE]*allowed);
+    iw[MAX_ITERATIONS] = steps;
+    if (res[STATUS][RESIDUAL]<=tolerance*casadi_size(arg, iw, res[IMPULSE], scale)) return 0;
+  }
+  if (5*iw[FEW_PROXIMAL]<most) most = 5*iw[FEW_PROXIMAL];
+  rounds = casadi_proximal(arg, res, iw, w, tolerance, scale, most, few, failures);
+  iw[MAX_ITERATIONS] = steps;
   allowed = tolerance*casadi_size(arg, iw, res[IMPULSE], scale);
   if (res[STATUS][RESIDUAL]<=allowed) return rounds;
   casadi_centered(arg, res, iw, w, allowed, scale);
-  return rounds + casadi_proximal(arg, res, iw, w, tolerance, scale, iw[MAX_PROXIMAL], iw[MAX_PROXIMAL]);
+  iw[MAX_ITERATIONS] = arg[SHARES][LAST_ITERATIONS];
+  rounds += casadi_proximal(arg, res, iw, w, tolerance, scale, iw[MAX_PROXIMAL], iw[MAX_PROXIMAL],
+    0);
+  iw[MAX_ITERATIONS] = steps;
+  return rounds;
 }
