@@ -68,6 +68,7 @@ class Shares(Places):
     )
     LATEST = 32  # steps within which a gap closes
     AT_REST = 33  # closing of a gap that counts as rest, by the size of the face
+    ROUGH = 34  # tolerance of impulses that determine which contacts press
 
 
 class Sizes(Places):

@@ -11,6 +11,10 @@ from dalembert.integrators.contact.schemes import CLOSING, ROUNDING
 from dalembert.integrators.contact.solution_settings import SOLUTION_SHARES
 from dalembert.integrators.contact.step_places import Shares
 
+ROUGH = 1e-3
+"""Tolerance of the impulses that determine which contacts press, relative to the largest speed of a
+contact: the conditions of these contacts differ, and solutions take fewer iterations than those
+with the tolerance of the step [-]."""
 STEP_SHARES = {
     **SOLUTION_SHARES,
     Shares.REACH: 2 * AHEAD,
@@ -23,5 +27,6 @@ STEP_SHARES = {
     Shares.CORNER_SLACK: corners_over_faces.SLACK,
     Shares.LATEST: corners_over_faces.LATEST,
     Shares.AT_REST: corners_over_faces.ROUNDING,
+    Shares.ROUGH: ROUGH,
 }
 """Parameters of the solution and of the steps."""

@@ -67,10 +67,29 @@ static void casadi_first_offsets(const casadi_real** arg, casadi_real** res,
     res[OFFSETS][r] = -margin;
   }
 }
+/* offsets of the contacts that rough impulses press; their largest change */
+static casadi_real casadi_pressed_offsets(const casadi_real** arg, casadi_real** res,
+    const casadi_int* iw, casadi_real forced, casadi_real least) {
+  const int* law = (const int*) arg[LAW_OF_PAIR];
+  const int* pair = (const int*) res[PAIRS];
+  casadi_int i, r;
+  casadi_real bounce, change, largest = 0;
+  for (i=0; i<iw[CONTACTS]; ++i) {
+    r = i*iw[COMPONENTS];
+    if (!(res[IMPULSE][r]*arg[MOBILITY][r]>least)) continue;
+    bounce = casadi_bounce(res[GAPS][i], res[VELOCITY_BEFORE][r], arg[LIMITS][LENGTH], arg[LIMITS][LONGEST],
+      arg[LAWS][law[pair[i]]*(2+iw[GROUPS])], forced, arg[SHARES][CLOSING], casadi_strikes(arg, res, iw, i));
+    change = bounce + res[OFFSETS][r];
+    if (!(change>0)) continue;
+    res[OFFSETS][r] = -bounce;
+    if (change>largest) largest = change;
+  }
+  return largest;
+}
 /* offsets for the computed impulses; whether they changed. Velocities without offsets are in
    res[VELOCITY] */
 static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
-    casadi_real forced) {
+    casadi_real forced, casadi_real fastest) {
   const casadi_real* before = res[VELOCITY_BEFORE];
   const casadi_real* after = res[VELOCITY];
   const casadi_real* impulse = res[IMPULSE];
@@ -79,12 +98,18 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
   casadi_real* offset = res[OFFSETS];
   casadi_real* changed = res[NEXT_OFFSETS];
   casadi_int i, a, r, width = iw[COMPONENTS], rows = iw[CONTACTS]*iw[COMPONENTS], differs = 0;
-  casadi_real bounce, total = 0, magnitude = 0, work;
+  casadi_real bounce, total = 0, magnitude = 0, inexact, share, work;
   int fast;
   for (r=0; r<rows; ++r) {
     changed[r] = offset[r];
     total += impulse[r]*(after[r] + before[r]);
     magnitude += fabs(impulse[r])*(fabs(after[r]) + fabs(before[r]));
+  }
+  inexact = arg[SHARES][ROUNDING]*magnitude;
+  for (i=0; i<iw[CONTACTS]; ++i) {
+    share = arg[SHARES][ROUNDING]*fastest;
+    if (res[GAPS][i]<0) share -= 2*res[GAPS][i]/arg[LIMITS][LENGTH];
+    inexact += share*impulse[i*width];
   }
   for (i=0; i<iw[CONTACTS]; ++i) {
     r = i*width;
@@ -94,7 +119,7 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
     if (impulse[r]>0 && -offset[r]<bounce && (before[r]<=0 || offset[r]!=before[r])) {
       changed[r] = -bounce;
     }
-    if (!(total>arg[SHARES][ROUNDING]*magnitude)) continue;
+    if (!(total>inexact)) continue;
     work = 0;
     for (a=0; a<width; ++a) work += impulse[r+a]*(after[r+a] + before[r+a]);
     if (!(work>0)) continue;
@@ -107,22 +132,27 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
   }
   return differs;
 }
-/* impulses of all contacts, with offsets that may depend on them; the number of proximal problems, or -1 if
-   they did not converge */
+/* impulses of all contacts, with offsets that depend on which of them press: rough impulses determine
+   most of these. The number of proximal problems, or -1 if they did not converge */
 static casadi_int casadi_anticipated_impulses(const casadi_real** arg, casadi_real** res,
     casadi_int* iw, casadi_real* w) {
   casadi_int k, more, rounds = 0;
-  casadi_real limits[2], scale, residual;
+  casadi_real limits[2], scale, rough, residual;
   casadi_largest(arg, res, iw, limits);
   casadi_first_offsets(arg, res, iw, limits[0]);
   scale = limits[1]>0 ? limits[1] : 1.0;
+  rough = arg[SHARES][ROUGH]*scale;
   casadi_begin_impulses(arg, res, iw, w);
+  for (k=0; k<iw[MAX_OFFSETS]; ++k) {
+    rounds += casadi_offset_impulses(arg, res, iw, w, arg[SHARES][ROUGH], scale);
+    if (!(casadi_pressed_offsets(arg, res, iw, limits[0], rough)>rough)) break;
+  }
   for (k=0; k<iw[MAX_OFFSETS]; ++k) {
     more = casadi_impulses(arg, res, iw, w, scale);
     if (more<0) return -1;
     rounds += more;
     residual = res[STATUS][RESIDUAL];
-    if (!casadi_next_offsets(arg, res, iw, limits[0])) break;
+    if (!casadi_next_offsets(arg, res, iw, limits[0], limits[1])) break;
   }
   res[STATUS][RESIDUAL] = residual;
   return rounds;

@@ -59,8 +59,7 @@ static casadi_real casadi_newton(const casadi_real** arg, casadi_real** res, cas
     casadi_real* w, casadi_real tolerance) {
   casadi_real* settings = (casadi_real*) arg[SETTINGS];
   settings[TOLERANCE] = tolerance;
-  casadi_iterate(arg, res, iw, w);
-  casadi_state(arg, res, iw, w);
+  if (casadi_iterate(arg, res, iw, w)!=2) casadi_state(arg, res, iw, w);
   return res[STATUS][RESIDUAL];
 }
 /* the best impulses, those with the least residual, in res[BEST_IMPULSE] */

@@ -38,15 +38,20 @@ static void casadi_velocities(const casadi_real** arg, casadi_real** res, const 
       res[SPEED_CHANGES]);
   }
 }
+/* impulses of all contacts with the offsets in res[OFFSETS], with a tolerance relative to a scale; the
+   number of proximal problems */
+static casadi_int casadi_offset_impulses(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    casadi_real* w, casadi_real tolerance, casadi_real scale) {
+  casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], r;
+  for (r=0; r<rows; ++r) ((casadi_real*) arg[VELOCITY])[r] = res[VELOCITY_APPLIED][r] + res[OFFSETS][r];
+  return casadi_solution(arg, res, iw, w, tolerance, scale);
+}
 /* impulses of all contacts with the offsets in res[OFFSETS], and velocities without offsets in res[VELOCITY];
    the number of proximal problems, or -1 if they did not converge */
 static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real scale) {
-  casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], r, rounds;
-  casadi_real allowed;
-  for (r=0; r<rows; ++r) ((casadi_real*) arg[VELOCITY])[r] = res[VELOCITY_APPLIED][r] + res[OFFSETS][r];
-  rounds = casadi_solution(arg, res, iw, w, arg[LIMITS][TOLERANCE], scale);
-  allowed = arg[LIMITS][TOLERANCE]*casadi_size(arg, iw, res[IMPULSE], scale);
+  casadi_int rounds = casadi_offset_impulses(arg, res, iw, w, arg[LIMITS][TOLERANCE], scale);
+  casadi_real allowed = arg[LIMITS][TOLERANCE]*casadi_size(arg, iw, res[IMPULSE], scale);
   if (!(res[STATUS][RESIDUAL]<=allowed) || res[STATUS][RESIDUAL]>arg[SHARES][JAMMED]*scale) return -1;
   casadi_velocities(arg, res, iw);
   return rounds;

@@ -284,7 +284,8 @@ static int casadi_search(const casadi_real** arg, casadi_real** res, const casad
   status[DESCENDS] = 0;
   return 0;
 }
-/* steps with factors of blocks until the residual is within the tolerance; 1 if singular */
+/* steps with factors of blocks until the residual is within the tolerance; 1 if singular, 2 if it is
+   within the tolerance in res[STATUS], with the velocities */
 static int casadi_iterate(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
     casadi_real* w) {
   const casadi_real* settings = arg[SETTINGS];
@@ -307,7 +308,7 @@ static int casadi_iterate(const casadi_real** arg, casadi_real** res, const casa
       least = status[MERIT];
       for (j=0; j<rows; ++j) best[j] = impulse[j];
     }
-    if (!(status[RESIDUAL]>settings[TOLERANCE])) return 0;
+    if (!(status[RESIDUAL]>settings[TOLERANCE])) return 2;
     merits[k%memory] = status[MERIT];
     reference = status[MERIT];
     for (j=0; j<memory && j<k; ++j) {
