@@ -95,7 +95,9 @@ def test_discs_at_rest_in_a_heap():
     responses = [da.at(rest, "disc0.x"), da.at(rest, "disc0.angle")]
     responses += [da.final("disc0.x"), da.final("disc0.angle"), da.final("disc19.x")]
     gradient = da.sensitivity(motion, responses).values
-    np.testing.assert_allclose(gradient[[0, 4]], [[0.0, 1.0], [0.0, 0.0]], atol=1e-9)
+    np.testing.assert_allclose(gradient[0], [0.0, 1.0], atol=1e-9)
+    singular = 1e-7 * np.abs(gradient).max()  # error of the solutions of singular equations
+    np.testing.assert_allclose(gradient[4], [0.0, 0.0], atol=singular)
     rolled = gradient[[0, 2]] + 0.1 * gradient[[1, 3]]
     rolled[:, 1] += angle[[first, -1]]  # by the size in the product
     np.testing.assert_allclose(rolled[1], rolled[0], rtol=0, atol=2e-3)  # of terms of 1.5
@@ -132,3 +134,28 @@ def test_contacts_of_repeated_steps(monkeypatch):
     values = da.sensitivity(motion, da.final("disc19.x")).values
     assert lacking
     np.testing.assert_allclose(values, gradient, rtol=1e-7)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("has_means", [True, False])
+def test_repeated_steps_with_another_solution(has_means, monkeypatch):
+    """Where the repeated solution of a step is not the recorded one, as impulses are not unique,
+    or has no means over its path, those are taken over the recorded path."""
+    motion = da.solve_nonsmooth(heap(), 0.3, step=2e-3)
+    gradient = da.sensitivity(motion, da.final("disc19.x")).values
+    advance, others = contact_steps.advance, []
+
+    def along_another_path(*arguments):
+        result = advance(*arguments)
+        if result.path is not None:
+            none = np.zeros_like(result.path.impulses.impulses)
+            path = replace(result.path, impulses=replace(result.path.impulses, impulses=none))
+            result = replace(result, path=path if has_means else None)
+            others.append(result)
+        return result
+
+    monkeypatch.setattr(contact_steps, "advance", along_another_path)
+    motion = da.solve_nonsmooth(heap(), 0.3, step=2e-3)
+    values = da.sensitivity(motion, da.final("disc19.x")).values
+    assert others
+    np.testing.assert_allclose(values, gradient, rtol=1e-6)

@@ -50,6 +50,7 @@ from dalembert.model.graph.assembly.guesses import AssembledState
 from dalembert.model.graph.model import Model
 from dalembert.results.nonsmooth_motion import ContactRecord, NonsmoothMotion
 from dalembert.results.status import Outcome, Status, Warnings, reached, stopped
+from dalembert.sparse.single_thread import single_thread
 from dalembert.symbolic.equations.newton import Solution
 
 DIVISIONS = 6
@@ -101,6 +102,7 @@ class NonsmoothRun:
         refuse_start(self.step, self.start, state.y)
         return state
 
+    @single_thread()
     def execute(self, progress) -> NonsmoothMotion:
         state = self.state_at_start()
         self.state = state.y, state.v

@@ -13,6 +13,7 @@ from dalembert.sensitivity.marching.walk import BackwardWalk, ForwardWalk
 from dalembert.sensitivity.nonsmooth.contact_steps import contact_steps
 from dalembert.sensitivity.nonsmooth.moving_impacts import step_tangent
 from dalembert.sensitivity.samples import Sample
+from dalembert.sparse.single_thread import single_thread
 
 StateWeights = tuple[np.ndarray, np.ndarray]
 """Weights (n, r) of a state, and (np, r) of the parameters."""
@@ -74,6 +75,7 @@ class ContactPass:
 class ContactAdjoint(ContactPass, BackwardWalk[np.ndarray]):
     """Gradients of all responses by one march backwards."""
 
+    @single_thread()
     def gradient(self) -> np.ndarray:
         """(rows, np) gradients."""
         self.p_bar = np.zeros((self.p.size, self.rows))
@@ -117,6 +119,7 @@ class ContactDirect(ContactPass, ForwardWalk[np.ndarray]):
         self.directions = samples[0].motion.model.tangents(self.p, columns)
         self.derivatives = np.zeros((self.rows, len(columns)))
 
+    @single_thread()
     def gradient(self) -> np.ndarray:
         """(rows, columns) derivatives."""
         self.forwards()

@@ -162,9 +162,7 @@ class ContactSteps:
         if (stacked := self.stacks.at(k)) is not None:
             return [stacked[0].at(stacked[1], whole=whole)]
         maps = self._maps(k)
-        end, recorded = maps[-1].following, self.x[:, k + 1]
-        scale = np.abs(self.x[:, k : k + 2]).max(initial=0.0) + self.step.model.scales.length
-        if not np.abs(end - recorded).max(initial=0.0) <= SAME * scale:
+        if not self._is_recorded(k, maps[-1].following):
             (t, h), y = self.span(k), self.record.ends.y[:, k + 1]
             if self.step.smooth.prescribes and speed_jumps(self.step, t, h, y):
                 raise AnalysisError(
@@ -176,6 +174,11 @@ class ContactSteps:
                 "give ContactSolver a smaller tolerance"
             )
         return maps
+
+    def _is_recorded(self, k: int, end: np.ndarray) -> bool:
+        """Whether a state is the recorded one at the end of step ``k``."""
+        scale = np.abs(self.x[:, k : k + 2]).max(initial=0.0) + self.step.model.scales.length
+        return bool(np.abs(end - self.x[:, k + 1]).max(initial=0.0) <= SAME * scale)
 
     def _maps(self, k: int) -> list[MapAt]:
         """Sequence of maps of a step outside of stacks."""
@@ -218,8 +221,24 @@ class ContactSteps:
             own = ActiveContacts.of(result)
             if result is results[0] and result.impact is None:
                 own = self.active(k)
+                if path is None and own.curved.any():
+                    return self._on_recorded_path(k)
             path = self.maps.step(x, result.v, t, h, own, path, result.impact)
         assert path is not None
+        if self._is_recorded(k, path.following) or results[0].impact is not None:
+            return path
+        return path if self.step.force_laws.elements else self._on_recorded_path(k)
+
+    def _on_recorded_path(self, k: int) -> MapAt:
+        """Map of a step with means of gaps over its recorded path, for solutions that are not
+        unique. The path changes as that of a step does whose path changes as a motion without
+        contacts."""
+        (t, h), active, x = self.span(k), self.active(k), self.x[:, k]
+        after = self.x[self.size :, k + 1]
+        path = self.maps.step(x, after, t, h, active.some(np.zeros(active.keys.size, dtype=bool)))
+        for _ in range(2):
+            path = replace(path, z=np.concatenate([after, path.z[after.size :]]))
+            path = self.maps.step(x, after, t, h, active, path)
         return path
 
     def _is_mixed(self, result: StepResult) -> bool:
