@@ -222,8 +222,8 @@ def _inexact_work(approach: Approach, impulses: np.ndarray, after: np.ndarray) -
     """Total work of contacts that results from rounding and opens overlaps of rounding."""
     magnitude = np.abs(impulses) * (np.abs(after) + np.abs(approach.before))
     overlap = np.maximum(-approach.contacts.distance, 0.0)
-    speeds = ROUNDING * approach.fastest + 2 * overlap / approach.h
-    return float(ROUNDING * magnitude.sum() + (impulses[:, 0] * speeds).sum())
+    opening = (2 * impulses[:, 0] * overlap / approach.h).sum()
+    return float(ROUNDING * magnitude.sum() + opening)
 
 
 def check_share(owner: str, name: str, value: float) -> None:

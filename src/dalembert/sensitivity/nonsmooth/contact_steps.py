@@ -201,7 +201,7 @@ class ContactSteps:
         """Map of a step that is repeated: with means of gaps over the path of a solution, or with
         impacts at its start. Contacts that press by rounding may differ from the recorded ones,
         which the last solution has unless impacts divide their impulses."""
-        (t, h), (y, v), x = self.span(k), self.split(k), self.x[:, k]
+        (t, h), (y, v) = self.span(k), self.split(k)
         before = self._last(k - 1)
         if before is not None:  # from its own impulses, as solutions may not be unique
             before = replace(before, pressing=self._impulses(k).pressing)
@@ -211,23 +211,29 @@ class ContactSteps:
         while result is not None:
             results.append(result)
             result = result.path
-        path: MapAt | None = None
         if any(self._is_mixed(result) for result in results):
             raise UnsupportedError(
                 f"rigid contacts along curved paths act with contacts with a force law in the step "
                 f"at t = {t:.9g} s: no gradient; give them all force laws, or none"
             )
+        path = self._along(k, results)
+        rigid = results[0].impact is None and not step.force_laws.elements
+        if path is None or (rigid and not self._is_recorded(k, path.following)):
+            return self._on_recorded_path(k)
+        return path
+
+    def _along(self, k: int, results: list[StepResult]) -> MapAt | None:
+        """Map of the first of some results, each of which is the path of the one before; None if
+        recorded contacts have means over a path, and the results have none."""
+        (t, h), x, path = self.span(k), self.x[:, k], None
         for result in reversed(results):
             own = ActiveContacts.of(result)
             if result is results[0] and result.impact is None:
                 own = self.active(k)
                 if path is None and own.curved.any():
-                    return self._on_recorded_path(k)
+                    return None
             path = self.maps.step(x, result.v, t, h, own, path, result.impact)
-        assert path is not None
-        if self._is_recorded(k, path.following) or results[0].impact is not None:
-            return path
-        return path if self.step.force_laws.elements else self._on_recorded_path(k)
+        return path
 
     def _on_recorded_path(self, k: int) -> MapAt:
         """Map of a step with means of gaps over its recorded path, for solutions that are not

@@ -89,7 +89,7 @@ static casadi_real casadi_pressed_offsets(const casadi_real** arg, casadi_real**
 /* offsets for the computed impulses; whether they changed. Velocities without offsets are in
    res[VELOCITY] */
 static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
-    casadi_real forced, casadi_real fastest) {
+    casadi_real forced) {
   const casadi_real* before = res[VELOCITY_BEFORE];
   const casadi_real* after = res[VELOCITY];
   const casadi_real* impulse = res[IMPULSE];
@@ -98,18 +98,12 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
   casadi_real* offset = res[OFFSETS];
   casadi_real* changed = res[NEXT_OFFSETS];
   casadi_int i, a, r, width = iw[COMPONENTS], rows = iw[CONTACTS]*iw[COMPONENTS], differs = 0;
-  casadi_real bounce, total = 0, magnitude = 0, inexact, share, work;
+  casadi_real bounce, total = 0, magnitude = 0, work;
   int fast;
   for (r=0; r<rows; ++r) {
     changed[r] = offset[r];
     total += impulse[r]*(after[r] + before[r]);
     magnitude += fabs(impulse[r])*(fabs(after[r]) + fabs(before[r]));
-  }
-  inexact = arg[SHARES][ROUNDING]*magnitude;
-  for (i=0; i<iw[CONTACTS]; ++i) {
-    share = arg[SHARES][ROUNDING]*fastest;
-    if (res[GAPS][i]<0) share -= 2*res[GAPS][i]/arg[LIMITS][LENGTH];
-    inexact += share*impulse[i*width];
   }
   for (i=0; i<iw[CONTACTS]; ++i) {
     r = i*width;
@@ -119,7 +113,7 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
     if (impulse[r]>0 && -offset[r]<bounce && (before[r]<=0 || offset[r]!=before[r])) {
       changed[r] = -bounce;
     }
-    if (!(total>inexact)) continue;
+    if (!(total>arg[SHARES][ROUNDING]*magnitude)) continue;
     work = 0;
     for (a=0; a<width; ++a) work += impulse[r+a]*(after[r+a] + before[r+a]);
     if (!(work>0)) continue;
@@ -152,7 +146,7 @@ static casadi_int casadi_anticipated_impulses(const casadi_real** arg, casadi_re
     if (more<0) return -1;
     rounds += more;
     residual = res[STATUS][RESIDUAL];
-    if (!casadi_next_offsets(arg, res, iw, limits[0], limits[1])) break;
+    if (!casadi_next_offsets(arg, res, iw, limits[0])) break;
   }
   res[STATUS][RESIDUAL] = residual;
   return rounds;

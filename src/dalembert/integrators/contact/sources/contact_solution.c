@@ -199,31 +199,32 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
 static casadi_int casadi_solution(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real tolerance, casadi_real scale) {
   casadi_real allowed = tolerance*casadi_size(arg, iw, res[IMPULSE], scale);
-  casadi_int rounds, steps = iw[MAX_ITERATIONS], most = iw[MAX_PROXIMAL], failures = 0,
-    few = iw[FEW_PROXIMAL];
+  casadi_int rounds, usual = iw[MAX_ITERATIONS], steps = usual, failures = 0;
+  casadi_int most = iw[MAX_PROXIMAL], few = iw[FEW_PROXIMAL];
   if (arg[SHARES][FIRST_ITERATIONS]<steps) iw[MAX_ITERATIONS] = arg[SHARES][FIRST_ITERATIONS];
-  casadi_newton(arg, res, iw, w, arg[SHARES][NEWTON_SHARE]*allowed);
-  iw[MAX_ITERATIONS] = steps;
-  if (res[STATUS][RESIDUAL]<=tolerance*casadi_size(arg, iw, res[IMPULSE], scale)) return 0;
-  if (casadi_redundant(arg, res, iw)) {
-    iw[MAX_ITERATIONS] = arg[SHARES][REDUNDANT_ITERATIONS];
-    few = arg[SHARES][REDUNDANT_PROBLEMS];
-    failures = arg[SHARES][FAILURES];
-  } else if (arg[SHARES][FIRST_ITERATIONS]<steps) {
-    iw[MAX_ITERATIONS] = steps - arg[SHARES][FIRST_ITERATIONS];
-    casadi_newton(arg, res, iw, w, arg[SHARES][NEWTON_SHARE]*allowed);
-    iw[MAX_ITERATIONS] = steps;
-    if (res[STATUS][RESIDUAL]<=tolerance*casadi_size(arg, iw, res[IMPULSE], scale)) return 0;
+  if (casadi_newton(arg, res, iw, w, arg[SHARES][NEWTON_SHARE]*allowed)
+      >arg[SHARES][NEWTON_SHARE]*allowed) {
+    allowed = tolerance*casadi_size(arg, iw, res[IMPULSE], scale);
+    if (res[STATUS][RESIDUAL]>allowed && casadi_redundant(arg, res, iw)) {
+      steps = arg[SHARES][REDUNDANT_ITERATIONS];
+      few = arg[SHARES][REDUNDANT_PROBLEMS];
+      failures = arg[SHARES][FAILURES];
+    } else if (arg[SHARES][FIRST_ITERATIONS]<steps) {
+      iw[MAX_ITERATIONS] = steps - arg[SHARES][FIRST_ITERATIONS];
+      casadi_newton(arg, res, iw, w, arg[SHARES][NEWTON_SHARE]*allowed);
+    }
   }
+  iw[MAX_ITERATIONS] = usual;
+  if (res[STATUS][RESIDUAL]<=tolerance*casadi_size(arg, iw, res[IMPULSE], scale)) return 0;
   if (5*iw[FEW_PROXIMAL]<most) most = 5*iw[FEW_PROXIMAL];
-  rounds = casadi_proximal(arg, res, iw, w, tolerance, scale, most, few, failures);
   iw[MAX_ITERATIONS] = steps;
+  rounds = casadi_proximal(arg, res, iw, w, tolerance, scale, most, few, failures);
+  iw[MAX_ITERATIONS] = usual;
   allowed = tolerance*casadi_size(arg, iw, res[IMPULSE], scale);
   if (res[STATUS][RESIDUAL]<=allowed) return rounds;
   casadi_centered(arg, res, iw, w, allowed, scale);
   iw[MAX_ITERATIONS] = arg[SHARES][LAST_ITERATIONS];
-  rounds += casadi_proximal(arg, res, iw, w, tolerance, scale, iw[MAX_PROXIMAL], iw[MAX_PROXIMAL],
-    0);
-  iw[MAX_ITERATIONS] = steps;
+  rounds += casadi_proximal(arg, res, iw, w, tolerance, scale, iw[MAX_PROXIMAL], iw[MAX_PROXIMAL], 0);
+  iw[MAX_ITERATIONS] = usual;
   return rounds;
 }
