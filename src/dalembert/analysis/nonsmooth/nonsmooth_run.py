@@ -89,12 +89,11 @@ class NonsmoothRun:
                 "nothing in the model may touch; add Collisions or another rigid contact, or use "
                 "solve_dynamics"
             )
-        elements = [element for source in sources for element in source.elements]
-        refuse_moving_places(elements)
+        refuse_moving_places([element for source in sources for element in source.elements])
         smooth, scheme = smooth_motion(model), analysis.integrator
         rest = self.h if analysis.separate_impacts else 0.0
-        own = smooth, scheme, analysis.solver, self.h, rest
-        self.step = ContactStep(model, sources, self.p, *own)
+        own = sources, self.p, smooth, scheme, analysis.solver, self.h, rest
+        self.step = ContactStep(model, *own)
 
     def state_at_start(self) -> AssembledState:
         """Assembled state; ``AnalysisError`` where shapes cannot start there."""
@@ -102,7 +101,6 @@ class NonsmoothRun:
         refuse_start(self.step, self.start, state.y)
         return state
 
-    @single_thread()
     def execute(self, progress) -> NonsmoothMotion:
         state = self.state_at_start()
         self.state = state.y, state.v
@@ -122,8 +120,7 @@ class NonsmoothRun:
         warnings = passage_warnings(log.passages)
         unsearched = unsearched_impacts(self.step, record, np.array(log.compiled, dtype=int))
         missing = largest([*log.missing_impacts, *unsearched])
-        warnings += missing_impact_warnings(missing, check.energy.moved)
-        warnings += check.warnings
+        warnings += missing_impact_warnings(missing, check.energy.moved) + check.warnings
         warnings += elastic_warnings(self.model, trajectory, self.p)
         status = check.verify(status)
         late = (lambda: record.accuracy.warnings) if status.success else None
@@ -146,6 +143,7 @@ class NonsmoothRun:
         status = run.march(grid, log, lambda share: None)
         return np.stack(log.positions, 1)[:, np.isin(log.times, grid)], status
 
+    @single_thread()
     @np.errstate(over="ignore", invalid="ignore")
     def march(self, grid: np.ndarray, log: StepLog, report) -> Status:
         """Steps until the end, or until one fails that is not divided further; numbers that are not

@@ -46,7 +46,6 @@ class ContactSteps:
     ----------
     changes : step → ContactChanges of the linearised steps
     growth : largest entry of a change of the state, or of its weights, in the marches so far
-
     """
 
     def __init__(self, motion: NonsmoothMotion):
@@ -226,7 +225,7 @@ class ContactSteps:
         """Map of the first of some results, each of which is the path of the one before; None if
         recorded contacts have means over a path, and the results have none."""
         (t, h), x, path = self.span(k), self.x[:, k], None
-        for result in reversed(results):
+        for result in results[::-1]:
             own = ActiveContacts.of(result)
             if result is results[0] and result.impact is None:
                 own = self.active(k)
@@ -249,8 +248,8 @@ class ContactSteps:
 
     def _is_mixed(self, result: StepResult) -> bool:
         """Whether rigid contacts have means over a path, and compliant ones others."""
-        own = result.contacts.some(np.isin(result.contacts.key, result.curved))
-        laws = self.step.force_laws
+        laws, contacts = self.step.force_laws, result.contacts
+        own = contacts.some(np.isin(contacts.key, result.curved))
         return bool(laws.elements) and not laws.compliant(own).all()
 
     def _last(self, k: int) -> LastImpulses | None:
