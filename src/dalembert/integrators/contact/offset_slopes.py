@@ -10,6 +10,9 @@ from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.approach import Approach
 
+NEAR = 1e3
+"""Difference from the nearest branch of an offset that equals none, relative to the one that counts
+as rounding: recorded offsets may contain means over another path than the repeated step [-]."""
 TIED = 1e-12
 """Rounding error of the speed after an impact without restitution, relative to the speed before
 [-]."""
@@ -67,7 +70,11 @@ def _rebound(approach: Approach) -> tuple[np.ndarray, ...]:
 
 
 def anticipated_slopes(
-    approach: Approach, offsets: np.ndarray, closing: float, rounding: float | np.ndarray
+    approach: Approach,
+    offsets: np.ndarray,
+    closing: float,
+    rounding: float | np.ndarray,
+    exact: bool = True,
 ) -> OffsetSlopes:
     """Derivatives of the branch of ``AnticipatedImpacts`` that an offset equals.
 
@@ -80,6 +87,7 @@ def anticipated_slopes(
     offsets : (n, k)
     closing : fraction of a gap that a resting contact closes per step
     rounding : difference of speeds that counts as rounding [m/s]
+    exact : whether offsets without a branch are compared again, with ``NEAR`` times that difference
 
     Raises
     ------
@@ -129,8 +137,12 @@ def anticipated_slopes(
     slow, slows, slow_change = _slow(offsets[:, 0], u, at_rest, parting, rounding)
     tied[3:6] &= ~(tied[-2] | slows.any(axis=0))  # equal with e = 0 or 1 alone
     branches, tied = np.concatenate([branches, slow]), np.concatenate([tied, slows])
-    if not tied.any(axis=0).all():
-        speed = -offsets[np.argmin(tied.any(axis=0)), 0]
+    lost = ~tied.any(axis=0)
+    if lost.any():
+        if exact:
+            near = np.where(lost, NEAR * rounding, rounding)
+            return anticipated_slopes(approach, offsets, closing, near, exact=False)
+        speed = -offsets[np.argmax(lost), 0]
         raise AnalysisError(
             f"the normal speed {speed:.6g} m/s at the end of a step follows no branch of "
             "AnticipatedImpacts with a derivative; use integrator=da.MoreauJean()"

@@ -34,6 +34,9 @@ from dalembert.sensitivity.nonsmooth.stacked_impacts import StackedImpacts
 from dalembert.sensitivity.nonsmooth.step_stacks import StepStacks
 from dalembert.symbolic.equations import newton
 
+ANOTHER_PATH = 1e-5
+"""Tolerance of a state, and of its derivatives, after a step with means over another path [-]."""
+
 
 class ContactSteps:
     """All steps of a run.
@@ -75,8 +78,8 @@ class ContactSteps:
 
     @cached_property
     def times_between(self) -> np.ndarray:
-        """(K,) time since the last impact of another gap on the bodies of the impacts of each
-        step, in steps; infinite without any."""
+        """(K,) time since the last impact of another gap on the bodies of the impacts of each step,
+        in steps; infinite without any."""
         return times_between_impacts(self.maps, self.record, self.contacts)
 
     @cached_property
@@ -160,8 +163,8 @@ class ContactSteps:
         """
         if (stacked := self.stacks.at(k)) is not None:
             return [stacked[0].at(stacked[1], whole=whole)]
-        maps = self._maps(k)
-        if not self._is_recorded(k, maps[-1].following):
+        maps, same = self._maps(k), ANOTHER_PATH if self._are_repeated[k] else SAME
+        if not self._is_recorded(k, maps[-1].following, same):
             (t, h), y = self.span(k), self.record.ends.y[:, k + 1]
             if self.step.smooth.prescribes and speed_jumps(self.step, t, h, y):
                 raise AnalysisError(
@@ -174,10 +177,10 @@ class ContactSteps:
             )
         return maps
 
-    def _is_recorded(self, k: int, end: np.ndarray) -> bool:
-        """Whether a state is the recorded one at the end of step ``k``."""
+    def _is_recorded(self, k: int, end: np.ndarray, same: float = SAME) -> bool:
+        """Whether a state is the recorded one at the end of step ``k``, with a tolerance."""
         scale = np.abs(self.x[:, k : k + 2]).max(initial=0.0) + self.step.model.scales.length
-        return bool(np.abs(end - self.x[:, k + 1]).max(initial=0.0) <= SAME * scale)
+        return bool(np.abs(end - self.x[:, k + 1]).max(initial=0.0) <= same * scale)
 
     def _maps(self, k: int) -> list[MapAt]:
         """Sequence of maps of a step outside of stacks."""
@@ -215,11 +218,10 @@ class ContactSteps:
                 f"rigid contacts along curved paths act with contacts with a force law in the step "
                 f"at t = {t:.9g} s: no gradient; give them all force laws, or none"
             )
-        path = self._along(k, results)
-        rigid = results[0].impact is None and not step.force_laws.elements
-        if path is None or (rigid and not self._is_recorded(k, path.following)):
-            return self._on_recorded_path(k)
-        return path
+        path, special = self._along(k, results), step.force_laws.elements or results[0].impact
+        if path is not None and (special or self._is_recorded(k, path.following)):
+            return path
+        return self._on_recorded_path(k)
 
     def _along(self, k: int, results: list[StepResult]) -> MapAt | None:
         """Map of the first of some results, each of which is the path of the one before; None if
@@ -229,15 +231,14 @@ class ContactSteps:
             own = ActiveContacts.of(result)
             if result is results[0] and result.impact is None:
                 own = self.active(k)
-                if path is None and own.curved.any():
-                    return None
+            if path is None and result is results[0] and own.curved.any():
+                return None
             path = self.maps.step(x, result.v, t, h, own, path, result.impact)
         return path
 
     def _on_recorded_path(self, k: int) -> MapAt:
         """Map of a step with means of gaps over its recorded path, for solutions that are not
-        unique. The path changes as that of a step does whose path changes as a motion without
-        contacts."""
+        unique. The path changes as that of a step whose path changes without contacts."""
         (t, h), active, x = self.span(k), self.active(k), self.x[:, k]
         after = self.x[self.size :, k + 1]
         path = self.maps.step(x, after, t, h, active.some(np.zeros(active.keys.size, dtype=bool)))
@@ -284,8 +285,7 @@ class ContactSteps:
         slipping: np.ndarray | None = None,
     ) -> tuple[np.ndarray, np.ndarray]:
         """``acceleration``, and the same without contacts."""
-        y, v = x[: self.size], x[self.size :]
-        step = self.step
+        y, v, step = x[: self.size], x[self.size :], self.step
         start = step.begin(t, h, y, v, False)
         after, mobility = start.free, start.motion.mobility
         alone = np.asarray((after - v) / h)

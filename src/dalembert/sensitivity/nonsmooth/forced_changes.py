@@ -9,9 +9,11 @@ import numpy as np
 from dalembert.analysis.nonsmooth.advance import AHEAD
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.errors import AnalysisError
+from dalembert.integrators.contact.offset_slopes import NEAR
 
 SAME = 1e-8
-"""Tolerance of an offset that depends on the change, relative to it [-]."""
+"""Tolerance of an offset that depends on the change, relative to it; or ``NEAR`` times the speed
+that counts as rounding [-]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +62,7 @@ class ForcedSteps:
         row = int(np.argmax(np.abs(changes)))
         largest = abs(changes[row])
         errors = self.slopes[k] * np.abs(self.changes[k] - largest)
-        if not errors.max(initial=0.0) <= SAME * largest:
+        if not errors.max(initial=0.0) <= max(SAME * largest, NEAR * step.rounding / h):
             raise AnalysisError(
                 f"the speed of a contact in the step at t = {t:.9g} s follows no branch of "
                 f"{type(step.scheme).__name__} with a derivative; use integrator=da.MoreauJean()"
