@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar, spatial
+from dalembert.analysis.nonsmooth.step_state import StepResult
 from dalembert.sensitivity.nonsmooth import contact_steps
 
 
@@ -112,27 +114,39 @@ def test_discs_at_rest_in_a_heap():
         assert (abs(np.diff(rolled[last])) <= bound + 1e-12).all()
 
 
+def gradients_of_repeated_steps(
+    change: Callable[[StepResult], StepResult], monkeypatch: pytest.MonkeyPatch
+) -> tuple[np.ndarray, np.ndarray]:
+    """Gradients of the heap with changed solutions of the repeated steps, and without."""
+    advance, changed, gradients = contact_steps.advance, [], []
+
+    def other(*arguments):
+        result = advance(*arguments)
+        own = change(result)
+        changed.append(own is not result)
+        return own
+
+    for solution in (other, advance):
+        monkeypatch.setattr(contact_steps, "advance", solution)
+        motion = da.solve_nonsmooth(heap(), 0.3, step=2e-3)
+        gradients.append(da.sensitivity(motion, da.final("disc19.x")).values)
+    assert any(changed)
+    return gradients[0], gradients[1]
+
+
 @pytest.mark.thorough
 def test_contacts_of_repeated_steps(monkeypatch):
     """Gradients of steps with means over their paths use the recorded contacts, even where the
     repeated solution lacks one that presses by rounding."""
-    motion = da.solve_nonsmooth(heap(), 0.3, step=2e-3)
-    gradient = da.sensitivity(motion, da.final("disc19.x")).values
-    advance, lacking = contact_steps.advance, []
 
-    def without_one(*arguments):
-        result = advance(*arguments)
+    def without_one(result):
         if result.impulses.impulses[:, 0].any():
             impulses = result.impulses.impulses.copy()
             impulses[np.flatnonzero(impulses[:, 0])[-1]] = 0.0
-            result = replace(result, impulses=replace(result.impulses, impulses=impulses))
-            lacking.append(result)
+            return replace(result, impulses=replace(result.impulses, impulses=impulses))
         return result
 
-    monkeypatch.setattr(contact_steps, "advance", without_one)
-    motion = da.solve_nonsmooth(heap(), 0.3, step=2e-3)
-    values = da.sensitivity(motion, da.final("disc19.x")).values
-    assert lacking
+    values, gradient = gradients_of_repeated_steps(without_one, monkeypatch)
     np.testing.assert_allclose(values, gradient, rtol=1e-7)
 
 
@@ -141,23 +155,15 @@ def test_contacts_of_repeated_steps(monkeypatch):
 def test_repeated_steps_with_another_solution(has_means, monkeypatch):
     """Where the repeated solution of a step is not the recorded one, as impulses are not unique,
     or has no means over its path, those are taken over the recorded path."""
-    motion = da.solve_nonsmooth(heap(), 0.3, step=2e-3)
-    gradient = da.sensitivity(motion, da.final("disc19.x")).values
-    advance, others = contact_steps.advance, []
 
-    def along_another_path(*arguments):
-        result = advance(*arguments)
+    def along_another_path(result):
         if result.path is not None:
             none = np.zeros_like(result.path.impulses.impulses)
             path = replace(result.path, impulses=replace(result.path.impulses, impulses=none))
-            result = replace(result, path=path if has_means else None)
-            others.append(result)
+            return replace(result, path=path if has_means else None)
         return result
 
-    monkeypatch.setattr(contact_steps, "advance", along_another_path)
-    motion = da.solve_nonsmooth(heap(), 0.3, step=2e-3)
-    values = da.sensitivity(motion, da.final("disc19.x")).values
-    assert others
+    values, gradient = gradients_of_repeated_steps(along_another_path, monkeypatch)
     np.testing.assert_allclose(values, gradient, rtol=1e-6)
 
 

@@ -28,8 +28,8 @@ class ContactSolver:
     In machine code, proximal problems follow Newton's method at once, which suits boxes with more
     contacts than unknown speeds; interior points of the friction cones follow the first one that
     Newton's method does not solve, unless the residual is small by then (Acary, Armand, Nguyen &
-    Shpakovych 2024). Where pairs of bodies press at several points, as boxes do, they rarely
-    converge, and follow after several failures.
+    Shpakovych 2024). Where pairs of bodies press at several points, as boxes do, interior
+    points rarely converge, and follow after several failures of Newton's method.
 
     Parameters
     ----------

@@ -11,8 +11,8 @@ from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.approach import Approach
 
 NEAR = 1e3
-"""Difference from the nearest branch of an offset that equals none, relative to the one that counts
-as rounding: recorded offsets may contain means over another path than the repeated step [-]."""
+"""Tolerance of offsets that equal no branch within rounding, relative to rounding: recorded offsets
+may contain means over another path than that of the repeated step [-]."""
 TIED = 1e-12
 """Rounding error of the speed after an impact without restitution, relative to the speed before
 [-]."""
@@ -87,7 +87,7 @@ def anticipated_slopes(
     offsets : (n, k)
     closing : fraction of a gap that a resting contact closes per step
     rounding : difference of speeds that counts as rounding [m/s]
-    exact : whether offsets without a branch are compared again, with ``NEAR`` times that difference
+    exact : whether offsets without a branch are compared again, with ``NEAR`` times the rounding
 
     Raises
     ------

@@ -51,7 +51,7 @@ class Shares(Places):
     NEWTON_SHARE = 16  # tolerance of Newton's method relative to that of the problem
     LAST_DECREASE = 17  # as DECREASE, of the last proximal problems
     LAST_ITERATIONS = 18  # of Newton's method in these
-    FIRST_ITERATIONS = 19  # of Newton's method on the problem itself
+    FIRST_ITERATIONS = 19  # of Newton's method before proximal problems of redundant contacts
     REDUNDANT = 20  # pressing contacts by their pairs of bodies above which they are redundant
     REDUNDANT_ITERATIONS = 21  # of Newton's method in proximal problems of such contacts
     REDUNDANT_PROBLEMS = 22  # proximal problems of such contacts before interior points

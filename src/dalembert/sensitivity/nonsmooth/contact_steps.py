@@ -35,7 +35,7 @@ from dalembert.sensitivity.nonsmooth.step_stacks import StepStacks
 from dalembert.symbolic.equations import newton
 
 ANOTHER_PATH = 1e-5
-"""Tolerance of a state, and of its derivatives, after a step with means over another path [-]."""
+"""Tolerance of a state after a step with means over a path that is not recorded [-]."""
 
 
 class ContactSteps:
@@ -163,8 +163,8 @@ class ContactSteps:
         """
         if (stacked := self.stacks.at(k)) is not None:
             return [stacked[0].at(stacked[1], whole=whole)]
-        maps, same = self._maps(k), ANOTHER_PATH if self._are_repeated[k] else SAME
-        if not self._is_recorded(k, maps[-1].following, same):
+        maps = self._maps(k)
+        if not self._is_recorded(k, maps[-1].following):
             (t, h), y = self.span(k), self.record.ends.y[:, k + 1]
             if self.step.smooth.prescribes and speed_jumps(self.step, t, h, y):
                 raise AnalysisError(
@@ -239,13 +239,14 @@ class ContactSteps:
     def _on_recorded_path(self, k: int) -> MapAt:
         """Map of a step with means of gaps over its recorded path, for solutions that are not
         unique. The path changes as that of a step whose path changes without contacts."""
-        (t, h), active, x = self.span(k), self.active(k), self.x[:, k]
-        after = self.x[self.size :, k + 1]
+        (t, h), active, (x, end) = self.span(k), self.active(k), self.x[:, k : k + 2].T
+        after = end[self.size :]
         path = self.maps.step(x, after, t, h, active.some(np.zeros(active.keys.size, dtype=bool)))
         for _ in range(2):
             path = replace(path, z=np.concatenate([after, path.z[after.size :]]))
             path = self.maps.step(x, after, t, h, active, path)
-        return path
+        same = self._is_recorded(k, path.following, ANOTHER_PATH)
+        return replace(path, following=end) if same else path
 
     def _is_mixed(self, result: StepResult) -> bool:
         """Whether rigid contacts have means over a path, and compliant ones others."""
@@ -259,8 +260,7 @@ class ContactSteps:
 
     def _impulses(self, k: int) -> LastImpulses:
         """Impulses of step ``k``, and the contacts that stick in it."""
-        active = self.active(k)
-        order = np.argsort(active.keys)
+        active, order = self.active(k), np.argsort(self.active(k).keys)
         stuck = active.keys[~self._slips(active.keys, active.impulses)]
         return LastImpulses((active.keys[order], active.impulses[order]), stuck)
 
@@ -285,7 +285,7 @@ class ContactSteps:
         slipping: np.ndarray | None = None,
     ) -> tuple[np.ndarray, np.ndarray]:
         """``acceleration``, and the same without contacts."""
-        y, v, step = x[: self.size], x[self.size :], self.step
+        (y, v), step = np.split(x, [self.size]), self.step
         start = step.begin(t, h, y, v, False)
         after, mobility = start.free, start.motion.mobility
         alone = np.asarray((after - v) / h)
