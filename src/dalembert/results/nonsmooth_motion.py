@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -33,6 +34,8 @@ class ContactRecord:
     offset : (c, k) velocity offset of the condition at the end of the step [m/s]
     curved : (c,) whether the velocities are means over the path of the step, as for concave gaps
     kept : (c,) whether the directions are those at the start of the step, as for impacts
+    paths : (K,) solutions of each step before the last one, on whose paths gaps have means
+    impacts : (K,) impacts at the start of each step, by other laws than Newton's; None without any
     longest : (K,) longest step that might follow, for which gaps leave room [s]
     linear : number of components that are not rotations
     loss : (K,) energy dissipated by contacts [J]
@@ -55,6 +58,8 @@ class ContactRecord:
     offset: np.ndarray
     curved: np.ndarray
     kept: np.ndarray
+    paths: Sequence[Any]
+    impacts: Sequence[Any]
     longest: np.ndarray
     linear: int
     loss: np.ndarray

@@ -55,7 +55,7 @@ def advance(
             break
         bent = np.union1d(bent, result.curved)  # all with means over the path of one solution
         curved = among(contacts.key, bent)
-        means = path_means(step, start, contacts.some(curved), result)
+        means = path_means(step, start, contacts.some(curved), result.v)
         contacts = Contacts.joined([contacts.some(~curved), means])
         last, result = result, _advanced(step, start, contacts, result.last)
         if not result.curved.size:
@@ -252,5 +252,5 @@ def _solved_on_path(
 ) -> StepResult:
     """Solution with means over the path of the last one for curved gaps."""
     own = contacts.some(curved)
-    path = Contacts.joined([contacts.some(~curved), path_means(step, start, own, last)])
+    path = Contacts.joined([contacts.some(~curved), path_means(step, start, own, last.v)])
     return replace(step.solved(start, path, last.last, last.v), curved=np.sort(own.key), path=last)

@@ -15,10 +15,8 @@ LINEAR = 1e-9
 """Deviation of a gap from its linear part, relative to its penetration, that counts as zero [-]."""
 
 
-def path_means(
-    step: ContactStep, start: StepStart, contacts: Contacts, last: StepResult
-) -> Contacts:
-    """Some gaps with directions that are means over the path of a solution.
+def path_means(step: ContactStep, start: StepStart, contacts: Contacts, v: np.ndarray) -> Contacts:
+    """Some gaps with directions that are means over the path with the speeds ``v`` at its end.
 
     By the midpoint rule ``u⁺ + u⁻ = W̄ (v⁺ + v) + 2 w̄``, where ``u⁻`` is the velocity at the start
     as with directions in the middle; for gaps that close by an impact it is ``W̄ v + w̄``.
@@ -28,19 +26,13 @@ def path_means(
         step.model.equations.manifold,
         (start.t, start.h),
         start.y,
-        displacement(step, start, last),
+        start.h * (step.scheme.theta * v + (1 - step.scheme.theta) * start.v),
     )
     kept = contacts.kept_mask
     if step.scheme.theta != 0.5:
         return replace(mean, kept=kept)
     turning = np.where(kept[:, None], 0.0, mean.speeds(start.v) - first.speeds(start.v))
     return replace(mean, turning=turning, kept=kept)
-
-
-def displacement(step: ContactStep, start: StepStart, result: StepResult) -> np.ndarray:
-    """(n_v,) displacement of a step."""
-    theta = step.scheme.theta
-    return np.asarray(start.h * (theta * result.v + (1 - theta) * start.v))
 
 
 def bent_gaps(step: ContactStep, start: StepStart, result: StepResult) -> np.ndarray:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import replace
 
 import numpy as np
 
 from dalembert.analysis.dynamics.residual_check import energy_errors
 from dalembert.analysis.model_residuals import ModelResiduals
+from dalembert.analysis.nonsmooth.active_contacts import StepPath
 from dalembert.analysis.nonsmooth.between_steps import between
 from dalembert.analysis.nonsmooth.checks.missing_impacts import (
     MissingImpact,
@@ -19,85 +20,12 @@ from dalembert.analysis.nonsmooth.checks.passages import MOST, Passage, find_pas
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import ConsistentSpeeds
 from dalembert.analysis.nonsmooth.correction_work import CorrectionWork
+from dalembert.analysis.nonsmooth.impact_stage import ImpactStage
+from dalembert.analysis.nonsmooth.step_entries import StepEntries
 from dalembert.analysis.nonsmooth.step_state import StepResult
-from dalembert.integrators.contact.contacts import among
 from dalembert.results.nonsmooth_motion import ContactRecord
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.evaluation.kernel import Kernel
-
-
-@dataclass(frozen=True, eq=False)
-class StepEntries:
-    """Parts of K steps that are recorded; contacts of all steps are concatenated.
-
-    Attributes
-    ----------
-    multiplier : (m, K) of the joints, times the steps
-    count : (K,) numbers of pressing contacts
-    owner, key, impulse, offset : element, gap, impulse and velocity offset of each pressing contact
-    curved : whether the step had means over its path for the gap of a pressing contact
-    kept : whether a pressing contact had its directions at the start of the step
-    longest : (K,) longest step that might follow [s]
-    loss, friction : (K,) energy dissipated by the contacts, and its part by tangential impulses
-    work, fraction : of each pressing contact, as in ``StepResult``
-    residual, rounds, converged : (K,) of the solutions of the friction problems
-    """
-
-    multiplier: np.ndarray
-    count: np.ndarray
-    owner: np.ndarray
-    key: np.ndarray
-    impulse: np.ndarray
-    offset: np.ndarray
-    curved: np.ndarray
-    kept: np.ndarray
-    longest: np.ndarray
-    loss: np.ndarray
-    friction: np.ndarray
-    work: np.ndarray
-    fraction: np.ndarray
-    residual: np.ndarray
-    rounds: np.ndarray
-    converged: np.ndarray
-
-    @classmethod
-    def of(cls, result: StepResult, v: np.ndarray) -> StepEntries:
-        """The entry of a step with the speeds ``v`` at its start."""
-        impulses, contacts = result.impulses, result.contacts
-        pressing = impulses.impulses[:, 0] > 0
-        slip = contacts.speeds((v + result.v) / 2)[:, 1:]
-        friction = -float((impulses.impulses[:, 1:] * slip).sum())
-        return cls(
-            result.multiplier[:, None],
-            np.array([np.count_nonzero(pressing)]),
-            contacts.owner[pressing],
-            contacts.key[pressing],
-            impulses.impulses[pressing],
-            result.offsets[pressing],
-            among(contacts.key[pressing], result.curved),
-            contacts.kept_mask[pressing],
-            np.array([result.longest]),
-            np.array([result.loss]),
-            np.array([friction]),
-            result.work[pressing],
-            result.fractions[pressing],
-            np.array([impulses.residual]),
-            np.array([impulses.rounds]),
-            np.array([impulses.converged]),
-        )
-
-    @classmethod
-    def joined(cls, parts: list[StepEntries], joints: int, components: int) -> StepEntries:
-        """Entries of consecutive steps, with a number of joint multipliers and of components of
-        impulses."""
-        whole, number, flag = np.zeros(0), np.zeros(0, dtype=int), np.zeros(0, dtype=bool)
-        table = np.zeros((0, components))
-        entries = [*[number] * 3, *[table] * 2, *[flag] * 2, *[whole] * 6, number, flag]
-        none = cls(np.zeros((joints, 0)), *entries)
-        parts = [none, *parts]
-        columns = {f.name: [getattr(part, f.name) for part in parts] for f in fields(cls)}
-        multiplier = np.concatenate(columns.pop("multiplier"), axis=1)
-        return cls(multiplier, **{name: np.concatenate(c) for name, c in columns.items()})
 
 
 class StepLog:
@@ -119,6 +47,8 @@ class StepLog:
         self.uncorrected: list[np.ndarray] = []
         self.lengths: list[float] = []
         self.parts: list[StepEntries] = []
+        self.paths: list[StepPath] = []
+        self.impacts: list[ImpactStage | None] = []
         self.speed_losses: list[float] = []
         self.speed_inputs: list[float] = []
         self.passages: list[Passage] = []
@@ -163,6 +93,8 @@ class StepLog:
         self.lengths.append(h)
         self.uncorrected.append(result.y)
         self.parts.append(StepEntries.of(result, self.v))
+        self.paths.append(StepPath.of(result))
+        self.impacts.append(result.impact)
         self.positions.append(y)
         self.speeds.append(speeds.v)
         self.speed_losses.append(speeds.lost)
@@ -171,10 +103,15 @@ class StepLog:
         self.stored.append(self._stored(t, y))
 
     def extend(
-        self, t: np.ndarray, states: Sequence[np.ndarray], depths: np.ndarray, part: StepEntries
+        self,
+        t: np.ndarray,
+        states: Sequence[np.ndarray],
+        depths: np.ndarray,
+        part: StepEntries,
+        paths: Sequence[StepPath],
     ) -> None:
         """Append K steps without joints or force laws: times, positions by rows, those before
-        corrections, speeds, and penetrations at their ends."""
+        corrections, speeds, penetrations at their ends, and paths."""
         y, uncorrected, v = states
         self.compiled += range(len(self.lengths), len(self.lengths) + t.size)
         self.lengths += list(np.diff(t, prepend=self.t))
@@ -186,6 +123,8 @@ class StepLog:
         for zeros in (self.speed_losses, self.speed_inputs, self.stored):
             zeros.extend([0.0] * t.size)
         self.parts.append(part)
+        self.paths += paths
+        self.impacts += [None] * t.size
 
     def sizes(self) -> dict[str, int]:
         """Numbers of entries, for ``cut``."""
@@ -230,6 +169,8 @@ class StepLog:
             offset=entries.offset,
             curved=entries.curved,
             kept=entries.kept,
+            paths=self.paths,
+            impacts=self.impacts,
             longest=entries.longest,
             linear=1 + sum(self.step.groups[:1]),
             loss=loss,

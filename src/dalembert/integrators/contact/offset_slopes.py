@@ -10,9 +10,6 @@ from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.approach import Approach
 
-NEAR = 1e3
-"""Tolerance of offsets that equal no branch within rounding, relative to rounding: recorded offsets
-may contain means over another path than that of the repeated step [-]."""
 TIED = 1e-12
 """Rounding error of the speed after an impact without restitution, relative to the speed before
 [-]."""
@@ -70,11 +67,7 @@ def _rebound(approach: Approach) -> tuple[np.ndarray, ...]:
 
 
 def anticipated_slopes(
-    approach: Approach,
-    offsets: np.ndarray,
-    closing: float,
-    rounding: float | np.ndarray,
-    exact: bool = True,
+    approach: Approach, offsets: np.ndarray, closing: float, rounding: float | np.ndarray
 ) -> OffsetSlopes:
     """Derivatives of the branch of ``AnticipatedImpacts`` that an offset equals.
 
@@ -87,7 +80,6 @@ def anticipated_slopes(
     offsets : (n, k)
     closing : fraction of a gap that a resting contact closes per step
     rounding : difference of speeds that counts as rounding [m/s]
-    exact : whether offsets without a branch are compared again, with ``NEAR`` times the rounding
 
     Raises
     ------
@@ -139,9 +131,6 @@ def anticipated_slopes(
     branches, tied = np.concatenate([branches, slow]), np.concatenate([tied, slows])
     lost = ~tied.any(axis=0)
     if lost.any():
-        if exact:
-            near = np.where(lost, NEAR * rounding, rounding)
-            return anticipated_slopes(approach, offsets, closing, near, exact=False)
         speed = -offsets[np.argmax(lost), 0]
         raise AnalysisError(
             f"the normal speed {speed:.6g} m/s at the end of a step follows no branch of "
@@ -177,6 +166,8 @@ def _slow(
     slow = (u < 0) & (u > -rests[0])
     limit = np.where(slow, rests[0], 1.0)
     share = np.where(slow, 1 + u / limit, 0.0)
+    slow &= share < 1  # others are at rest within rounding
+    share = np.where(slow, share, 0.0)
     forced = np.zeros_like(rests)
     forced[0] = (offset - share * parting[0]) / (1 - share)
     forced[4] = 1.0

@@ -14,13 +14,13 @@ from functools import cached_property
 import numpy as np
 import scipy
 
+from dalembert.analysis.nonsmooth.active_contacts import ActiveContacts
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.integrators.contact.offset_slopes import OffsetSlopes
 from dalembert.integrators.contact.semismooth_newton import pieces
-from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts
 from dalembert.sensitivity.nonsmooth.force_slopes import ForceSlopes
 from dalembert.sensitivity.nonsmooth.gap_changes import GapChanges
 from dalembert.sensitivity.nonsmooth.gap_matrices import (

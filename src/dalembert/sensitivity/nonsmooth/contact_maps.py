@@ -13,11 +13,11 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
+from dalembert.analysis.nonsmooth.active_contacts import NO_PATH, ActiveContacts
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.gaps.model_gaps import APART
 from dalembert.analysis.nonsmooth.impact_stage import ImpactStage
 from dalembert.integrators.contact.contact_laws import FIRST
-from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts
 from dalembert.sensitivity.nonsmooth.contact_equations import ContactEquations
 from dalembert.sensitivity.nonsmooth.force_slopes import ForceSlopes
 from dalembert.sensitivity.nonsmooth.forced_changes import ForcedSteps
@@ -127,6 +127,7 @@ class ContactMaps:
         h: float,
         active: ActiveContacts,
         before: MapAt | None = None,
+        curved: np.ndarray = NO_PATH.curved,
         stage: ImpactStage | None = None,
     ) -> MapAt:
         """Map from the start of a step to its end before corrections.
@@ -136,6 +137,7 @@ class ContactMaps:
         after : initial guess of the speeds at the end
         active : the pressing contacts
         before : map of the solution on whose path means of gaps are taken
+        curved : keys of all contacts with means, pressing ones and others
         stage : impacts at the start of the step, whose impulses ``active`` does not include
         """
         (y, v), n = self._split(x), self.speeds
@@ -168,8 +170,9 @@ class ContactMaps:
         if contacts is not None and contacts.slopes.forced.any():
             dependent = contacts.slopes.some(contacts.slopes.forced > 0)
             changes = [dependent.change], [dependent.forced]
-            single = ForcedSteps(x[:, None], np.array([t]), np.array([h]), *changes)
-            forced = self.forced_changes(single)
+            means = None if before is None else (curved, before.z[:n])
+            single = ForcedSteps(x[:, None], np.array([t]), np.array([h]), *changes, means)
+            forced = self.forced_changes(single, path)
         next_by_z, next_by_q = slopes
         return MapAt(z, following, factors, by_q, next_by_z, next_by_q, contacts, forced, before)
 
@@ -217,8 +220,9 @@ class ContactMaps:
         motions = Motions(factors, changes, gaps, means, n, self.size)
         return ImpactSlopes(stage, active.keys, motions)
 
-    def forced_changes(self, steps: ForcedSteps) -> Sparse:
-        """(K, K n_q) derivatives by ``q`` of the largest changes of normal speeds by forces.
+    def forced_changes(self, steps: ForcedSteps, path: Path | None = None) -> Sparse:
+        """(K, K n_q) derivatives by ``q`` of the largest changes of normal speeds by forces; that
+        of a mean over a path is followed by those by the speeds of the path.
 
         With the speeds ``v_f`` at the end of a step without impulses, a change is ``u_N⁺(v_f) −
         u_N⁻`` or its negative, and
@@ -238,17 +242,22 @@ class ContactMaps:
         z = -factors.solve(value).reshape(count, n).T
         _, (_, by_q), *_ = self.equations.linear(z, *own)
         free = z[: self.speeds]
-        keys, signs, kept = steps.largest(self.contact_step, free)
+        keys, signs, kept, means = steps.largest(self.contact_step, free)
         none = np.zeros((count, 1 + sum(self.contact_step.groups)))
         state = StepState(t, y, self.p, v, free, lead=self.lead(h))
-        gaps = self.gaps(state, keys, none, owner=np.arange(count), kept=kept)
+        if means.any():  # of a single step
+            single = y[:, 0], self.p, v[:, 0], free[:, 0]
+            state = StepState(float(steps.t[0]), *single, lead=self.lead(float(steps.h[0])))
+        gaps = self.gaps(state, keys, none, means, path, np.arange(count), kept)
         normal, slopes = np.arange(count) * none.shape[1], joined_matrices(gaps)
         by_speeds = np.zeros((count, n))  # of one gap of each step, and so of all in one column
         by_speeds[:, : self.speeds] = gaps.directions[normal].sum(axis=0).reshape(count, -1)
         weights = factors.solve(by_speeds.ravel(), transposed=True)
         places = np.arange(count * n), n * np.arange(count + 1)
         by_equations = scipy.sparse.csr_array((weights, *places), shape=(count, count * n))
-        changes = slopes["after"][normal] - slopes["before"][normal] - by_equations @ by_rows(by_q)
+        by_equations = scipy.sparse.csr_array(by_equations @ by_rows(by_q))
+        by_equations.resize(count, slopes["after"].shape[1])
+        changes = slopes["after"][normal] - slopes["before"][normal] - by_equations
         return scipy.sparse.csr_array(scipy.sparse.diags_array(signs) @ changes)
 
     def opening(

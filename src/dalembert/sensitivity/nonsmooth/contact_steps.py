@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cached_property
 from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.advance import advance
+from dalembert.analysis.nonsmooth.active_contacts import ActiveContacts
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import SETTINGS
 from dalembert.analysis.nonsmooth.mobility import delassus
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
 from dalembert.analysis.nonsmooth.speed_jumps import speed_jumps
-from dalembert.analysis.nonsmooth.step_state import LastImpulses, StepResult
 from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contact_laws import FIRST, IMPACT
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
-from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts
 from dalembert.sensitivity.nonsmooth.contact_changes import ContactChanges
 from dalembert.sensitivity.nonsmooth.contact_equations import STICK_MARGIN
 from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps
@@ -33,9 +30,6 @@ from dalembert.sensitivity.nonsmooth.recorded_opening import SAME, RecordedOpeni
 from dalembert.sensitivity.nonsmooth.stacked_impacts import StackedImpacts
 from dalembert.sensitivity.nonsmooth.step_stacks import StepStacks
 from dalembert.symbolic.equations import newton
-
-ANOTHER_PATH = 1e-5
-"""Tolerance of a state after a step with means over a path that is not recorded [-]."""
 
 
 class ContactSteps:
@@ -123,21 +117,21 @@ class ContactSteps:
         return np.asarray(np.abs(slip - limit) <= STICK_MARGIN * limit)
 
     @cached_property
-    def _are_repeated(self) -> np.ndarray:
-        """(K,) mask of the steps with solutions that are not recorded: those on whose paths means
-        of gaps are taken, and impacts by other laws than Newton's."""
+    def _are_single(self) -> np.ndarray:
+        """(K,) mask of the steps with several solutions, which are linearised one by one: those on
+        whose paths means of gaps are taken, and impacts by other laws than Newton's."""
         contacts = self.contacts.all
-        repeated = contacts.curved.copy()
-        if repeated.size:
-            repeated |= self._laws(contacts.keys)[:, IMPACT] != ImpactLaw.NEWTON.number
-        mask: np.ndarray = np.bincount(self.contacts.owner, repeated, self.count) > 0
+        single = contacts.curved.copy()
+        if single.size:
+            single |= self._laws(contacts.keys)[:, IMPACT] != ImpactLaw.NEWTON.number
+        mask: np.ndarray = np.bincount(self.contacts.owner, single, self.count) > 0
         return mask
 
     @cached_property
     def stacks(self) -> StepStacks:
         """Steps whose maps are evaluated together."""
         sticks = ~self._are_slipping
-        return StepStacks(self.maps, self.record, self.contacts, self._are_repeated, sticks)
+        return StepStacks(self.maps, self.record, self.contacts, self._are_single, sticks)
 
     def stacked_impacts(self, k: int) -> tuple[StackedImpacts, int] | None:
         """Impacts that contain those of a step, and its number among them; None for steps that are
@@ -177,19 +171,26 @@ class ContactSteps:
             )
         return maps
 
-    def _is_recorded(self, k: int, end: np.ndarray, same: float = SAME) -> bool:
-        """Whether a state is the recorded one at the end of step ``k``, with a tolerance."""
+    def _is_recorded(self, k: int, end: np.ndarray) -> bool:
+        """Whether a state is the recorded one at the end of step ``k``."""
         scale = np.abs(self.x[:, k : k + 2]).max(initial=0.0) + self.step.model.scales.length
-        return bool(np.abs(end - self.x[:, k + 1]).max(initial=0.0) <= same * scale)
+        return bool(np.abs(end - self.x[:, k + 1]).max(initial=0.0) <= SAME * scale)
 
     def _maps(self, k: int) -> list[MapAt]:
-        """Sequence of maps of a step outside of stacks."""
-        (t, h), active, x = self.span(k), self.active(k), self.x[:, k]
-        after = self.x[self.size :, k + 1]
-        if self._are_repeated[k]:
-            maps = [self._repeated(k)]
-        else:
-            maps = [self.maps.step(x, after, t, h, active)]
+        """Sequence of maps of a step outside of stacks: the last of its solutions, each of which
+        has its means over the path of the one before, and corrections."""
+        (t, h), x, path, impact = self.span(k), self.x[:, k], None, self.record.impacts[k]
+        for solution in self.record.paths[k].solutions:
+            means = path, solution.curved, solution.impact
+            path = self.maps.step(x, solution.v, t, h, solution.active, *means)
+        active, after = self.active(k), self.x[self.size :, k + 1]
+        if self._is_mixed(k, active):
+            raise UnsupportedError(
+                f"rigid contacts along curved paths act with contacts with a force law in the step "
+                f"at t = {t:.9g} s: no gradient; give them all force laws, or none"
+            )
+        means = path, self.record.paths[k].curved, impact
+        maps = [self.maps.step(x, after, t, h, active.after(impact), *means)]
         recorder = RecordedOpening(self.step, t + h, self.step.scheme.projection)
         newton.solve(recorder, maps[0].following[: self.size], SETTINGS)
         for keys, lifts in recorder.active:
@@ -199,70 +200,13 @@ class ContactSteps:
             maps.append(self.maps.consistent(maps[-1].following, t + h))
         return maps
 
-    def _repeated(self, k: int) -> MapAt:
-        """Map of a step that is repeated: with means of gaps over the path of a solution, or with
-        impacts at its start. Contacts that press by rounding may differ from the recorded ones,
-        which the last solution has unless impacts divide their impulses."""
-        (t, h), (y, v) = self.span(k), self.split(k)
-        before = self._last(k - 1)
-        if before is not None:  # from its own impulses, as solutions may not be unique
-            before = replace(before, pressing=self._impulses(k).pressing)
-        step = replace(self.step, longest=float(self.record.longest[k]))
-        result: StepResult | None = advance(step, t, h, y, v, before)
-        results = []
-        while result is not None:
-            results.append(result)
-            result = result.path
-        if any(self._is_mixed(result) for result in results):
-            raise UnsupportedError(
-                f"rigid contacts along curved paths act with contacts with a force law in the step "
-                f"at t = {t:.9g} s: no gradient; give them all force laws, or none"
-            )
-        path, special = self._along(k, results), step.force_laws.elements or results[0].impact
-        if path is not None and (special or self._is_recorded(k, path.following)):
-            return path
-        return self._on_recorded_path(k)
-
-    def _along(self, k: int, results: list[StepResult]) -> MapAt | None:
-        """Map of the first of some results, each of which is the path of the one before; None if
-        recorded contacts have means over a path, and the results have none."""
-        (t, h), x, path = self.span(k), self.x[:, k], None
-        for result in results[::-1]:
-            own = ActiveContacts.of(result)
-            if result is results[0] and result.impact is None:
-                own = self.active(k)
-            if path is None and result is results[0] and own.curved.any():
-                return None
-            path = self.maps.step(x, result.v, t, h, own, path, result.impact)
-        return path
-
-    def _on_recorded_path(self, k: int) -> MapAt:
-        """Map of a step with means of gaps over its recorded path, for solutions that are not
-        unique. The path changes as that of a step whose path changes without contacts."""
-        (t, h), active, (x, end) = self.span(k), self.active(k), self.x[:, k : k + 2].T
-        after = end[self.size :]
-        path = self.maps.step(x, after, t, h, active.some(np.zeros(active.keys.size, dtype=bool)))
-        for _ in range(2):
-            path = replace(path, z=np.concatenate([after, path.z[after.size :]]))
-            path = self.maps.step(x, after, t, h, active, path)
-        same = self._is_recorded(k, path.following, ANOTHER_PATH)
-        return replace(path, following=end) if same else path
-
-    def _is_mixed(self, result: StepResult) -> bool:
+    def _is_mixed(self, k: int, active: ActiveContacts) -> bool:
         """Whether rigid contacts have means over a path, and compliant ones others."""
-        laws, contacts = self.step.force_laws, result.contacts
-        own = contacts.some(np.isin(contacts.key, result.curved))
-        return bool(laws.elements) and not laws.compliant(own).all()
-
-    def _last(self, k: int) -> LastImpulses | None:
-        """Part of step ``k`` on which the next one depends; None before the first."""
-        return self._impulses(k) if k >= 0 else None
-
-    def _impulses(self, k: int) -> LastImpulses:
-        """Impulses of step ``k``, and the contacts that stick in it."""
-        active, order = self.active(k), np.argsort(self.active(k).keys)
-        stuck = active.keys[~self._slips(active.keys, active.impulses)]
-        return LastImpulses((active.keys[order], active.impulses[order]), stuck)
+        laws, own = self.step.force_laws, active.keys[active.curved]
+        if not laws.elements or not own.size:
+            return False
+        contacts = self.step.selected(self.step.at(self.span(k)[0], self.split(k)[0]), own)
+        return not laws.compliant(contacts).all()
 
     def acceleration(
         self,

@@ -32,7 +32,7 @@ class MapAt:
     next_by_z, next_by_q : ``F_z`` without the columns of impulses, ``F_q``
     contacts : equations of the contacts
     forced : (1, n_q) derivatives of the largest change of a normal speed by forces, where offsets
-        depend on it
+        depend on it, followed by those by the speeds of the path if the change is a mean over it
     path : map of the speeds at the end of the path over which means of gaps are taken
     """
 
@@ -55,7 +55,8 @@ class MapAt:
             momentum, rows = self.contacts.push(dq, path)
             right[: momentum.shape[0]] -= momentum
             if self.forced is not None:
-                rows += self.contacts.by_forced[:, None] * (self.forced @ dq)
+                by = dq if path is None or self.forced.shape[1] == dq.shape[0] else [*dq, *path]
+                rows += self.contacts.by_forced[:, None] * (self.forced @ np.asarray(by))
             right = np.concatenate([right, rows])
         return -self.factors.solve(right)
 
@@ -67,11 +68,15 @@ class MapAt:
         if self.contacts is not None:
             speeds = self.contacts.gaps.directions.shape[1]
             q_bar += self.contacts.pull(-inner[:speeds], inner[size:])
+            forced_bar = np.zeros((0, z_bar.shape[1]))
             if self.forced is not None:
-                q_bar += self.forced.T @ (self.contacts.by_forced @ inner[size:])[None]
+                forced_bar = self.forced.T @ (self.contacts.by_forced @ inner[size:])[None]
+                q_bar += forced_bar[: q_bar.shape[0]]
             if self.path is not None:
                 path_bar = np.zeros((self.path.z.size, z_bar.shape[1]))
                 path_bar[:speeds] = self.contacts.pull_path(-inner[:speeds], inner[size:])
+                rest = forced_bar[q_bar.shape[0] :]
+                path_bar[: rest.shape[0]] += rest
                 q_bar += self.path.weights(path_bar)
         return np.asarray(q_bar)
 

@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.nonsmooth.active_contacts import ActiveContacts
 from dalembert.integrators.contact.approach import SLOW, SLOWEST, largest_nearby
-from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts
 from dalembert.sensitivity.nonsmooth.break_away import BreakAways, break_aways
 from dalembert.sensitivity.nonsmooth.contact_changes import MARGIN, ContactChanges, near_change
 from dalembert.sensitivity.nonsmooth.contact_equations import ContactEquations

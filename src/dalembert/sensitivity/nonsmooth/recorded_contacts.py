@@ -6,8 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
+from dalembert.analysis.nonsmooth.active_contacts import ActiveContacts
 from dalembert.results.nonsmooth_motion import ContactRecord
-from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts
 
 
 class RecordedContacts:

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from dalembert.sensitivity.nonsmooth.active_contacts import ActiveContacts
+from dalembert.analysis.nonsmooth.active_contacts import ActiveContacts
 from dalembert.sensitivity.nonsmooth.contact_changes import near_change
 from dalembert.sensitivity.nonsmooth.contact_equations import ContactEquations
 from dalembert.sensitivity.nonsmooth.contact_maps import ContactMaps

@@ -32,7 +32,7 @@ class StepStacks:
     maps : ContactMaps of the run
     record : ContactRecord
     contacts : RecordedContacts
-    repeated : (K,) mask of the steps with solutions that are not recorded
+    single : (K,) mask of the steps with several solutions, which belong to no stack
     sticks : (n,) mask of the contacts of all steps that do not slide
     """
 
@@ -41,7 +41,7 @@ class StepStacks:
         maps: ContactMaps,
         record: ContactRecord,
         contacts: RecordedContacts,
-        repeated: np.ndarray,
+        single: np.ndarray,
         sticks: np.ndarray,
     ):
         step = maps.contact_step
@@ -49,7 +49,7 @@ class StepStacks:
         self._x = np.vstack([record.ends.y, record.ends.v])
         has_means = step.smooth.takes_means(step.scheme.theta)
         unfit = has_means or step.smooth.has_joints or step.force_laws.elements
-        self._fit = np.zeros_like(repeated) if unfit else ~repeated
+        self._fit = np.zeros_like(single) if unfit else ~single
         self._length = stack_length(self._x.shape[0])
         self._number = -1
         self._impacts: StackedImpacts | None = None
@@ -57,8 +57,8 @@ class StepStacks:
 
     def at(self, k: int) -> tuple[StackedMaps, int] | None:
         """Maps that contain those of a step, and its number among them; None if the step has
-        joints, means over its path, force laws or corrections of positions, or solutions that
-        are not recorded."""
+        joints, means over its path, force laws, corrections of positions or several
+        solutions."""
         if not self._fit[k]:
             return None
         number = k // self._length

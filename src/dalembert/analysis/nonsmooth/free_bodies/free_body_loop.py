@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from dalembert.analysis.nonsmooth.active_contacts import NO_PATH, StepPath
 from dalembert.analysis.nonsmooth.contact_step import PATHS, SAME_MEANS, ContactStep
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
 from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import CHUNK, FreeBodySteps
@@ -166,12 +167,13 @@ class FreeBodyLoop(ABC):
         end = begin + count
         usual = self._step.longest
         longest = [step_lengths(grid, k, usual)[2] for k in range(begin, end)]
-        part = steps.entries(count, np.array(longest), self._curved_keys(begin, end))
+        paths = [self._path_of(k) for k in range(begin, end)]
+        part = steps.entries(count, np.array(longest), [path.curved for path in paths])
         y, v = self._ys[:count].copy(), self._vs[:count].copy()
         before = y if uncorrected is None else uncorrected[:count].copy()
         depth = self._step.deepest(self._step.at(grid[end], y[-1]))
         depths = np.abs(np.append(steps.numbers[1:count, RecordColumns.DEPTH], depth))
-        log.extend(grid[begin + 1 : end + 1], (y, before, v), depths, part)
+        log.extend(grid[begin + 1 : end + 1], (y, before, v), depths, part, paths)
         contacts = part.key.size
         own = slice(contacts - int(part.count[-1]), contacts)
         self._last = LastImpulses((part.key[own], part.impulse[own]), part.key[:0])
@@ -181,10 +183,9 @@ class FreeBodyLoop(ABC):
         steps.forget(count, contacts)
         return end
 
-    def _curved_keys(self, begin: int, end: int) -> Mapping[int, np.ndarray]:
-        """Keys of the contacts with means over the path, by the number of the step after
-        ``begin``."""
-        return {}
+    def _path_of(self, k: int) -> StepPath:
+        """Path of step ``k``, which is transferred to the log."""
+        return NO_PATH
 
 
 def flat(array: np.ndarray) -> np.ndarray:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 import numpy as np
 
+from dalembert.analysis.nonsmooth.active_contacts import NO_PATH, PathSolution, StepPath
 from dalembert.analysis.nonsmooth.advance import REPETITIONS, inexact_depth, lasting_depth
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.free_bodies.free_body_loop import REPORTED, FreeBodyLoop
@@ -22,7 +23,7 @@ from dalembert.analysis.nonsmooth.free_bodies.sleeping_bodies import (
     SleepRule,
 )
 from dalembert.analysis.nonsmooth.step_log import StepLog
-from dalembert.analysis.nonsmooth.step_state import LastImpulses
+from dalembert.analysis.nonsmooth.step_state import LastImpulses, step_lengths
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.contact.places import Counts
 from dalembert.integrators.contact.step_calls import StepOutcome
@@ -62,7 +63,7 @@ class FreeBodyMarch(FreeBodyLoop):
         self._part = np.zeros_like(steps.v)
         self._place_part = self._placed(self._y, self._part, self._next)
         self._repeats = PathRepeats(steps, self._manifold, step.rounding)
-        self._curved: dict[int, np.ndarray] = {}
+        self._paths: dict[int, StepPath] = {}
         self._inexact: dict[int, float] = {}
 
     @property
@@ -173,9 +174,11 @@ class FreeBodyMarch(FreeBodyLoop):
         """
         steps, repeats, row = self._steps, self._repeats, k - 1 - begin
         repeats.begin(k)
+        last, longest = self._path_of(k - 1), step_lengths(grid, k - 1, self._step.longest)[2]
+        active = steps.last_active(longest, last.curved)
+        solutions = *last.solutions, PathSolution(self._vs[row].copy(), active, last.curved)
         steps.remove_last()
         self.sleeping.restore()
-        self._curved.pop(k, None)
         if repeats.count > REPETITIONS:
             return False
         start, length = float(grid[k - 1]), float(grid[k] - grid[k - 1])
@@ -203,7 +206,7 @@ class FreeBodyMarch(FreeBodyLoop):
         self._y[:] = self._next
         self._look_ahead(grid, k)
         self._ys[row], self._vs[row] = self._y, steps.v
-        self._curved[k] = repeats.keys
+        self._paths[k - 1] = StepPath(repeats.keys, solutions)
         return True
 
     def _attempt(self) -> StepOutcome:
@@ -229,6 +232,5 @@ class FreeBodyMarch(FreeBodyLoop):
             return self._steps.rest()
         return super()._turned_step(first)
 
-    def _curved_keys(self, begin: int, end: int) -> Mapping[int, np.ndarray]:
-        numbers = [k for k in self._curved if begin < k <= end]
-        return {k - 1 - begin: self._curved.pop(k) for k in numbers}
+    def _path_of(self, k: int) -> StepPath:
+        return self._paths.pop(k, NO_PATH)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 
 import numpy as np
 
+from dalembert.analysis.nonsmooth.active_contacts import ActiveContacts
 from dalembert.analysis.nonsmooth.free_bodies.path_contacts import PathContacts
-from dalembert.analysis.nonsmooth.step_log import StepEntries
+from dalembert.analysis.nonsmooth.step_entries import StepEntries
 from dalembert.integrators.contact.places import Counts
 from dalembert.integrators.contact.step_calls import StepOutcome
 from dalembert.integrators.contact.step_places import RecordColumns, Sizes
@@ -66,6 +67,21 @@ class RecordedContacts(PathContacts):
         )
         return [array[begin : begin + count].copy() for array in self._recorded[:3]]
 
+    def last_active(self, longest: float, curved: np.ndarray) -> ActiveContacts:
+        """Pressing contacts of the last step.
+
+        Parameters
+        ----------
+        longest : longest step that might follow [s]
+        curved : keys of contacts with means over the path
+        """
+        last = self.numbers[self.counts[Counts.RECORDED_STEPS] - 1, RecordColumns.PRESSING]
+        end = int(self.counts[Counts.RECORDED_CONTACTS])
+        keys, impulses, offsets, kept = (part[end - int(last) : end] for part in self._recorded)
+        order, room = np.argsort(keys), np.full(keys.size, longest)
+        own = keys, impulses, offsets, np.isin(keys, curved), kept > 0, room
+        return ActiveContacts(*(part[order] for part in own))
+
     def rest(self) -> StepOutcome:
         """A step in which no body moves, without contacts."""
         if self.counts[Counts.RECORDED_CONTACTS] >= self.counts[Counts.MAX_RECORDED]:
@@ -91,15 +107,13 @@ class RecordedContacts(PathContacts):
         self.counts[Counts.RECORDED_CONTACTS] += keys.size
         self.numbers[self.counts[Counts.RECORDED_STEPS] - 1, RecordColumns.PRESSING] += keys.size
 
-    def entries(
-        self, steps: int, longest: np.ndarray, curved: Mapping[int, np.ndarray]
-    ) -> StepEntries:
+    def entries(self, steps: int, longest: np.ndarray, curved: Sequence[np.ndarray]) -> StepEntries:
         """The first recorded steps, with their contacts in the order of the keys.
 
         Parameters
         ----------
         longest : (steps,) longest step that might follow [s]
-        curved : keys of contacts with means over the path, by the number of the step
+        curved : (steps,) keys of the contacts of each step with means over its path
         """
         numbers = self.numbers[:steps].copy()
         count = numbers[:, RecordColumns.PRESSING].astype(int)
@@ -108,8 +122,9 @@ class RecordedContacts(PathContacts):
         order = np.lexsort((keys, owner))
         keys, zero = keys[order], np.zeros(keys.size)
         means = np.zeros(keys.size, dtype=bool)
-        for step, own in curved.items():
-            means |= (owner == step) & np.isin(keys, own)
+        for step, own in enumerate(curved):
+            if own.size:
+                means |= (owner == step) & np.isin(keys, own)
         return StepEntries(
             multiplier=np.zeros((0, steps)),
             count=count,
