@@ -164,3 +164,29 @@ def both_ways(
         patch.setattr(FreeBodyMarch, "of", lambda *arguments: None)
         general = da.solve_nonsmooth(model, **options)
     return compiled, general
+
+
+def falling_boxes(count: int, seed: int) -> da.Model:
+    """Boxes in rows above each other that fall into a box."""
+    rng, system = np.random.default_rng(seed), da.System("boxes", gravity=(0.0, 0.0, -9.81))
+    friction, push = system.parameter("friction", 0.3), system.parameter("push", 0.0, "m/s")
+    shapes: list[spatial.contact.Shape] = []
+    columns = int(np.ceil(count ** (1 / 3) - 1e-9))
+    for k in range(count):
+        x, y, z = k // columns % columns, k % columns, k // columns**2
+        place = 0.24 * (np.array([x, y]) - (columns - 1) / 2) + 0.01 * rng.random(2)
+        speed = 0.3 * rng.normal(size=3)
+        velocity = (speed[0] + push, speed[1], speed[2])
+        start = {"position": (*place, 0.105 + 0.21 * z), "velocity": velocity}
+        body = spatial.Body(f"box{k}", mass=10.0, inertia=(0.0667,) * 3, **start)
+        shapes.append(spatial.contact.Box(system.add(body).center, (0.2,) * 3))
+    half = 0.12 * columns
+    shapes.append(spatial.contact.HalfSpace(system.ground.frame()))
+    for axis in range(2):
+        for sign in (1, -1):
+            point, normal = np.zeros(3), np.zeros(3)
+            point[axis], normal[axis] = -sign * half, sign
+            frame = system.ground.frame(tuple(point), axis=tuple(normal))
+            shapes.append(spatial.contact.HalfSpace(frame))
+    system.add(spatial.Collisions("contacts", shapes, friction=friction))
+    return system.build()

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from free_body_scenes import (
     both_ways,
+    falling_boxes,
     planar_hulls,
     planar_scene,
     spatial_hulls,
@@ -20,7 +21,7 @@ from dalembert.analysis.nonsmooth.advance import advance
 from dalembert.analysis.nonsmooth.free_bodies import free_body_march, free_body_steps
 from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
 from dalembert.analysis.nonsmooth.free_bodies.path_repeats import PathRepeats
-from dalembert.analysis.nonsmooth.step_state import LastImpulses
+from dalembert.analysis.nonsmooth.step_state import LastImpulses, StepResult
 from dalembert.integrators.contact.step_calls import StepOutcome
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
@@ -209,6 +210,27 @@ def test_steps_that_close_gaps_are_repeated_by_the_general_step(monkeypatch):
     assert general.record.curved.any()
 
 
+def general_step(steps: ContactSteps, number: int) -> StepResult:
+    """A recorded step by the general function."""
+    active = steps.active(number - 1)
+    last = LastImpulses((active.keys, active.impulses), active.keys[:0])
+    return advance(steps.step, *steps.span(number), *steps.split(number), last)
+
+
+@pytest.mark.thorough
+def test_repetitions_end_where_they_open_no_gaps():
+    """Edges of two boxes cross at the end of a step, and beyond their ends at its start: no contact
+    separates them there. The same contacts with another path would open the gap no further: the
+    correction of positions opens it."""
+    motion = da.solve_nonsmooth(falling_boxes(30, 28), 0.09, step=1e-3)
+    assert len(motion.record.paths[86].solutions) == 2
+    assert motion.record.penetration.max() <= 1e-10
+    steps = ContactSteps(motion)
+    general, end = general_step(steps, 86), steps.x[: steps.size, 87]
+    gap = steps.step.deepest(steps.step.at(0.087, general.y))
+    assert gap < -5e-5 and np.abs(end - general.y).max() > -gap
+
+
 def test_an_interrupted_run_keeps_its_steps():
     def stop(fraction: float) -> None:
         if fraction > 0.5:
@@ -237,8 +259,5 @@ def test_repeated_steps_of_passing_bodies_are_the_general_steps(seed, number):
     system.add(planar.Collisions("hits", shapes, friction=0.3))
     solver = da.ContactSolver(tolerance=1e-10)
     steps = ContactSteps(da.solve_nonsmooth(system.build(), 0.4, step=2e-3, solver=solver))
-    (y, v), (t, h) = steps.split(number), steps.span(number)
-    active = steps.active(number - 1)
-    last = LastImpulses((active.keys, active.impulses), active.keys[:0])
-    general = advance(steps.step, t, h, y, v, last)
+    general = general_step(steps, number)
     assert general.v == pytest.approx(steps.x[steps.size :, number + 1], abs=1e-7)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from free_body_scenes import falling_boxes
 
 import dalembert as da
-from dalembert import planar, spatial
+from dalembert import planar
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
 
 
@@ -131,28 +132,7 @@ def test_recorded_paths():
 def test_gradients_of_falling_boxes(seed):
     """Adjoint and direct gradients agree, also where the general step has another solution than the
     recorded one, and where the largest change of a normal speed by forces is a mean over a path."""
-    rng, system = np.random.default_rng(seed), da.System("boxes", gravity=(0.0, 0.0, -9.81))
-    friction, push = system.parameter("friction", 0.3), system.parameter("push", 0.0, "m/s")
-    shapes: list[spatial.contact.Shape] = []
-    for k in range(10):
-        x, y, z = k // 3 % 3, k % 3, k // 9
-        place = 0.24 * np.array([x - 1, y - 1]) + 0.01 * rng.random(2)
-        speed = 0.3 * rng.normal(size=3)
-        velocity = (speed[0] + push, speed[1], speed[2])
-        start = {"position": (*place, 0.105 + 0.21 * z), "velocity": velocity}
-        body = spatial.Body(f"box{k}", mass=10.0, inertia=(0.0667,) * 3, **start)
-        shapes.append(spatial.contact.Box(system.add(body).center, (0.2,) * 3))
-    walls = [(0, 0, 0.0), (0, 1, -0.36), (0, -1, 0.36), (1, 1, -0.36), (1, -1, 0.36)]
-    for number, (axis, sign, at) in enumerate(walls):
-        point, normal = np.zeros(3), np.zeros(3)
-        if number == 0:
-            normal[2] = 1.0
-        else:
-            point[axis], normal[axis] = at, sign
-        frame = system.ground.frame(tuple(point), axis=tuple(normal))
-        shapes.append(spatial.contact.HalfSpace(frame))
-    system.add(spatial.Collisions("contacts", shapes, friction=friction))
-    motion = da.solve_nonsmooth(system.build(), 0.5, step=1e-3)
+    motion = da.solve_nonsmooth(falling_boxes(10, seed), 0.5, step=1e-3)
     response = da.final("box3.x")
     adjoint, direct = (
         da.sensitivity(motion, response, method=method).values for method in ("adjoint", "direct")

@@ -23,6 +23,9 @@ PATHS = 4
 """Upper limit of the repetitions with means over the path for compliant contacts."""
 SETTLED = 0.5
 """Ratio of penetrations of consecutive repetitions above which these reduce it no further [-]."""
+STALLS = 2
+"""Number of successive repetitions with the same contacts that do not reduce the penetration by
+``SETTLED``, after which these end."""
 SMALL = 100.0
 """Penetration by inexact impulses that remains, relative to the one that counts as rounding [-]."""
 NOISE = 1e-2
@@ -166,6 +169,7 @@ def _opened(
     strikes = contacts.key[step.scheme.striking(start.approach(contacts, step.rounding))]
     whole, start = start, step.struck(start, contacts.some(among(contacts.key, strikes)))
     result, curved = step.solved(start, contacts, before), np.zeros_like(overlaps)
+    stalls = 0
     for _ in range(REPETITIONS):
         if not np.isfinite(result.y).all():
             break
@@ -184,9 +188,13 @@ def _opened(
             break  # an impact, which has no earlier step to prepare for it
         contacts = Contacts.joined([contacts, added])
         none = np.zeros(added.count, dtype=bool)
-        overlaps, curved = np.append(overlaps, none), np.append(curved, none)
-        curved |= step.selected(at_end, contacts.key).distance < -step.rounding
+        overlaps, repeated = np.append(overlaps, none), np.append(curved, none)
+        curved = repeated | (step.selected(at_end, contacts.key).distance < -step.rounding)
         curved &= ~overlaps
+        unchanged = not added.count and np.array_equal(curved, repeated)
+        stalls = stalls + 1 if unchanged and depth > SETTLED * last else 0
+        if stalls == STALLS or (unchanged and not curved.any()):
+            break
         again = _solved_on_path(step, start, contacts, curved, result)
         if not again.impulses.accepted:
             break

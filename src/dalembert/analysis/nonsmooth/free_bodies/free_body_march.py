@@ -102,11 +102,12 @@ class FreeBodyMarch(FreeBodyLoop):
     ) -> tuple[int, LastImpulses]:
         steps, span, begin = self._steps, grid[-1] - grid[0], k
         stop = grid.size - 1 if stop is None else stop
+        grid = np.append(grid, 2 * grid[-1] - grid[-2])
         self._load(log, last)
         self.sleeping.begin(steps.v)
         self._look_ahead(grid, k)
         try:
-            while k < stop:
+            while k < stop or (k > begin and self._deepens(grid, k, begin, log)):
                 self._take_lengths(grid, k)
                 steps.limits[Limits.ROUNDING] = self._limit(k)
                 outcome = self._attempt()
@@ -118,6 +119,11 @@ class FreeBodyMarch(FreeBodyLoop):
                         continue
                     k -= 1
                 if outcome is not StepOutcome.DONE:
+                    k -= k == stop
+                    break
+                if k == stop:  # the step beyond the end has only searched for closed gaps
+                    steps.remove_last()
+                    steps.v[:] = self._vs[k - 1 - begin]
                     break
                 self._t[0] = grid[k + 1]
                 if not self.sleeping.all_asleep:
@@ -132,9 +138,6 @@ class FreeBodyMarch(FreeBodyLoop):
                     begin = self._transfer(grid, begin, k - 1, log)
                 if k % REPORTED == 0:
                     report((grid[k] - grid[0]) / span)
-            else:
-                if k > begin and self._deepens(grid, k, begin, log):
-                    k -= 1
         finally:
             self._transfer(grid, begin, k, log)
             steps.counts[[Counts.RECORDED_STEPS, Counts.RECORDED_CONTACTS]] = 0
@@ -170,7 +173,7 @@ class FreeBodyMarch(FreeBodyLoop):
     def _opened(self, grid: np.ndarray, k: int, begin: int, log: StepLog) -> bool:
         """Repeat the step that ended at instant ``k`` with means over its path; true if solved.
 
-        The record and the state of that step are replaced.
+        The record and the state of that step are replaced; they are removed otherwise.
         """
         steps, repeats, row = self._steps, self._repeats, k - 1 - begin
         repeats.begin(k)

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.advance import is_settled
+from dalembert.analysis.nonsmooth.advance import SETTLED, STALLS, is_settled
 from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import FreeBodySteps
 from dalembert.analysis.nonsmooth.free_bodies.path_contacts import SHAPES
 from dalembert.analysis.nonsmooth.mean_gaps import LOBATTO
@@ -40,23 +40,25 @@ class PathRepeats:
     def __init__(self, steps: FreeBodySteps, manifold: Manifold, rounding: float):
         self._steps, self._manifold, self._rounding = steps, manifold, rounding
         self.step, self.keys, self.count = -1, np.zeros(0, dtype=np.int64), 0
-        self._depth = np.inf
+        self._depth, self._slow, self._stalls = np.inf, False, 0
 
     def settles(self, step: int, depth: float, inexact: float) -> bool:
         """Whether the step is not repeated for a penetration at its end."""
         last, self._depth = self._depth if step == self.step else np.inf, depth
+        self._slow = depth > SETTLED * last
         return is_settled(depth, last, self._rounding, inexact)
 
     def begin(self, step: int) -> None:
         """Begin with a step, unless it is the one of the last repetition."""
         if step != self.step:
-            self.step, self.keys, self.count = step, self.keys[:0], 0
+            self.step, self.keys, self.count, self._stalls = step, self.keys[:0], 0, 0
         self.count += 1
 
     def select(
         self, place: PlaceShapes, forces: Callable[[], object], displacement: np.ndarray
     ) -> bool:
-        """Select the contacts that are closed at the end, where the shapes are; false without any.
+        """Select the contacts that are closed at the end, where the shapes are; false without any
+        and where repetitions with the same ones have not opened the gaps.
 
         Those that took no part in the step and are closed at its start, too, are replaced by gaps
         that separate the shapes there or, without any, selected if forces can open them.
@@ -84,9 +86,11 @@ class PathRepeats:
             fresh = ~np.isin(names, before)
             more = np.concatenate([more[opened], names[fresh]])
             others = np.vstack([others[opened], separating[fresh]])
-        self.keys = np.concatenate([before[own], more])
+        last, self.keys = self.keys, np.concatenate([before[own], more])
         steps.set_path(self.keys, np.vstack([described[own], others]))
-        return bool(self.keys.size)
+        unchanged = np.array_equal(np.sort(last), np.sort(self.keys))
+        self._stalls = self._stalls + 1 if unchanged and self._slow else 0
+        return bool(self.keys.size) and self._stalls < STALLS
 
     def _separating(
         self, place: PlaceShapes, displacement: np.ndarray, described: np.ndarray
