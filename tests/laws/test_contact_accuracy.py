@@ -60,14 +60,17 @@ def swinging(law: planar.contact.Hertz | None, speed: float = 1.0) -> da.Model:
 @pytest.mark.few(1)
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_the_estimate_is_that_of_a_toppling_box(scheme: da.AnticipatedImpacts):
-    """The error at the end, where it is largest."""
+    """The error at the end, where it is largest, of the coordinate with the largest one."""
     model, shares = toppling(), []
     for step in (4e-3, 1e-3):
         motion = da.solve_nonsmooth(model, 0.25, step=step, integrator=scheme)
-        angle = motion.values("box.angle")
-        error = np.abs(angle - true_angle(motion.time)).max() / np.ptp(angle)
+        exact = true_angle(motion.time)
+        c, s = np.cos(exact), np.sin(exact)
+        true = {"x": 0.1 * c - 0.2 * s, "y": 0.1 * s + 0.2 * c, "angle": exact}
+        errors = [np.abs(motion.values(f"box.{q}") - true[q]).max() / np.ptp(true[q]) for q in true]
+        error = max(errors)
         estimate = motion.error_estimate
-        assert error / 2 < estimate.share < 2 * error + 1e-4
+        assert error / 2 < estimate.share < 5 * error
         shares.append(estimate.share)
     assert shares[1] < shares[0]
 

@@ -64,22 +64,21 @@ def test_rebounds_with_a_wrong_energy_are_warned_about(scheme, height, restituti
 
 
 def test_corrections_that_lift_a_body_are_warned_about():
-    """A box that a force tips over its corner turns too slowly where it is lifted in every step."""
-    system = da.System("tipped", gravity=(0, -9.81))
-    body = planar.Body("box", mass=2.0, inertia=2 * 0.2 / 12, position=(0, 0.2))
-    system.add(body)
-    system.add(planar.Force("push", body.point(-0.1, 0.2), (1.1 * 2 * 9.81 * 0.1 / 0.4, 0)))
+    """A box without friction that falls on a corner and then on its face is lifted there."""
+    system = da.System("dropped", gravity=(0, -9.81))
+    start = {"position": (0, 0.5), "angle": 0.3}
+    body = system.add(planar.Body("box", mass=2.0, inertia=2 * 0.2 / 12, **start))
     shapes = [contact.Rectangle(body, (0.2, 0.4)), contact.HalfPlane(system.ground)]
-    system.add(planar.Collisions("floor", shapes, friction=0.9))
+    system.add(planar.Collisions("floor", shapes))
     model = system.build()
     lifted, exact = (
         da.solve_nonsmooth(model, 0.6, step=5e-3, integrator=scheme)
         for scheme in (da.MoreauJean(), da.AnticipatedImpacts())
     )
-    assert abs(lifted["box.angle"][-1] / exact["box.angle"][-1] - 1).item() > 0.05
     work = lifted.statistics["work of corrections of positions [J]"]
     (warning,) = other_warnings(lifted)
     assert warning.startswith(f"corrections of positions, which lift bodies, did {work:.3g} J")
+    assert ", and let the energy grow by " in warning
     assert warning.endswith("use a shorter step, or integrator=AnticipatedImpacts()")
     assert not other_warnings(exact)
 

@@ -33,6 +33,9 @@ NOISE = 1e-2
 UNSOLVED = 1e-2
 """Distance that the residual of impulses closes in a step, relative to a penetration, below which
 these belong to the solution without the penetration [-]."""
+SUPPLIED = 1e-2
+"""Upper limit of the energy that added contacts supply, relative to the work of opening the gaps
+which they keep open [-]."""
 INEXACT = 10.0
 """Upper limit of errors of relative velocities by the tolerance of the impulses [-]."""
 
@@ -144,7 +147,7 @@ def _closed(
         if not again.impulses.accepted:
             short = again.impulses.residual * start.h < UNSOLVED * -step.deepest(at_end)
             return again if short else result
-        if again.loss < min(result.loss, -_inexact_work(start, again)):
+        if again.loss < min(result.loss, -_allowed_work(start, again, -step.deepest(at_end))):
             break
         result = again
     return result
@@ -202,11 +205,17 @@ def _opened(
     return result
 
 
-def _inexact_work(start: StepStart, result: StepResult) -> float:
-    """Work of contacts that may result from rounding and from the residual of their impulses."""
+def _allowed_work(start: StepStart, result: StepResult, depth: float) -> float:
+    """Work of contacts that may result from rounding and from the residual of their impulses, or is
+    little beside that of a correction of the penetration ``depth``, without these contacts [J].
+
+    Friction that stops a slip within the step supplies energy, also where it is that of inexact
+    impulses at rest, or by the turn of a body that tips over its corner.
+    """
     push = result.impulses.impulses
     exchanged = float(push.ravel() @ (result.contacts.directions @ (result.v - start.free)))
-    return ROUNDING * exchanged + result.impulses.residual * float(np.abs(push).sum())
+    error = max(result.impulses.residual, SUPPLIED * depth / start.h)
+    return ROUNDING * exchanged + error * float(np.abs(push).sum())
 
 
 def inexact_depth(step: ContactStep, h: float, fastest: float) -> float:

@@ -67,8 +67,9 @@ class MoreauJean(ContactScheme):
     (Moreau 1988; Jean 1999; Acary & Brogliato 2008, 10.2). Gaps close by up to half a step's
     motion; ``projection`` opens them again, along ``M⁻¹``, without a change of speeds. Gaps that
     would then be opened act in the step, too, so that resting bodies are not lifted (combined
-    projection: Acary 2013), those that part with ``u_N⁺ ≥ −u_N⁻``, which does no work. Lifted
-    bodies and impacts with friction (Kane's paradox) may add energy; a warning states how much.
+    projection: Acary 2013), those that part with ``u_N⁺ ≥ −u_N⁻``, which does no work, unless
+    their friction supplies more than a hundredth of the work of lifting the bodies. Lifted bodies
+    and impacts with friction (Kane's paradox) may add energy; a warning states how much.
 
     Parameters
     ----------

@@ -1,7 +1,8 @@
 """Warning about contacts that give energy to the bodies.
 
 Newton's law of impact does so where friction ends or reverses a slip (Kane's paradox), if the
-scheme does not prevent it. Impulses within their tolerance may do so by rounding.
+scheme does not prevent it. Friction whose direction turns with a body that tips over an edge does
+work of the order of the squared step. Impulses within their tolerance may do so by rounding.
 """
 
 from __future__ import annotations
@@ -37,7 +38,8 @@ def gain_warnings(step: ContactStep, record: ContactRecord, moved: float) -> lis
     k = int(np.argmax(gains))
     pushes = np.bincount(record.step, np.abs(record.impulse).sum(axis=1), gains.size)
     cause = (
-        "impacts with friction by Newton's law may do so; use impact_law='energetic', or "
+        "impacts with friction by Newton's law may do so, and friction of bodies that tip or roll "
+        "over their edges, less in shorter steps; use impact_law='energetic', or "
         "integrator=AnticipatedImpacts()"
     )
     if (gains <= INEXACT * record.residual * pushes).all():

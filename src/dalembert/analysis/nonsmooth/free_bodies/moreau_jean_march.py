@@ -115,7 +115,7 @@ class MoreauJeanMarch(FreeBodyLoop):
     def _with_added(self, before: np.ndarray) -> StepOutcome:
         """The step from the speeds ``before`` with the contacts that are added to its own, unless
         they supply energy."""
-        steps, after = self._steps, self._steps.v.copy()
+        steps, after, depth = self._steps, self._steps.v.copy(), -self._steps.deepest
         loss = steps.numbers[steps.counts[Counts.RECORDED_STEPS] - 1, RecordColumns.LOSS]
         steps.v[:] = before
         if steps.adds_others:
@@ -125,7 +125,7 @@ class MoreauJeanMarch(FreeBodyLoop):
             steps.v[:] = after
         elif outcome is StepOutcome.DONE:
             own = steps.numbers[steps.counts[Counts.RECORDED_STEPS] - 1, RecordColumns.LOSS]
-            if own < min(loss, -steps.inexact_work):
+            if own < min(loss, -steps.allowed_work(depth)):
                 steps.v[:] = before
                 parted = self._turned_step(steps.parted)
                 outcome = StepOutcome.UNCHANGED if parted is StepOutcome.DONE else parted

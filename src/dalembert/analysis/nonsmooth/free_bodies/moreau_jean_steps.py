@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from dalembert.analysis.nonsmooth.advance import SUPPLIED
 from dalembert.analysis.nonsmooth.checks.missing_impacts import SHARE as MISSING
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import SHARE
@@ -126,13 +127,14 @@ class MoreauJeanSteps(FreeBodySteps):
         """The smallest gap where the shapes are [m]."""
         return float(self._status[Status.DEEPEST])
 
-    @property
-    def inexact_work(self) -> float:
+    def allowed_work(self, depth: float) -> float:
         """Work of contacts that may result from rounding and from the residual of the impulses of
-        the last step [J]."""
+        the last step, or is little beside that of a correction of the penetration ``depth``,
+        without the added contacts [J]."""
         residual = self._status[Status.RESIDUAL] if self.counts[Counts.CONTACTS] else 0.0
+        error = max(residual, SUPPLIED * depth / self.limits[Limits.LENGTH])
         return float(
-            ROUNDING * self._status[Status.EXCHANGED] + residual * self._status[Status.PUSHES]
+            ROUNDING * self._status[Status.EXCHANGED] + error * self._status[Status.PUSHES]
         )
 
     def _ordered_pairs(self) -> np.ndarray:
