@@ -1,4 +1,4 @@
-"""Starts that overlap by the rounding of published numbers run as those that touch."""
+"""Starts that overlap by rounded published numbers run as those that touch; others end."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar, spatial
+from dalembert.errors import AnalysisError
 
 kit, solid = planar.contact, spatial.contact
 R = 0.1
@@ -139,3 +140,30 @@ def test_the_removal_of_rounded_overlaps_among_shapes_is_recorded() -> None:
     run = da.solve_nonsmooth(system.build(), 0.1, step=1e-2)
     assert run.statistics["initial overlaps removed"] == "up to 1e-06 m"
     assert run["disc.y"].values[-1] == pytest.approx(R, abs=1e-12)
+
+
+CROSSED = {
+    "two ellipses": ("ellipse", "ellipse", (0.2, 0.1, 1.4)),
+    "a plus": ("beam", "outline", (0.0, 0.0, np.pi / 2)),
+}
+
+
+@pytest.mark.parametrize("case", CROSSED.values(), ids=list(CROSSED))
+def test_shapes_that_cross_at_the_start_are_refused(case):
+    """No local minimum of the distance of two crossing boundaries is negative."""
+    system, (first, second, (x, y, angle)) = da.System("crossed"), case
+    still = system.add(planar.Body("still", mass=1.0, inertia=1.0))
+    place = {"position": (x, y), "angle": angle}
+    moved = system.add(planar.Body("moved", mass=1.0, inertia=1.0, **place))
+    u = da.curves.u
+    curve = da.FormulaCurve(da.cos(u), 0.3 * da.sin(u), 0, 2 * np.pi, closed=True)
+    plate = [(-1, -0.1), (1, -0.1), (1, 0.1), (-1, 0.1)]
+    shapes = {
+        "ellipse": lambda body: kit.Profile(body, curve),
+        "outline": lambda body: kit.Outline(body, plate),
+        "beam": lambda body: kit.Rectangle(body, (2.0, 0.2)),
+    }
+    both = [shapes[first](moved), shapes[second](still)]
+    system.add(planar.Collisions("touch", both))
+    with pytest.raises(AnalysisError, match=r"overlap by .* at the start"):
+        da.solve_nonsmooth(system.build(), 0.01, step=1e-3)

@@ -9,7 +9,10 @@ import numpy as np
 
 from dalembert.analysis.contact.gap_checks import ROUNDED
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.gaps.boundaries.boundary_gaps import BoundaryGaps
+from dalembert.analysis.nonsmooth.gaps.joined_gaps import JoinedGaps
 from dalembert.analysis.nonsmooth.gaps.model_gaps import APART as OFFSET
+from dalembert.analysis.nonsmooth.overlapping_outlines import overlapping_outlines
 from dalembert.elements.base import Constraint, Element
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.pairs import APART
@@ -90,6 +93,7 @@ def refuse_start(step: ContactStep, t: float, y: np.ndarray) -> None:
     refuse_filled_bores(step, t, y)
     if step.scheme.projection:  # otherwise initial gaps are never corrected
         refuse_overlaps(step, t, y)
+        refuse_crossing_outlines(step, t, y)
 
 
 def refuse_concentric(step: ContactStep, t: float, y: np.ndarray) -> None:
@@ -135,15 +139,45 @@ def refuse_overlaps(step: ContactStep, t: float, y: np.ndarray) -> None:
     others = np.unique(step.pairs(contacts.key[inside])).size - 1
     more = f"; {others} other pair{'s' * (others > 1)} overlap{'s' * (others == 1)} by less"
     name, bodies = step.names[contacts.owner[deepest]], bodies_of(step.model, contacts, deepest)
-    remedy = "move them apart by this depth along the normal of the contact"
-    if joint := _joint_between(step.model, _moving(step.model, contacts, deepest)):
-        remedy = (
-            f"the joint {joint} connects them: give their shapes two groups and "
-            "contact.Pair(…, touching=False), or leave a clearance between them"
-        )
+    remedy = _remedy(step.model, _moving(step.model, contacts, deepest)) or (
+        "move them apart by this depth along the normal of the contact"
+    )
     raise AnalysisError(
         f"{name}: {bodies} overlap by {-contacts.distance[deepest]:.3g} m at the start; {remedy}"
         f"{more if others else ''}"
+    )
+
+
+def refuse_crossing_outlines(step: ContactStep, t: float, y: np.ndarray) -> None:
+    """Refuse curves and polygons with dents that other shapes cross at the start, so that no gap is
+    negative.
+
+    Raises
+    ------
+    AnalysisError
+        Names the bodies that overlap most, their element and a lower bound of the depth.
+    """
+    sources = [
+        part
+        for source in step.sources
+        for part in (source.sources if isinstance(source, JoinedGaps) else [source])
+    ]
+    for source in (source for source in sources if isinstance(source, BoundaryGaps)):
+        if (found := overlapping_outlines(source, step.at(t, y))) is not None:
+            names = [source.geometry.shapes[k].carrier.name for k in found[:2]]
+            remedy = _remedy(step.model, names) or "move them apart"
+            raise AnalysisError(
+                f"{source.elements[0].name}: {' and '.join(names)} overlap by {found[2]:.2g} m or "
+                f"more at the start; {remedy}"
+            )
+
+
+def _remedy(model: Model, bodies: list[str]) -> str:
+    """Remedy for an overlap of bodies that a joint connects; empty without one."""
+    joint = _joint_between(model, bodies)
+    return joint and (
+        f"the joint {joint} connects them: give their shapes two groups and "
+        "contact.Pair(…, touching=False), or leave a clearance between them"
     )
 
 

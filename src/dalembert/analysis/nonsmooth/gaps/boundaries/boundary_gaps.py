@@ -41,22 +41,24 @@ class BoundaryGaps(SearchedGaps):
     ----------
     model : Model
     element : Collisions
+
+    Attributes
+    ----------
+    boundaries : those of all shapes
     """
 
     def __init__(self, model: Model, element: Collisions):
         super().__init__(model, element)
         geometry = self.geometry
-        self._boundaries = Boundaries(model, geometry.boundaries)
+        self.boundaries = Boundaries(model, geometry.boundaries)
         self._corners = OutlineCorners(geometry)
         self._following = FollowingContacts(geometry)
-        features = max(
-            self._boundaries.features, *(len(hull.corners) for hull in geometry.hulls), 1
-        )
+        features = max(self.boundaries.features, *(len(hull.corners) for hull in geometry.hulls), 1)
         self._radix = features, len(geometry.shapes)
         self._first_shape = len(geometry.shapes) - len(geometry.boundaries)
-        curve_of = self._boundaries.curve_of
+        curve_of = self.boundaries.curve_of
         self._curve_of = np.concatenate([np.full(self._first_shape, -1), curve_of])
-        shapes, p, vertices = geometry.formulas, model.all_equations.p, self._boundaries.vertices
+        shapes, p, vertices = geometry.formulas, model.all_equations.p, self.boundaries.vertices
         self._vertices = shapes.geometry.numel()
         self._parameters = self._vertices + vertices.numel()
         self.formulas = GapFormulas(
@@ -119,7 +121,7 @@ class BoundaryGaps(SearchedGaps):
             both = []
             for configuration in (start, end):
                 at = self.geometry.positions(configuration)
-                placed = PlacedBoundaries(self._boundaries, self.geometry, at, configuration.p)
+                placed = PlacedBoundaries(self.boundaries, self.geometry, at, configuration.p)
                 both.append(corners_over_sides(self.geometry, placed, at, sides, corners))
             followed = self._following.available(sides, second[rows])
             mask[rows] = (leaving(*both) & followed).any(axis=0)
@@ -170,7 +172,7 @@ class BoundaryGaps(SearchedGaps):
     def _at(self, at: Positions, p: np.ndarray) -> PlacedBoundaries:
         """Boundaries at the last position."""
         if self._placed is None or self._placed[0] is not at:
-            self._placed = at, PlacedBoundaries(self._boundaries, self.geometry, at, p)
+            self._placed = at, PlacedBoundaries(self.boundaries, self.geometry, at, p)
         return self._placed[1]
 
     def _columns(self, feet: Feet, at: Positions) -> list[list[np.ndarray]]:
@@ -204,7 +206,7 @@ class BoundaryGaps(SearchedGaps):
         """The gap function of two parts; curves and arcs are -1 for lines and corners."""
         key = kind, curve, another, own, other
         if key not in self._functions:
-            curves = self._boundaries.curves
+            curves = self.boundaries.curves
             first = Arc(curves[curve], own) if curve >= 0 else None
             second = Arc(curves[another], other) if another >= 0 else None
             self._functions[key] = touch_function(Touch(kind), first, second, self._turns)
@@ -223,7 +225,7 @@ class BoundaryGaps(SearchedGaps):
             corners = start + following % (geometry.starts[shape + 1][:, None] - start)
             parts = numbers.corners(corners), numbers.radii(shape), numbers.origins(shape)
             return np.hstack(parts)
-        b, boundaries = shape - self._first_shape, self._boundaries
+        b, boundaries = shape - self._first_shape, self.boundaries
         vertices = boundaries.starts[b][:, None] + following % boundaries.counts[b][:, None]
         places = self._vertices + 2 * vertices[..., None] + np.arange(2)
         return np.hstack([self._frame_entries(shape), places.reshape(-1, 4)])
@@ -238,7 +240,7 @@ class BoundaryGaps(SearchedGaps):
 
     def _arc_entries(self, shape: np.ndarray) -> np.ndarray:
         """Numbers of arcs of one curve."""
-        parameters = self._boundaries.curves[self._curve_of[shape[0]]].parameters
+        parameters = self.boundaries.curves[self._curve_of[shape[0]]].parameters
         of_curve = np.tile(self._parameters + parameters, (shape.size, 1))
         return np.hstack([self._frame_entries(shape), of_curve])
 
