@@ -415,6 +415,24 @@ def test_a_stop_of_an_angle_measures_a_moment():
     assert [model[name].unit for name in names] == ["rad", "N m", "m", "N"]
 
 
+@pytest.mark.parametrize(
+    ("stiffness", "exponent", "value"),
+    [("1 N/mm", 1, 1e3), ("1 N/mm^1.5", 1.5, 1e4 * math.sqrt(10)), ("2 N/m^2", 2.0, 2.0)],
+)
+def test_the_unit_of_a_contact_stiffness_follows_its_exponent(stiffness, exponent, value):
+    """``1 N/mm`` as the stiffness of Hertz's law was ``1000 N/m^1.5``, without a message."""
+    law = planar.contact.Hertz(stiffness=stiffness, exponent=exponent)
+    assert float(law.stiffness) == pytest.approx(value, rel=1e-14)
+    for other in {"1 N/mm", "1 N/mm^1.5", "2 N/m^2", "5 m"} - {stiffness}:
+        with pytest.raises(da.ModelError, match=r"Hertz.stiffness: .* does not fit, expected N/m"):
+            planar.contact.Hertz(stiffness=other, exponent=exponent)
+    system = da.System("x")
+    k, n = system.parameter("k", 3.0, "N/m"), system.parameter("n", 1.5)
+    with pytest.raises(da.ModelError, match=r"k .N/m. does not fit, expected N/m\^1.5"):
+        planar.contact.Hertz(stiffness=k)
+    planar.contact.Hertz(stiffness=k, exponent=n)  # of any dimension
+
+
 def test_pint_is_imported_where_it_is_needed_only():
     program = (
         "import sys, dalembert as da\n"

@@ -6,7 +6,9 @@ its elastic part.
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 
@@ -14,6 +16,7 @@ from dalembert.elements.base import Scalar, quantity
 from dalembert.elements.component import Component
 from dalembert.elements.contact.unilateral import at_most_one
 from dalembert.errors import ModelError
+from dalembert.symbolic.formulas.conversion import as_expression
 
 
 @dataclass(eq=False)
@@ -43,12 +46,21 @@ class PowerLaw(NormalLaw):
 
     Parameters
     ----------
-    stiffness : K [N/mⁿ]
+    stiffness : K [N/mⁿ]; the unit of a text or a parameter is checked where n is a number
     exponent : n; 1.5 for round bodies (Hertz), 1 for flat ones
     """
 
     stiffness: Scalar = quantity("N/m^n", "stiffness K", above=0.0, keyword=True)
     exponent: Scalar = quantity("", "exponent n of the depth", default=1.5, minimum=1.0)
+
+    def _unit(self, field: dataclasses.Field[Any]) -> str | None:
+        """``N/mⁿ`` with the value of the exponent, unless parameters determine this."""
+        if field.name != "stiffness":
+            return super()._unit(field)
+        exponent = as_expression(self.exponent, f"{type(self).__name__}.exponent", "").sx
+        if not exponent.is_constant():
+            return super()._unit(field)
+        return "N/m" if float(exponent) == 1 else f"N/m^{float(exponent):.10g}"
 
     def elastic(self, depth: ca.SX) -> ca.SX:
         return self.stiffness.sx * depth**self.exponent.sx
