@@ -257,14 +257,12 @@ def test_runs_of_a_pile_are_repeated_bit_by_bit(scheme):
 
 @pytest.mark.thorough
 def test_a_pile_falls_alike_with_and_without_corrections_of_positions():
-    """Friction of contacts that lasts slows the fall; corrections lift by 1 % of what is lost."""
+    """Friction of lasting contacts slows the fall; corrections lift by up to 1 % of what is lost."""
     model, heights = pile(8, 8), []
     for scheme in (da.AnticipatedImpacts(), da.MoreauJean()):
         motion = da.solve_nonsmooth(model, 0.3, step=1e-3, integrator=scheme, outputs=31)
         heights.append(np.mean([motion.values(f"d{k}.y") for k in range(64)], axis=0))
-        warnings = other_warnings(motion)
-        assert motion.status.success and len(warnings) == (not scheme.anticipates)
-        assert all("let the energy grow by" in text for text in warnings)
+        assert motion.status.success and not other_warnings(motion)
     assert np.abs(heights[1] - heights[0]).max() <= 1e-2 * np.ptp(heights[0])
     statistics = motion.statistics
     lost = statistics["energy dissipated in contacts [J]"]

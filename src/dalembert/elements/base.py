@@ -85,6 +85,15 @@ def option(description: str, *, default: Any = dataclasses.MISSING, keyword: boo
     return dataclasses.field(default=default, metadata=metadata, kw_only=keyword)
 
 
+def power_unit(unit: str, exponent: Scalar, entity: str) -> str:
+    """A unit such as ``N/m^n`` with the value of the exponent ``n``, unless parameters determine
+    this."""
+    value = as_expression(exponent, entity, "").sx
+    if not value.is_constant():
+        return unit
+    return unit.replace("^n", "" if float(value) == 1 else f"^{float(value):.10g}")
+
+
 class Look:
     """Base of the graphical primitives in ``look``."""
 
@@ -112,8 +121,13 @@ class Element(CheckedArguments):
                     message = "is None; give a number, or leave it out"
                     raise ModelError(message, f"{self.name}.{field}")
             else:
-                value = as_expression(value, f"{self.name}.{field}", meta["unit"], meta["size"])
+                unit = self._unit(field, meta["unit"])
+                value = as_expression(value, f"{self.name}.{field}", unit, meta["size"])
                 setattr(self, field, value)
+
+    def _unit(self, field: str, unit: str | None) -> str | None:
+        """Expected unit of a quantity; subclasses override it where other fields determine it."""
+        return unit
 
     def check_name(self) -> None:
         """Check that the name can be used in formulas.

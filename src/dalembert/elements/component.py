@@ -27,12 +27,12 @@ class Component(CheckedArguments):
                 remedy = "give a number, or leave it out" if optional else "give a number"
                 raise ModelError(f"is None; {remedy}", entity)
             if value is not None:
-                unit = self._unit(field)
+                unit = self._unit(field.name, meta["unit"])
                 setattr(self, field.name, as_expression(value, entity, unit, meta["size"]))
 
-    def _unit(self, field: dataclasses.Field[Any]) -> str | None:
-        """Unit of a quantity; subclasses override it where it depends on other fields."""
-        return field.metadata["unit"]
+    def _unit(self, field: str, unit: str | None) -> str | None:
+        """Expected unit of a quantity; subclasses override it where other fields determine it."""
+        return unit
 
     def _quantity_fields(self) -> list[dataclasses.Field[Any]]:
         return [f for f in dataclasses.fields(self) if f.metadata.get("kind") == "quantity"]

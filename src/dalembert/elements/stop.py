@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import ForceElement, Look, Powers, Rate, Scalar, quantity
+from dalembert.elements.base import ForceElement, Look, Powers, Rate, Scalar, power_unit, quantity
 from dalembert.elements.look import Limit
 from dalembert.errors import ModelError
 
@@ -22,7 +22,8 @@ class Stop(ForceElement):
     ----------
     coordinate : formula of positions, e.g. ``slider.x``
     lower, upper : limits; at least one
-    stiffness : [N/m] or [N m/rad]
+    stiffness : [N/mⁿ] or [N m/radⁿ] with the exponent n; the unit of a text or a parameter is
+        checked where n is a number
     damping : [s/m] or [s/rad]
     exponent : 1 linear, 1.5 Hertz
 
@@ -42,9 +43,14 @@ class Stop(ForceElement):
     coordinate: Scalar = quantity("m | rad", "formula of positions that is limited")
     lower: Scalar = quantity("m | rad", "lower limit", default=None)
     upper: Scalar = quantity("m | rad", "upper limit", default=None)
-    stiffness: Scalar = quantity("N/m | N m/rad", "stiffness", above=0.0, keyword=True)
+    stiffness: Scalar = quantity("N/m^n | N m/rad^n", "stiffness", above=0.0, keyword=True)
     damping: Scalar = quantity("s/m | s/rad", "Hunt-Crossley damping", default=0.0, minimum=0.0)
     exponent: Scalar = quantity("", "exponent of the penetration", default=1.0, minimum=1.0)
+
+    def _unit(self, field: str, unit: str | None) -> str | None:
+        if field != "stiffness" or unit is None:
+            return super()._unit(field, unit)
+        return power_unit(unit, self.exponent, f"{self.name}.exponent")
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -6,17 +6,14 @@ its elastic part.
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
-from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import Scalar, quantity
+from dalembert.elements.base import Scalar, power_unit, quantity
 from dalembert.elements.component import Component
 from dalembert.elements.contact.unilateral import at_most_one
 from dalembert.errors import ModelError
-from dalembert.symbolic.formulas.conversion import as_expression
 
 
 @dataclass(eq=False)
@@ -53,14 +50,10 @@ class PowerLaw(NormalLaw):
     stiffness: Scalar = quantity("N/m^n", "stiffness K", above=0.0, keyword=True)
     exponent: Scalar = quantity("", "exponent n of the depth", default=1.5, minimum=1.0)
 
-    def _unit(self, field: dataclasses.Field[Any]) -> str | None:
-        """``N/mⁿ`` with the value of the exponent, unless parameters determine this."""
-        if field.name != "stiffness":
-            return super()._unit(field)
-        exponent = as_expression(self.exponent, f"{type(self).__name__}.exponent", "").sx
-        if not exponent.is_constant():
-            return super()._unit(field)
-        return "N/m" if float(exponent) == 1 else f"N/m^{float(exponent):.10g}"
+    def _unit(self, field: str, unit: str | None) -> str | None:
+        if field != "stiffness" or unit is None:
+            return super()._unit(field, unit)
+        return power_unit(unit, self.exponent, f"{type(self).__name__}.exponent")
 
     def elastic(self, depth: ca.SX) -> ca.SX:
         return self.stiffness.sx * depth**self.exponent.sx
