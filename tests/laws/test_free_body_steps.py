@@ -22,6 +22,8 @@ from dalembert.analysis.nonsmooth.free_bodies import free_body_march, free_body_
 from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
 from dalembert.analysis.nonsmooth.free_bodies.path_repeats import PathRepeats
 from dalembert.analysis.nonsmooth.step_state import LastImpulses, StepResult
+from dalembert.integrators.contact.places import Counts
+from dalembert.integrators.contact.solution_settings import SOLUTION_COUNTS
 from dalembert.integrators.contact.step_calls import StepOutcome
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
@@ -125,7 +127,7 @@ def compare(
     "limits",
     [
         {"CHUNK": 7, "RECORDS": 12},
-        {"NEWTON_STEPS": 2, "INTERIOR_POINTS": 0, "MANY_PROXIMAL": 0},
+        {"NEWTON_STEPS": 2, "MANY_PROXIMAL": 0},
     ],
     ids=["short records", "failing solutions"],
 )
@@ -138,6 +140,8 @@ def test_steps_go_on_beyond_the_limits_of_machine_code(limits, monkeypatch):
         assert owners
         for owner in owners:
             monkeypatch.setattr(owner, name, value)
+    if "NEWTON_STEPS" in limits:
+        monkeypatch.setitem(SOLUTION_COUNTS, Counts.MAX_INTERIOR, 0)
     limited = da.solve_nonsmooth(model, duration=0.3, step=1e-3)
     assert limited.status.success
     for name, tolerance in AGREEMENT.items():
@@ -162,7 +166,7 @@ def test_interior_points_solve_what_newtons_method_does_not(scene, monkeypatch):
         monkeypatch.setattr(free_body_steps, name, value)
     central = da.solve_nonsmooth(model, 0.3, step=1e-3)
     few = len(calls)
-    monkeypatch.setattr(free_body_steps, "INTERIOR_POINTS", 0)
+    monkeypatch.setitem(SOLUTION_COUNTS, Counts.MAX_INTERIOR, 0)
     da.solve_nonsmooth(model, 0.3, step=1e-3)
     assert few < 5 < len(calls) - few
     for name, tolerance in AGREEMENT.items():

@@ -17,7 +17,9 @@ from dalembert.integrators.contact import compiled_newton
 from dalembert.integrators.contact.block_ordering import BlockOrderings
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import DENSE, Delassus
+from dalembert.integrators.contact.places import Counts
 from dalembert.integrators.contact.semismooth_newton import semismooth_newton
+from dalembert.integrators.contact.solution_settings import SOLUTION_COUNTS
 from dalembert.integrators.contact.sweeps import swept
 
 G = 9.81
@@ -129,7 +131,7 @@ def test_interior_points_alone_solve_problems_of_free_bodies(groups, monkeypatch
     speeds = problem.speeds(solution[0])
     assert problem.residual(solution[0]) < 1e-8 * problem.size(expected)
     assert speeds == pytest.approx(problem.speeds(expected), abs=1e-6)
-    monkeypatch.setattr(compiled_newton, "INTERIOR_POINTS", 0)
+    monkeypatch.setitem(SOLUTION_COUNTS, Counts.MAX_INTERIOR, 0)
     without = compiled_newton.compiled_solution(problem, start, 1e-8, 0)
     assert without is not None and problem.residual(without[0]) > 1e-3
 
@@ -154,7 +156,7 @@ def test_proximal_problems_use_the_mobilities_of_coupled_bodies(groups, monkeypa
     velocity, friction = rng.normal(size=(count, width)), 0.5 * rng.random((count, len(groups)))
     problem = FrictionProblem(operator, velocity, friction, groups)
     monkeypatch.setattr(compiled_newton, "NEWTON_STEPS", 3)
-    monkeypatch.setattr(compiled_newton, "INTERIOR_POINTS", 0)
+    monkeypatch.setitem(SOLUTION_COUNTS, Counts.MAX_INTERIOR, 0)
     impulses, rounds = compiled_newton.compiled_solution(problem, np.zeros(problem.shape), 1e-8, 99)
     assert rounds > 0
     assert problem.residual(impulses) <= 1e-8 * problem.size(impulses)
@@ -257,7 +259,7 @@ def test_runs_of_a_pile_are_repeated_bit_by_bit(scheme):
 
 @pytest.mark.thorough
 def test_a_pile_falls_alike_with_and_without_corrections_of_positions():
-    """Friction of lasting contacts slows the fall; corrections lift by up to 1 % of what is lost."""
+    """Friction of lasting contacts slows the fall; corrections lift by 1 % of what is lost."""
     model, heights = pile(8, 8), []
     for scheme in (da.AnticipatedImpacts(), da.MoreauJean()):
         motion = da.solve_nonsmooth(model, 0.3, step=1e-3, integrator=scheme, outputs=31)

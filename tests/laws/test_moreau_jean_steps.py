@@ -23,6 +23,8 @@ from dalembert.analysis.nonsmooth.free_bodies import (
 )
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
 from dalembert.analysis.nonsmooth.step_state import LastImpulses
+from dalembert.integrators.contact.places import Counts
+from dalembert.integrators.contact.solution_settings import SOLUTION_COUNTS
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 
 EXACT = da.ContactSolver(tolerance=1e-12)
@@ -212,7 +214,7 @@ def test_impacts_within_a_step_are_warned_about(place, speed, text, general, mon
     "limits",
     [
         {"CHUNK": 7, "RECORDS": 12},
-        {"NEWTON_STEPS": 2, "INTERIOR_POINTS": 0, "MANY_PROXIMAL": 0},
+        {"NEWTON_STEPS": 2, "MANY_PROXIMAL": 0},
     ],
     ids=["short records", "failing solutions"],
 )
@@ -225,6 +227,8 @@ def test_steps_go_on_beyond_the_limits_of_machine_code(limits, monkeypatch):
         assert owners
         for owner in owners:
             monkeypatch.setattr(owner, name, value)
+    if "NEWTON_STEPS" in limits:
+        monkeypatch.setitem(SOLUTION_COUNTS, Counts.MAX_INTERIOR, 0)
     limited = da.solve_nonsmooth(planar_scene(0), **options)
     assert_same(limited, usual)
     same_contacts(limited, usual)

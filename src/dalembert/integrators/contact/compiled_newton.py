@@ -20,12 +20,9 @@ from dalembert.integrators.contact.newton_arrays import (
 )
 from dalembert.integrators.contact.places import Counts, Inputs, Outputs, Settings, Status
 from dalembert.integrators.contact.solution_settings import (
-    FEW_PROXIMAL,
-    INTERIOR_POINTS,
     MANY_PROXIMAL,
     NEWTON_STEPS,
-    POLISHING,
-    SHORT_STEPS,
+    SOLUTION_COUNTS,
     SOLUTION_FILES,
     SOLUTION_SHARES,
 )
@@ -131,10 +128,7 @@ class CompiledNewton:
             Counts.MAX_JUMPS: JUMPS,
             Counts.WORK: work,
             Counts.MAX_PROXIMAL: proximal or 0,
-            Counts.MAX_INTERIOR: INTERIOR_POINTS,
-            Counts.MAX_POLISHING: POLISHING,
-            Counts.MAX_SHORT_STEPS: SHORT_STEPS,
-            Counts.FEW_PROXIMAL: FEW_PROXIMAL,
+            **SOLUTION_COUNTS,
         }
         work += rows + MEMORY + count + 2 + entries
         arrays = Inputs.arranged(inputs), Outputs.arranged(outputs)

@@ -3,6 +3,7 @@ proximal problems, and interior points."""
 
 from __future__ import annotations
 
+from dalembert.integrators.contact.places import Counts
 from dalembert.integrators.contact.step_places import Shares
 
 SOLUTION_FILES = (
@@ -42,6 +43,13 @@ INTERIOR_SHARE, INTERIOR_FACTOR, INTERIOR_END = 1e-5, 0.03, 1e-6
 fall until it begins again, and residual at which it begins for the last time [-]."""
 REGULARIZATIONS = 1e-6, 1e-4
 """Regularisation of interior points relative to the mobility, and that below ``INTERIOR_END``."""
+SOLUTION_COUNTS: dict[int, int] = {
+    Counts.MAX_INTERIOR: INTERIOR_POINTS,
+    Counts.MAX_POLISHING: POLISHING,
+    Counts.MAX_SHORT_STEPS: SHORT_STEPS,
+    Counts.FEW_PROXIMAL: FEW_PROXIMAL,
+}
+"""Limits of the machine code."""
 SOLUTION_SHARES = {
     Shares.WEIGHT: WEIGHT,
     Shares.INCREASE: INCREASE,

@@ -30,12 +30,9 @@ from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.integrators.contact.machine_code import Loop, machine_code
 from dalembert.integrators.contact.places import Counts, Inputs, Outputs, Settings, Status
 from dalembert.integrators.contact.solution_settings import (
-    FEW_PROXIMAL,
-    INTERIOR_POINTS,
     MANY_PROXIMAL,
     NEWTON_STEPS,
-    POLISHING,
-    SHORT_STEPS,
+    SOLUTION_COUNTS,
     SOLUTION_FILES,
 )
 from dalembert.integrators.contact.step_places import Limits, RecordColumns, Shares, Sizes
@@ -149,10 +146,7 @@ class FreeBodySteps(PairLists):
             Counts.INERTIA_ENTRIES: self.inertia.size,
             Counts.MAX_PROXIMAL: min(MANY_PROXIMAL, step.solver.max_iterations),
             Counts.MAX_OFFSETS: ROUNDS,
-            Counts.MAX_INTERIOR: INTERIOR_POINTS,
-            Counts.MAX_POLISHING: POLISHING,
-            Counts.MAX_SHORT_STEPS: SHORT_STEPS,
-            Counts.FEW_PROXIMAL: FEW_PROXIMAL,
+            **SOLUTION_COUNTS,
         }
         constants = tuple((place, int(counts[place])) for place in CONSTANT)
         self._code = machine_code(*FILES, *self.files, constants=constants)

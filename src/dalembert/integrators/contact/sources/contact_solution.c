@@ -129,12 +129,12 @@ static int casadi_redundant(const casadi_real** arg, casadi_real** res, const ca
 }
 /* at most a number of proximal problems from the impulses in res[IMPULSE]; their number, and the residual in
    status[RESIDUAL]. The best impulses are in res[IMPULSE]. Above the residual at which interior points end,
-   the problems end after a number of failures of Newton's method. The weights of the last problems, after
-   interior points, fall more slowly. Solutions of successive ones often move in the same direction, by
+   few problems are solved, or end after a number of failures of Newton's method. The weights of the last
+   problems, after interior points, fall more slowly. Solutions of successive ones often move in the same direction, by
    lengths that are inverse to the weights: Newton's method begins where this leads to */
 static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real share, casadi_real scale, casadi_int most, casadi_int few,
-    casadi_int failures) {
+    casadi_int failures, int last) {
   casadi_real* velocity = (casadi_real*) arg[VELOCITY];
   casadi_real* shift = (casadi_real*) arg[SHIFT];
   casadi_real* impulse = res[IMPULSE];
@@ -142,7 +142,7 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
   casadi_real* center = original + iw[CONTACTS]*iw[COMPONENTS];
   casadi_real* best = center + iw[CONTACTS]*iw[COMPONENTS];
   casadi_real* move = best + iw[CONTACTS]*iw[COMPONENTS];
-  casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], rounds, r, solved = 1, last = few==most;
+  casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], rounds, r, solved = 1;
   casadi_real weight = arg[SHARES][WEIGHT], residual = res[STATUS][RESIDUAL], least = residual, tolerance,
     allowed;
   casadi_real ahead, moved = 0;
@@ -218,13 +218,13 @@ static casadi_int casadi_solution(const casadi_real** arg, casadi_real** res, ca
   if (res[STATUS][RESIDUAL]<=tolerance*casadi_size(arg, iw, res[IMPULSE], scale)) return 0;
   if (5*iw[FEW_PROXIMAL]<most) most = 5*iw[FEW_PROXIMAL];
   iw[MAX_ITERATIONS] = steps;
-  rounds = casadi_proximal(arg, res, iw, w, tolerance, scale, most, few, failures);
+  rounds = casadi_proximal(arg, res, iw, w, tolerance, scale, most, few, failures, 0);
   iw[MAX_ITERATIONS] = usual;
   allowed = tolerance*casadi_size(arg, iw, res[IMPULSE], scale);
   if (res[STATUS][RESIDUAL]<=allowed) return rounds;
   casadi_centered(arg, res, iw, w, allowed, scale);
   iw[MAX_ITERATIONS] = arg[SHARES][LAST_ITERATIONS];
-  rounds += casadi_proximal(arg, res, iw, w, tolerance, scale, iw[MAX_PROXIMAL], iw[MAX_PROXIMAL], 0);
+  rounds += casadi_proximal(arg, res, iw, w, tolerance, scale, iw[MAX_PROXIMAL], 0, 0, 1);
   iw[MAX_ITERATIONS] = usual;
   return rounds;
 }
