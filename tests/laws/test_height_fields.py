@@ -311,3 +311,38 @@ def test_bad_heights(options, message):
         contact.HeightField(
             da.System("bad", gravity=(0, 0, -1)).ground.frame(), (1.0, 1.0), **options
         )
+
+
+@pytest.mark.parametrize("name", ["box", "capsule", "drum"])
+def test_bodies_beside_a_fence_do_not_touch_its_other_side(name):
+    """A body at 0.2 m from a fence of 0.5 m height that leans by 0.2 stands apart from it."""
+    for turn, axis in ((0.9, (1, 1, 1)), (0.6, (0, 1, 0)), (-1.2, (1, -1, 0)), (1.2, (1, 1, 1))):
+        for place in ((0.28, 0.03, 0.35), (0.28, 0.03, 0.45)):
+            system, heights = da.System("fence", gravity=(0, 0, 0)), np.zeros((21, 21))
+            heights[10] = 0.5
+            turned = da.rotation.axis_angle(axis, turn)
+            start = {"position": place, "rotation": turned}
+            body = system.add(spatial.Body("body", mass=1.0, inertia=(1e-2,) * 3, **start))
+            ends = body.point(0, -0.1, 0), body.point(0, 0.1, 0)
+            shape = {
+                "box": contact.Box(body.center, (0.2, 0.2, 0.1)),
+                "capsule": contact.Capsule(*ends, 0.05),
+                "drum": contact.Cylinder(*ends, 0.05),
+            }[name]
+            fence = contact.HeightField(system.ground.frame(), (2.0, 2.0), heights)
+            system.add(spatial.Collisions("touch", [shape, fence]))
+            motion = da.solve_nonsmooth(system.build(), 2e-3, step=1e-3)
+            assert motion.impulse("touch").sum() == 0.0
+
+
+def test_a_ball_beside_a_peak_does_not_touch_its_far_side():
+    """The planes of the far sides of a steep peak are above the ball."""
+    heights = np.zeros((21, 21))
+    heights[::4, ::4] = 2.0
+    for place in ((2.112, 1.933, 1.434), (-0.068, 2.046, 1.642), (0.222, -2.171, 1.462)):
+        system = da.System("peaks", gravity=(0, 0, 0))
+        ball = system.add(spatial.Sphere("ball", radius=1.0, mass=1.0, position=place))
+        peaks = contact.HeightField(system.ground.frame(), (10.0, 10.0), heights)
+        system.add(spatial.Collisions("touch", [contact.Sphere(ball.center, 1.0), peaks]))
+        motion = da.solve_nonsmooth(system.build(), 2e-3, step=1e-3)
+        assert motion.impulse("touch").sum() == 0.0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -167,3 +169,49 @@ def test_shapes_that_cross_at_the_start_are_refused(case):
     system.add(planar.Collisions("touch", both))
     with pytest.raises(AnalysisError, match=r"overlap by .* at the start"):
         da.solve_nonsmooth(system.build(), 0.01, step=1e-3)
+
+
+def solids_at(first: str, second: str, turn: float, place: tuple[float, ...]) -> da.Model:
+    """Two solids: the first at the origin, the second at a place and turned about x."""
+    system = da.System("pierced", gravity=(0.0, 0.0, 0.0))
+    start = {"position": place, "rotation": da.rotation.axis_angle((1.0, 0.0, 0.0), turn)}
+    still = system.add(spatial.Body("still", mass=1.0, inertia=(1.0, 1.0, 1.0)))
+    moved = system.add(spatial.Body("moved", mass=1.0, inertia=(1.0, 1.0, 1.0), **start))
+    corners = [(1.0, 1.0, -0.5), (-1.0, 1.0, -0.5), (0.0, -1.0, -0.5), (0.0, 0.0, 1.0)]
+    ridge = np.zeros((17, 17))
+    ridge[8] = 2.0
+
+    def ends(body: spatial.Body, half: float) -> tuple:
+        return body.point(0, 0, -half), body.point(0, 0, half)
+
+    kinds = {
+        "coin": lambda body: solid.Cylinder(*ends(body, 0.05), 0.6),
+        "drum": lambda body: solid.Cylinder(*ends(body, 1.0), 0.6),
+        "capsule": lambda body: solid.Capsule(*ends(body, 1.0), 0.3),
+        "box": lambda body: solid.Box(body.point(0, 0, 0), (1.0, 0.7, 0.4)),
+        "polyhedron": lambda body: solid.Polyhedron(body, corners),
+        "ridge": lambda _: solid.HeightField(system.ground.frame(), (8.0, 8.0), ridge),
+    }
+    system.add(spatial.Collisions("touch", [kinds[first](still), kinds[second](moved)]))
+    return system.build()
+
+
+PIERCED = {
+    "a coin by a box": ("box", "coin", 0.7, (0.0, 0.2, 0.1), 0.379),
+    "a coin by a capsule": ("coin", "capsule", 0.3, (0.2, 0.1, 0.1), 0.664),
+    "a coin by a polyhedron": ("coin", "polyhedron", 0.3, (0.2, 0.6, 0.6), 0.227),
+    "a ridge by a drum": ("ridge", "drum", 0.7, (0.2, 0.1, 1.0), 0.55),
+    "a ridge by a coin": ("ridge", "coin", 0.0, (0.0, 0.1, 1.0), 0.255),
+}
+"""Shapes, turn about x and place of the second one, and the depth of the overlap: least width along
+100,000 directions; of the ridge, distance from the surface."""
+
+
+@pytest.mark.parametrize("case", PIERCED.values(), ids=list(PIERCED))
+def test_solids_that_pierce_each_other_at_the_start_are_refused(case):
+    """The features of cylinders may all be apart where a body pierces them deeply."""
+    *scene, depth = case
+    with pytest.raises(AnalysisError, match=r"moved overlap by .* or more at the start") as error:
+        da.solve_nonsmooth(solids_at(*scene), 2e-3, step=1e-3)
+    stated = float(re.search(r"by (\S+) m", str(error.value))[1])
+    assert stated == pytest.approx(depth, rel=0.05)

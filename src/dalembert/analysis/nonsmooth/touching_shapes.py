@@ -10,9 +10,14 @@ import numpy as np
 from dalembert.analysis.contact.gap_checks import ROUNDED
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.gaps.boundaries.boundary_gaps import BoundaryGaps
+from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
+from dalembert.analysis.nonsmooth.gaps.hulls.hull_gaps import HullGaps
 from dalembert.analysis.nonsmooth.gaps.joined_gaps import JoinedGaps
 from dalembert.analysis.nonsmooth.gaps.model_gaps import APART as OFFSET
+from dalembert.analysis.nonsmooth.gaps.searched_gaps import SearchedGaps
 from dalembert.analysis.nonsmooth.overlapping_outlines import overlapping_outlines
+from dalembert.analysis.nonsmooth.overlapping_solids import Overlap, overlapping_solids
+from dalembert.analysis.nonsmooth.overlapping_terrain import solids_in_terrain
 from dalembert.elements.base import Constraint, Element
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.pairs import APART
@@ -93,7 +98,7 @@ def refuse_start(step: ContactStep, t: float, y: np.ndarray) -> None:
     refuse_filled_bores(step, t, y)
     if step.scheme.projection:  # otherwise initial gaps are never corrected
         refuse_overlaps(step, t, y)
-        refuse_crossing_outlines(step, t, y)
+        refuse_deep_overlaps(step, t, y)
 
 
 def refuse_concentric(step: ContactStep, t: float, y: np.ndarray) -> None:
@@ -148,9 +153,9 @@ def refuse_overlaps(step: ContactStep, t: float, y: np.ndarray) -> None:
     )
 
 
-def refuse_crossing_outlines(step: ContactStep, t: float, y: np.ndarray) -> None:
-    """Refuse curves and polygons with dents that other shapes cross at the start, so that no gap is
-    negative.
+def refuse_deep_overlaps(step: ContactStep, t: float, y: np.ndarray) -> None:
+    """Refuse shapes that overlap so deeply at the start that no gap may be negative: curves and
+    polygons with dents, cylinders, and solids in a terrain.
 
     Raises
     ------
@@ -162,14 +167,41 @@ def refuse_crossing_outlines(step: ContactStep, t: float, y: np.ndarray) -> None
         for source in step.sources
         for part in (source.sources if isinstance(source, JoinedGaps) else [source])
     ]
-    for source in (source for source in sources if isinstance(source, BoundaryGaps)):
-        if (found := overlapping_outlines(source, step.at(t, y))) is not None:
+    configuration = step.at(t, y)
+    for source in (source for source in sources if isinstance(source, SearchedGaps)):
+        found = None
+        if isinstance(source, BoundaryGaps):
+            found = overlapping_outlines(source, configuration)
+        elif isinstance(source, HullGaps) and source.dimension == 3:
+            found = _overlap_in_space(step, source, configuration)
+        if found is not None:
             names = [source.geometry.shapes[k].carrier.name for k in found[:2]]
             remedy = _remedy(step.model, names) or "move them apart"
             raise AnalysisError(
                 f"{source.elements[0].name}: {' and '.join(names)} overlap by {found[2]:.2g} m or "
                 f"more at the start; {remedy}"
             )
+
+
+def _overlap_in_space(
+    step: ContactStep, source: HullGaps, configuration: Configuration
+) -> Overlap | None:
+    """The deepest overlap of solids that rounded numbers do not explain."""
+    sizes: dict[str, float] = {}
+    shapes, found = source.geometry.shapes, None
+    for sized in (False, True):  # most starts do without the sizes of the bodies, which take longer
+        if sized:
+            sizes = body_sizes(step.model.parts, step.model.equations, step.p)
+        limits = [
+            _rounded_overlap(step, sizes, [shape.carrier.name]) if sized else step.rounding
+            for shape in shapes
+        ]
+        searches = overlapping_solids, solids_in_terrain
+        overlaps = [search(source, configuration, np.array(limits)) for search in searches]
+        found = max((o for o in overlaps if o), key=lambda o: o[2], default=None)
+        if found is None:
+            break
+    return found
 
 
 def _remedy(model: Model, bodies: list[str]) -> str:

@@ -50,8 +50,9 @@ def surface_near_balls(
     sunk = inside & (terrain.height(centers, own) <= 0)
     corners = terrain.places[form.triangles[triangle]]
     over, edge, vertex = _nearest(corners, centers[number], terrain.normals[triangle])
-    over &= ~sunk[number]
+    heights = terrain.height(centers[number], triangle)
     beside = ~over & ~sunk[number]
+    over &= ~sunk[number] & (heights > 0)  # not the far side of a peak
     on_edge = beside & (vertex < 0)
     edges, row, count = np.unique(
         np.stack([number, form.edge_of[triangle, edge]])[:, on_edge],
@@ -62,7 +63,6 @@ def surface_near_balls(
     sides = (form.beside[edges[1]] >= 0).sum(axis=1)
     single = ((count < sides) & (terrain.bends[edges[1]] < -RIDGE))[row.ravel()]  # beyond a valley
     lowest = np.full(len(centers), np.inf)
-    heights = terrain.height(centers[number], triangle)
     np.minimum.at(lowest, number[over], heights[over])
     valley = np.flatnonzero(on_edge)[single]
     valley = valley[heights[valley] >= lowest[number[valley]]]

@@ -117,6 +117,8 @@ def ridges_across(
     row, edge = np.nonzero(crossing)
     normal, ridges = normal[row, edge], ridge[row]
     near = _above_ridge(terrain, ridges, normal)
+    places = start[row, edge] + second[row, edge, None] * line[row, edge]
+    near &= ~_beyond(terrain, places, gap[row, edge], radii[number[row]])
     if not isinstance(solids, Cylinders):
         near &= _is_above(solids.corners[number[row]], start[row, edge], normal)
     row, edge = row[near], edge[near]
@@ -195,6 +197,17 @@ def _above_ridge(terrain: Terrain, ridge: np.ndarray, normals: np.ndarray) -> np
     height = ((places - start[:, None, None]) * normals[:, None, None]).sum(axis=3)
     below: np.ndarray = (height <= OUTSIDE * _longest(terrain)).all(axis=(1, 2))
     return below
+
+
+def _beyond(
+    terrain: Terrain, places: np.ndarray, heights: np.ndarray, radii: np.ndarray
+) -> np.ndarray:
+    """Mask of places (k, 3) of edges or axes that are beneath a ridge along the normal of a contact
+    but outside the material, as of a body on the other side of a fence."""
+    own, inside = terrain.below(places)
+    outside = ~inside | (terrain.height(places, own) > 0)
+    beyond: np.ndarray = (heights < -radii) & outside
+    return beyond
 
 
 def _is_above(corners: np.ndarray, place: np.ndarray, normals: np.ndarray) -> np.ndarray:
