@@ -282,6 +282,7 @@ def test_every_shape_meets_another():
         (lambda g, b: (kit.Circle(g.point(0, 0, 0), 1), b.center), "give it 2"),
         (lambda g, b: (solid.Sphere(g.point(0, 0, 0), 1), b.center), "lies in a plane"),
         (lambda g, b: (kit.Polygon(g, [(0, 0), (1, 0)]), b.center), "at least 3 vertices"),
+        (lambda g, b: (g.center, solid.Polyhedron(b, np.eye(4)[:, :3])), "b lies in a plane"),
     ],
 )
 def test_shapes_without_contact_are_refused(make, message):
@@ -339,3 +340,17 @@ def test_rigid_contact_makes_no_forces_and_says_how_it_bounces():
     assert element.powers(lambda s: s) == [] and element.potential() is None
     assert len(element.gaps(lambda s: s)) == 4
     assert system.build().diagnosis.degrees_of_freedom == 3
+
+
+def test_polyhedra_are_fixed_to_the_ground():
+    """A ball slides down a wedge."""
+    corners = [(-4, 0, 0), (4, 0, 3), (4, 0, 0), (-4, 1, 0), (4, 1, 3), (4, 1, 0)]
+    down, up = np.array([-8, 0, -3]) / np.sqrt(73), np.array([-3, 0, 8]) / np.sqrt(73)
+    system = da.System("wedge", gravity=(0, 0, -9.81))
+    start = {"position": (0, 0.5, 1.5 + 0.1 / up[2])}
+    ball = system.add(spatial.Sphere("ball", radius=0.1, mass=1.0, **start))
+    shapes = [solid.Sphere(ball.center, 0.1), solid.Polyhedron(system.ground, corners)]
+    system.add(spatial.Collisions("touch", shapes))
+    motion = da.solve_nonsmooth(system.build(), 0.2, step=1e-3)
+    speed = np.array([motion[f"ball.v{axis}"].values[-1] for axis in "xyz"])
+    assert speed @ down == pytest.approx(9.81 * 3 / np.sqrt(73) * 0.2, rel=1e-9)

@@ -13,6 +13,7 @@ from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.hull import Hull
 from dalembert.elements.contact.shapes import Spot, Spotted
 from dalembert.elements.pair import need_body
+from dalembert.elements.planar.body import Ground
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.look import Surface
 from dalembert.errors import ModelError
@@ -151,6 +152,11 @@ class Polyhedron(Spotted):
 
     def __post_init__(self) -> None:
         self.body = need_body(self.body, "Polyhedron", "body")
+        if self.body.dimension == 2 and not isinstance(self.body, Ground):
+            text = (
+                f"{self.body.name} lies in a plane; give a spatial body, or planar.contact.Polygon"
+            )
+            raise ModelError(text, "Polyhedron")
         if not isinstance(self.vertices, (list, tuple, np.ndarray)) or len(self.vertices) < 4:
             raise ModelError(f"needs at least 4 vertices, got {self.vertices!r:.60}", "Polyhedron")
         rows = [
@@ -174,6 +180,10 @@ class Polyhedron(Spotted):
     @property
     def carrier(self) -> Any:
         return self.body
+
+    @property
+    def dimension(self) -> int:
+        return 3
 
     def spots(self) -> list[Spot]:
         return [Spot(Point(self.body, corner), ca.SX(0)) for corner in self.hull().corners]
