@@ -29,14 +29,14 @@ from dalembert.analysis.nonsmooth.gaps.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.separate_impacts import ImpactSequence
 from dalembert.analysis.nonsmooth.smooth_motion import smooth_motion
 from dalembert.analysis.nonsmooth.speed_jumps import speeds_after
-from dalembert.analysis.nonsmooth.step_log import StepLog
-from dalembert.analysis.nonsmooth.step_state import PATH_CHANGE, StepResult, step_lengths
-from dalembert.analysis.nonsmooth.touching_shapes import (
+from dalembert.analysis.nonsmooth.starts.touching_shapes import (
     bodies_of,
     refuse_lonely_shapes,
     refuse_moving_places,
     refuse_start,
 )
+from dalembert.analysis.nonsmooth.step_log import StepLog
+from dalembert.analysis.nonsmooth.step_state import PATH_CHANGE, StepResult, step_lengths
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.timeline import (
     afford_states,

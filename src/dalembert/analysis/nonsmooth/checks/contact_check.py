@@ -21,7 +21,7 @@ from dalembert.analysis.nonsmooth.checks.quick_rotations import rotation_warning
 from dalembert.analysis.nonsmooth.checks.simultaneous_impacts import simultaneous_impact_warnings
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction_work import CorrectionWork
-from dalembert.analysis.nonsmooth.touching_shapes import bodies_of
+from dalembert.analysis.nonsmooth.starts.touching_shapes import bodies_of
 from dalembert.analysis.residual_check import EXACT, ResidualCheck
 from dalembert.formulations.base import Level
 from dalembert.results.nonsmooth_motion import ContactRecord

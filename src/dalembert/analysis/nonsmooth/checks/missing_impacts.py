@@ -19,8 +19,8 @@ from dalembert.analysis.nonsmooth.between_steps import between
 from dalembert.analysis.nonsmooth.checks.passages import Passage, crossing, lowest
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.mobility import delassus
+from dalembert.analysis.nonsmooth.starts.touching_shapes import bodies_of
 from dalembert.analysis.nonsmooth.step_state import StepStart
-from dalembert.analysis.nonsmooth.touching_shapes import bodies_of
 from dalembert.integrators.contact.contacts import Contacts, among
 from dalembert.results.nonsmooth_motion import ContactRecord
 

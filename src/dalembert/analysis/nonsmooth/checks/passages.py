@@ -18,8 +18,8 @@ from dalembert.analysis.nonsmooth.between_steps import between
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.model_gaps import APART
+from dalembert.analysis.nonsmooth.starts.touching_shapes import bodies_of
 from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart
-from dalembert.analysis.nonsmooth.touching_shapes import bodies_of
 from dalembert.integrators.contact.contacts import Contacts
 
 SAMPLES, ITERATIONS = 8, 24

@@ -15,7 +15,7 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.checks.missing_rebounds import effective_masses
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
-from dalembert.analysis.nonsmooth.touching_shapes import bodies_of
+from dalembert.analysis.nonsmooth.starts.touching_shapes import bodies_of
 from dalembert.results.nonsmooth_motion import ContactRecord
 
 SHARE = 0.05

@@ -80,7 +80,7 @@ class SupportPoints:
     def separable(self, first: np.ndarray, second: np.ndarray, tolerance: np.ndarray) -> np.ndarray:
         """Mask of pairs (m,) with a direction along which they overlap by the tolerance or less;
         some pairs that hardly overlap may be missing."""
-        found, rows = np.zeros(first.size, dtype=bool), np.arange(first.size)
+        separable, rows = np.zeros(first.size, dtype=bool), np.arange(first.size)
         nearest = self.differences(first, second, np.tile([1.0, 0.0, 0.0], (first.size, 1)))
         for _ in range(STEPS):
             if not rows.size:
@@ -89,13 +89,13 @@ class SupportPoints:
             rows, length = rows[length > 0], length[length > 0]
             unit = nearest[rows] / length[:, None]
             point = self.differences(first[rows], second[rows], -unit)
-            found[rows] = apart = (point * unit).sum(axis=1) >= -tolerance[rows]
+            separable[rows] = apart = (point * unit).sum(axis=1) >= -tolerance[rows]
             rows, point = rows[~apart], point[~apart]
             line = point - nearest[rows]
             square = np.maximum((line**2).sum(axis=1), np.finfo(float).tiny)
             fraction = np.clip(-(nearest[rows] * line).sum(axis=1) / square, 0.0, 1.0)
             nearest[rows] += fraction[:, None] * line
-        return found
+        return separable
 
     def depth(self, first: int, second: int, tolerance: float) -> float:
         """Lower bound of the depth of an overlap, within a few per cent of it; zero if that does

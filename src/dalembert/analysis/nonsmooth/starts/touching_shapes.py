@@ -15,9 +15,9 @@ from dalembert.analysis.nonsmooth.gaps.hulls.hull_gaps import HullGaps
 from dalembert.analysis.nonsmooth.gaps.joined_gaps import JoinedGaps
 from dalembert.analysis.nonsmooth.gaps.model_gaps import APART as OFFSET
 from dalembert.analysis.nonsmooth.gaps.searched_gaps import SearchedGaps
-from dalembert.analysis.nonsmooth.overlapping_outlines import overlapping_outlines
-from dalembert.analysis.nonsmooth.overlapping_solids import Overlap, overlapping_solids
-from dalembert.analysis.nonsmooth.overlapping_terrain import solids_in_terrain
+from dalembert.analysis.nonsmooth.starts.overlapping_outlines import overlapping_outlines
+from dalembert.analysis.nonsmooth.starts.overlapping_solids import Overlap, overlapping_solids
+from dalembert.analysis.nonsmooth.starts.overlapping_terrain import solids_in_terrain
 from dalembert.elements.base import Constraint, Element
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.pairs import APART
@@ -169,16 +169,17 @@ def refuse_deep_overlaps(step: ContactStep, t: float, y: np.ndarray) -> None:
     ]
     configuration = step.at(t, y)
     for source in (source for source in sources if isinstance(source, SearchedGaps)):
-        found = None
+        deepest = None
         if isinstance(source, BoundaryGaps):
-            found = overlapping_outlines(source, configuration)
+            deepest = overlapping_outlines(source, configuration)
         elif isinstance(source, HullGaps) and source.dimension == 3:
-            found = _overlap_in_space(step, source, configuration)
-        if found is not None:
-            names = [source.geometry.shapes[k].carrier.name for k in found[:2]]
+            deepest = _overlap_in_space(step, source, configuration)
+        if deepest is not None:
+            *shapes, depth = deepest
+            names = [source.geometry.shapes[k].carrier.name for k in shapes]
             remedy = _remedy(step.model, names) or "move them apart"
             raise AnalysisError(
-                f"{source.elements[0].name}: {' and '.join(names)} overlap by {found[2]:.2g} m or "
+                f"{source.elements[0].name}: {' and '.join(names)} overlap by {depth:.2g} m or "
                 f"more at the start; {remedy}"
             )
 
@@ -188,7 +189,7 @@ def _overlap_in_space(
 ) -> Overlap | None:
     """The deepest overlap of solids that rounded numbers do not explain."""
     sizes: dict[str, float] = {}
-    shapes, found = source.geometry.shapes, None
+    shapes, deepest = source.geometry.shapes, None
     for sized in (False, True):  # most starts do without the sizes of the bodies, which take longer
         if sized:
             sizes = body_sizes(step.model.parts, step.model.equations, step.p)
@@ -198,10 +199,10 @@ def _overlap_in_space(
         ]
         searches = overlapping_solids, solids_in_terrain
         overlaps = [search(source, configuration, np.array(limits)) for search in searches]
-        found = max((o for o in overlaps if o), key=lambda o: o[2], default=None)
-        if found is None:
+        deepest = max((o for o in overlaps if o), key=lambda o: o[2], default=None)
+        if deepest is None:
             break
-    return found
+    return deepest
 
 
 def _remedy(model: Model, bodies: list[str]) -> str:

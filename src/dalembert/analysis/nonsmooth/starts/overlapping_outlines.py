@@ -85,7 +85,7 @@ def overlapping_outlines(
     geometry = source.geometry
     at = geometry.positions(configuration)
     outlined = [*_hulls(geometry, at), *_boundaries(source, at, configuration.p)]
-    found: tuple[int, int, float] | None = None
+    deepest: tuple[int, int, float] | None = None
     low = np.array([shape.corners.min(axis=0) for shape in outlined]).reshape(-1, 2)
     high = np.array([shape.corners.max(axis=0) for shape in outlined]).reshape(-1, 2)
     number = np.array([shape.shape for shape in outlined], dtype=int)
@@ -98,9 +98,9 @@ def overlapping_outlines(
             depth = max(pair[0].depths(pair[1].marks).max(), pair[1].depths(pair[0].marks).max())
             least = SHARE * min(shape.thickness for shape in pair)
             least += SAGITTA * max(shape.extent for shape in pair)
-            if depth > least and (found is None or depth > found[2]):
-                found = int(number[i]), int(number[j]), float(depth)
-    return found
+            if depth > least and (deepest is None or depth > deepest[2]):
+                deepest = int(number[i]), int(number[j]), float(depth)
+    return deepest
 
 
 def _hulls(geometry: HullGeometry, at: Positions) -> Iterator[Outlined]:

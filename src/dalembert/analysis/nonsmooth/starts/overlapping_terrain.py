@@ -14,7 +14,7 @@ from dalembert.analysis.nonsmooth.gaps.hulls.hull_gaps import HullGaps
 from dalembert.analysis.nonsmooth.gaps.hulls.hull_geometry import Solids
 from dalembert.analysis.nonsmooth.gaps.terrain.terrain import Terrain
 from dalembert.analysis.nonsmooth.gaps.terrain.terrain_edges import bounds, vertices_near
-from dalembert.analysis.nonsmooth.overlapping_solids import Overlap
+from dalembert.analysis.nonsmooth.starts.overlapping_solids import Overlap
 from dalembert.elements.contact.hull import MARKS
 
 FRACTIONS = np.array([0.2, 0.4, 0.6, 0.8])

@@ -1,0 +1,1 @@
+"""Positions at the start of runs with contacts: small gaps closed, and overlaps refused."""
