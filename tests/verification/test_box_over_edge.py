@@ -124,3 +124,14 @@ def test_a_box_slides_over_an_edge(add, scheme, general):
         tip = motion["box.tip.position"].values[-1] - place
         end = [place[0], place[2], np.arctan2(tip[2], tip[0])]
     np.testing.assert_allclose(end, reference(), atol=1e-4)
+
+
+@pytest.mark.parametrize("options", [{"step": 5e-4}, {"integrator": da.DormandPrince()}], ids=str)
+def test_located_contacts_slide_over_an_edge(options):
+    """The front corner leaves the table where the edge begins to touch the bottom."""
+    system = da.System("table", gravity=(0, -G))
+    planar_box(system)
+    motion = da.solve_dynamics(system.build(), END, **options)
+    assert motion.status.success
+    end = [*motion["box.position"].values[-1], motion["box.angle"].values[-1]]
+    np.testing.assert_allclose(end, reference(), atol=1e-6)

@@ -15,13 +15,19 @@ import casadi as ca
 import numpy as np
 
 from dalembert.formulations.base import Level
+from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.evaluation.kernel import SELDOM, Kernel, condensed
+from dalembert.symbolic.formulas.expression import stack
 from dalembert.symbolic.once import once
 
 CHECKED = 50
 """Number of outputs, evenly spread, at which all equations are checked; positions at every one."""
+INSTANT = 1e-12
+"""Difference of equal instants, relative to the end of the run [-]."""
+TIED = 1e-12
+"""Natural lengths below which a switching function of a distance is zero."""
 STILL = 1e-3
 """Share of the natural speed and acceleration below which a mechanism counts as at rest."""
 
@@ -51,10 +57,16 @@ class ModelResiduals:
     model : Model
     trajectory : states of all bodies, and multipliers
     p : (np,) parameters
+
+    Attributes
+    ----------
+    one_sided : instants at which directions of contact forces may jump and only positions are
+        checked [s]
     """
 
     def __init__(self, model: Model, trajectory: Trajectory, p: np.ndarray):
         self.model, self.s, self.p = model, trajectory, p
+        self.one_sided = np.zeros(0)
 
     @cached_property
     def violations(self) -> np.ndarray:
@@ -76,7 +88,10 @@ class ModelResiduals:
         count = self.s.t.size
         spread = checked_outputs(count)
         worst = np.argsort(np.nan_to_num(self.violations, nan=np.inf))[-1:]
-        return self.s.some(np.union1d(spread, worst))
+        chosen = np.union1d(spread, worst)
+        apart = np.abs(self.s.t[chosen, None] - self.one_sided) > INSTANT * abs(self.s.t[-1])
+        smooth = chosen[apart.all(axis=1)]
+        return self.s.some(smooth if smooth.size else chosen)
 
     @cached_property
     def _constraints(self) -> tuple[np.ndarray, np.ndarray]:
@@ -92,11 +107,28 @@ class ModelResiduals:
     @cached_property
     def _motion(self) -> tuple[np.ndarray, np.ndarray]:
         """Rows of the equations of motion; magnitudes of their terms."""
-        s = self.checked
-        mapped, p = _mapped(self.model, motion_rows, s.t.size), np.tile(self.p[:, None], s.t.size)
-        forces = s.forces(self.model.all_equations.transmitted.numel())
-        residuals, terms = mapped(s.t, s.y, s.v, s.a, forces, p)
-        return residuals, terms
+        s, model = self.checked, self.model
+        p = np.tile(self.p[:, None], s.t.size)
+        forces = s.forces(model.all_equations.transmitted.numel())
+        states = s.t, s.y, s.v, s.a, forces, p
+        residuals, terms = _mapped(model, motion_rows, s.t.size)(*states)
+        if not any(gap.switches.count for gap in model.all_equations.contacts):
+            return residuals, terms
+        sides, functions = _mapped(model, gap_sides, s.t.size)(s.t, s.y, p)
+        tied = np.abs(functions) <= TIED * model.scales.length
+        if not tied.any():
+            return residuals, terms
+        branched = _mapped(model, branched_motion_rows, s.t.size)
+        residuals, terms = branched(*states, sides)
+        sides = np.where(tied, 1 - sides, sides)  # a body touches two faces of one surface
+        others = branched(*states, sides)
+        units = model.scales.efforts[:, None]
+        with np.errstate(all="ignore"):
+            shares, other_shares = (
+                np.abs(r / (size + units)).max(axis=0) for r, size in ((residuals, terms), others)
+            )
+        better = other_shares < shares
+        return np.where(better, others[0], residuals), np.where(better, others[1], terms)
 
     # largest violations -----------------------------------------------------------------
     def of_level(self, level: Level, drifts: bool = False) -> Violation:
@@ -193,16 +225,40 @@ def constraint_rows(model: Model) -> ca.Function:
 def motion_rows(model: Model) -> ca.Function:
     """``(t, y, v, v̇, λ, p) →`` residuals of the equations of motion, and magnitudes likewise."""
     e = model.all_equations
+    outputs = _motion(e, [(gap.distance, gap.slip) for gap in e.contacts])
+    return ca.Function("motion", [e.t, e.y, e.v, e.a, e.transmitted, e.p], outputs)
+
+
+@once
+def branched_motion_rows(model: Model) -> ca.Function:
+    """The same with the sides of the switches of all gaps as last argument."""
+    e = model.all_equations
+    switches = [gap.switches for gap in e.contacts]
+    outputs = _motion(e, [(s.distance, s.slip) for s in switches])
+    sides = stack(s.switches.sides for s in switches)
+    return ca.Function("motion", [e.t, e.y, e.v, e.a, e.transmitted, e.p, sides], outputs)
+
+
+def _motion(e: Equations, gaps: list[tuple[ca.SX, ca.SX]]) -> list[ca.SX]:
+    """Residuals of the equations of motion with distances and slips of gaps, and magnitudes."""
     c = e.jacobian
     push, pull = e.inertia.times(e.a), ca.mtimes(c.T, e.multiplier)
     terms = sum(
         map(ca.fabs, (push, e.bias, e.force)), ca.mtimes(ca.fabs(c).T, ca.fabs(e.multiplier))
     )
-    for gap in e.contacts:
-        along = e.by_displacement(gap.distance), ca.jacobian(gap.slip, e.v)
+    for gap, (distance, slip) in zip(e.contacts, gaps, strict=True):
+        along = e.by_displacement(distance), ca.jacobian(slip, e.v)
         for rows, force in zip(along, (gap.normal, gap.tangential), strict=True):
             pull -= ca.mtimes(rows.T, force)
             terms += ca.mtimes(ca.fabs(rows).T, ca.fabs(force))
-    outputs = [ca.densify(push + e.bias - e.force + pull), ca.densify(terms)]
-    inputs = [e.t, e.y, e.v, e.a, e.transmitted, e.p]
-    return ca.Function("motion", inputs, outputs)
+    return [ca.densify(push + e.bias - e.force + pull), ca.densify(terms)]
+
+
+@once
+def gap_sides(model: Model) -> ca.Function:
+    """``(t, y, p) →`` sides of the switches of all gaps, and their switching functions."""
+    e = model.all_equations
+    switches = [gap.switches.switches for gap in e.contacts]
+    functions = [ca.substitute(s.functions, s.sides, s.actual) for s in switches]
+    outputs = [ca.densify(stack(parts)) for parts in ([s.actual for s in switches], functions)]
+    return ca.Function("gap_sides", [e.t, e.y, e.p], outputs)

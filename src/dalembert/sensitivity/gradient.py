@@ -16,6 +16,7 @@ from dalembert.results.result import Result
 from dalembert.sensitivity.batch import batch_gradients
 from dalembert.sensitivity.checks.certificate import certify
 from dalembert.sensitivity.checks.diagnosis import Findings, diagnose
+from dalembert.sensitivity.checks.event_notes import refuse_unlocated
 from dalembert.sensitivity.checks.finite_difference import FiniteDifference
 from dalembert.sensitivity.checks.kinks import refuse_kinks
 from dalembert.sensitivity.marching.stable_steps import with_stable_steps
@@ -211,6 +212,7 @@ def _unit(motion: Result, response: Response) -> str:
 def refuse_unfinished(motion: Result) -> None:
     if not motion.status.success:
         raise AnalysisError(f"no gradient of a run that failed: {motion.status}")
+    refuse_unlocated(motion)
 
 
 def refuse_unknown_values(motion: Result, responses: Sequence[Response]) -> None:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from dalembert.analysis.contact.complementarity import GapConditions, Solution, solutions, too_many
-from dalembert.analysis.contact.contact_dynamics import ContactState, slip_rows
+from dalembert.analysis.contact.contact_dynamics import ContactState, GapBranches, slip_rows
 from dalembert.analysis.contact.gap_checks import TOUCHING, refuse_negative
 from dalembert.analysis.contact.guards import Change, Guard
 from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.pattern import ActiveSet, GapRows, Pattern
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.model.graph.contacts import Phase, Phases
+from dalembert.model.graph.contacts import BranchedPhases, Phase, Phases, branches_of
+from dalembert.model.graph.rigid_gaps import Branch, vector
 
 RESTING = 1e-9
 """Threshold for a speed at rest, relative to the sum of the magnitudes of its terms."""
@@ -41,9 +43,12 @@ class ActiveSetSelector:
         self.poisson = any(gap.impact.poisson for gap in self.gaps)
         self.crowded = False
         self.near = TOUCHING * kernel.equations.scales.length
+        self.selection = GapBranches(kernel.equations)
+        self._branches: list[Branch] = []
 
     def at_start(self, t: float, x: np.ndarray, mode: int) -> ActiveSet:
         """Active set at the start; gaps that close there impact in the first step."""
+        self._branches = self._branches_at(t, x, mode)
         state = self._state(t, x, mode)
         refuse_negative(self.gaps, state.distance, self.near)
         apart = (Phase.APART,) * len(self.gaps)
@@ -53,16 +58,23 @@ class ActiveSetSelector:
 
     def at_guard(self, t: float, x: np.ndarray, mode: int, guard: Guard) -> ActiveSet:
         """Active set, with an impact if there is one, where a guard has reached zero."""
-        before, state = self.kernel.variants[mode].phases, self._state(t, x, mode)
+        before = self.kernel.variants[mode].phases
         if guard.change is Change.TURNS:
             return self._with_new_directions(before)
+        passes = guard.change is Change.PASSES
+        self._branches = self._branches_at(t, x, mode, guard if passes else None)
+        state = self._state(t, x, mode)
         touching = [
             k
             for k, phase in enumerate(before)
             if phase is not Phase.APART or state.distance[k] <= self.near or k == guard.gap
         ]
-        apart = [k for k in touching if before[k] is Phase.APART]
-        closing = tuple(k for k in apart if state.speed[k] < -RESTING * state.size[k])
+        if passes and abs(state.distance[guard.gap]) > self.near:
+            if state.distance[guard.gap] < 0:
+                return ActiveSet(before, trouble=self._overlap(t, guard.gap))
+            touching.remove(guard.gap)
+        free = [k for k in touching if before[k] is Phase.APART or (passes and k == guard.gap)]
+        closing = tuple(k for k in free if state.speed[k] < -RESTING * state.size[k])
         if not closing:
             return self._lasting(t, state, touching, before, guard)
         active_set, flights = self._impact(t, x, mode, touching, closing, frozenset())
@@ -70,15 +82,44 @@ class ActiveSetSelector:
             active_set, _ = self._impact(t, x, mode, touching, closing, dead)
         return active_set
 
+    def _branches_at(
+        self, t: float, x: np.ndarray, mode: int, passed: Guard | None = None
+    ) -> list[Branch]:
+        """Branches of all distances immediately after an instant; closed gaps keep theirs."""
+        if not self.selection.count:
+            return [()] * len(self.gaps)
+        variant = self.kernel.variants[mode]
+        rate = variant.rate.function(t, x, self.p).full().ravel()[: x.size]
+        switch = None if passed is None else (passed.gap, passed.switch, passed.after)
+        branches = self.selection.sides(t, x, rate, self.p, switch)
+        for k, branch in enumerate(branches_of(variant.phases)):
+            if branch and (passed is None or passed.gap != k):
+                branches[k] = branch
+        return branches
+
+    def _touched(self, gaps: Sequence[int]) -> tuple[Branch, ...]:
+        """Branches of some gaps, without sides of no influence; none of the others."""
+        switches = [gap.switches for gap in self.gaps]
+        return tuple(
+            switches[k].branch(branch) if k in gaps and branch else ()
+            for k, branch in enumerate(self._branches)
+        )
+
+    def _overlap(self, t: float, gap: int) -> str:
+        """Message where the distance jumps to a negative value."""
+        return (
+            f"the distance of {self.gaps[gap].name} jumps to a negative value at t = {t:.9g} s, "
+            "where it changes its branch; make it continuous"
+        )
+
     @staticmethod
     def _with_new_directions(phases: Phases) -> ActiveSet:
         """The same phases with new slip directions."""
         closed = tuple(k for k, phase in enumerate(phases) if phase is not Phase.APART)
         closed_phases = tuple(phases[k] for k in closed)
         none = (None,) * len(closed)
-        return ActiveSet(
-            phases, resting=closed, rest=Pattern(closed_phases, (False,) * len(closed), none)
-        )
+        rest = Pattern(closed_phases, (False,) * len(closed), none)
+        return ActiveSet(phases, resting=closed, rest=rest, branches=branches_of(phases))
 
     def _impact(
         self,
@@ -99,7 +140,8 @@ class ActiveSetSelector:
             ), endless
         patterns = tuple(part[0].pattern for part in parts)
         impulse = sum((part[0].impulse for part in parts), np.zeros(state.speed.size))
-        jump = self.modes.jump(mode, tuple(touching), patterns, dead)
+        branches = self._touched(touching)
+        jump = self.modes.jump(mode, tuple(touching), patterns, dead, branches)
         x_after, jump_impulse = (out.full().ravel() for out in jump.function(t, x, self.p))
         if not np.allclose(jump_impulse, impulse, 0, 1e-6 * np.max(np.abs(impulse), initial=0.0)):
             text = self._undecided(t, state, touching, [], "impact")
@@ -120,6 +162,7 @@ class ActiveSetSelector:
             lasting.acceleration,
             lasting.resting,
             lasting.rest,
+            branches,
         )
         if lasting.acceleration is None:
             return active_set, endless
@@ -131,7 +174,8 @@ class ActiveSetSelector:
 
     def _state(self, t: float, x: np.ndarray, mode: int) -> ContactState:
         function = self.modes.dynamics(mode)[1]
-        return ContactState.at(function, self.kernel.equations, t, x, self.p)
+        sides = vector(self._branches)
+        return ContactState.at(function, self.kernel.equations, t, x, self.p, sides)
 
     # impacts ------------------------------------------------------------------------------
     def _struck(
@@ -205,8 +249,12 @@ class ActiveSetSelector:
         phases = [Phase.APART] * len(self.gaps)
         for k, phase in zip(gaps, patterns[0].phases, strict=True):
             phases[k] = phase
-        resting, rest = tuple(gaps), patterns[0].pattern
-        return ActiveSet(tuple(phases), acceleration=patterns[0].result, resting=resting, rest=rest)
+        resting, rest, branches = tuple(gaps), patterns[0].pattern, self._touched(gaps)
+        lasting = BranchedPhases(phases, branches) if any(branches) else tuple(phases)
+        acceleration = patterns[0].result
+        return ActiveSet(
+            lasting, acceleration=acceleration, resting=resting, rest=rest, branches=branches
+        )
 
     def _resting(self, state: ContactState, k: int, before: Phase, guard, terms) -> GapConditions:
         slips = guard is not None and guard.change is Change.SLIPS
@@ -218,7 +266,8 @@ class ActiveSetSelector:
             if np.linalg.norm(slip) > RESTING * size and not stops:
                 along = slip / np.linalg.norm(slip)
                 allowed = (Phase.APART, self._sliding(along))
-        if guard is not None and guard.gap == k and before is not Phase.APART:
+        passes = guard is not None and guard.change is Change.PASSES
+        if guard is not None and guard.gap == k and before is not Phase.APART and not passes:
             excluded = CLOSED if guard.change is Change.LIFTS else (before,)
             allowed = tuple(phase for phase in allowed if phase not in excluded)
         return self._touch(state, k, allowed, along)

@@ -22,6 +22,7 @@ from dalembert.analysis.contact.state_jumps import Headings, Jump
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.integrators.base import Attempt
 from dalembert.integrators.step import GraphStep
+from dalembert.model.graph.contacts import branches_of
 from dalembert.symbolic.equations.graph_function import GraphFunction
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.formulas.expression import Expression
@@ -115,6 +116,17 @@ class ContactChange(Variant):
         _, rates = self._guards(t, x, p)
         size = self.before.guards.watched[self.guard].size
         return ca.Function("pace", [t, x, p], [rates[self.guard] * e.scales.time / size])
+
+    @property
+    def turns(self) -> bool:
+        """Whether the branch of a distance changes, and with it the direction of its force."""
+        return branches_of(self.before.phases) != branches_of(self.after.phases)
+
+    @property
+    def left_branches(self) -> list[int]:
+        """Closed gaps that leave the branch of their distance."""
+        pairs = zip(branches_of(self.before.phases), branches_of(self.after.phases), strict=True)
+        return [k for k, (before, after) in enumerate(pairs) if before and before != after]
 
     @property
     def gap(self) -> int | None:

@@ -10,8 +10,10 @@ where G is the Delassus matrix. The normal directions of all gaps come first, th
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -21,10 +23,17 @@ from dalembert.errors import UnsupportedError
 from dalembert.formulations.base import Formulation, state_symbols
 from dalembert.model.graph.contacts import Phase, touching
 from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.rigid_gaps import ANY, Branch, vector
+from dalembert.symbolic.formulas.expression import stack
 
 ROUNDING = 100 * float(np.finfo(float).eps)
 LEAST = 1e-3
 """Minimum scale of speeds, relative to the natural speed."""
+
+ZERO = 1e-12
+"""Tolerance of a zero of a switching function, in natural lengths."""
+SLOW = 1e-9
+"""Threshold for a rate of a switching function, in natural speeds."""
 
 
 class ContactDynamics:
@@ -32,6 +41,7 @@ class ContactDynamics:
 
     Attributes
     ----------
+    sides : symbols of the sides of all switches of distances
     distance, speed, acceleration : ``g``, ``u``, ``w``
     rounding : rounding error of ``g`` from its terms, with a margin
     response : ``M⁻¹Wᵀ`` through the constraints: change of the speeds by unit impulses
@@ -41,8 +51,14 @@ class ContactDynamics:
     """
 
     def __init__(self, e: Equations, formulation: Formulation):
-        self.equations = e
-        whole = touching(e, [Phase.STICKING] * len(e.contacts))
+        self._switches = [gap.switches for gap in e.contacts]
+        self.sides = stack(s.switches.sides for s in self._switches)
+        frozen = [
+            replace(gap, distance=s.distance, slip=s.slip)
+            for gap, s in zip(e.contacts, self._switches, strict=True)
+        ]
+        self.equations = e = replace(e, contacts=tuple(frozen))
+        whole = touching(e, (Phase.STICKING,) * len(e.contacts))
         m = e.constraint_count
         rows = ca.densify(-whole.jacobian[m:, :])
         solver = formulation.saddle(e)
@@ -67,12 +83,21 @@ class ContactDynamics:
 
     @property
     def function(self) -> ca.Function:
-        """``(t, x, p)`` → values as in ``ContactState``."""
+        """``(t, x, p, sides)`` → values as in ``ContactState``."""
         e = self.equations
         outputs = [self.distance, self.rounding, self.speed, self.size, self.acceleration]
         outputs += [self.delassus, self.laws]
         x = state_symbols(e)
-        return ca.Function("contacts", [e.t, x, e.p], [ca.densify(f) for f in outputs])
+        arguments = [e.t, x, e.p, self.sides]
+        return ca.Function("contacts", arguments, [ca.densify(f) for f in outputs])
+
+    def on(self, branches: Sequence[Branch], outputs: Sequence[ca.SX]) -> list[ca.SX]:
+        """Expressions on the branches of all gaps."""
+        if not self.sides.numel():
+            return list(outputs)
+        pairs = zip(self._switches, branches, strict=True)
+        values = vector([branch or (ANY,) * s.count for s, branch in pairs])
+        return list(ca.substitute(list(outputs), [self.sides], [ca.SX(values)]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,14 +121,73 @@ class ContactState:
     slips: list[list[int]]
 
     @classmethod
-    def at(cls, function: ca.Function, e: Equations, t: float, x: np.ndarray, p: np.ndarray):
-        *columns, delassus, laws = (f.full() for f in function(t, x, p))
+    def at(cls, function: ca.Function, e: Equations, *arguments: Any) -> ContactState:
+        """Values at ``(t, x, p, sides)``."""
+        *columns, delassus, laws = (f.full() for f in function(*arguments))
         g, rounding, u, size, w = (f.ravel() for f in columns)
         return cls(g, rounding, u, size, w, delassus, laws[0], laws[1], laws[2], slip_rows(e))
 
     def rubs(self, gap: int) -> bool:
         """Whether friction acts at a gap."""
         return bool(self.slips[gap]) and self.friction[gap] > 0
+
+
+class GapBranches:
+    """Branches of the distances of all gaps at a state.
+
+    Where a switching function is zero, as at the corner of a polygon, its rate along the motion
+    determines the side: it is the side immediately after that instant.
+
+    Parameters
+    ----------
+    e : Equations with free branches
+    """
+
+    def __init__(self, e: Equations):
+        self.equations, self.switches = e, [gap.switches for gap in e.contacts]
+        self.ends = np.cumsum([0, *(s.count for s in self.switches)])
+        self.count = int(self.ends[-1])
+
+    @cached_property
+    def _function(self) -> ca.Function:
+        """``(t, x, ẋ, p, sides)`` → switching functions of all gaps, and their rates."""
+        e, x = self.equations, state_symbols(self.equations)
+        g = stack(s.switches.functions for s in self.switches)
+        sides = stack(s.switches.sides for s in self.switches)
+        rate = ca.SX.sym("rate", x.numel())
+        rates = ca.jtimes(g, ca.vertcat(e.t, x), ca.vertcat(1, rate))
+        outputs = [ca.densify(g), ca.densify(rates)]
+        return ca.Function("gap_branches", [e.t, x, rate, e.p, sides], outputs, {"cse": True})
+
+    def sides(
+        self,
+        t: float,
+        x: np.ndarray,
+        rate: np.ndarray,
+        p: np.ndarray,
+        passed: tuple[int, int, int] | None = None,
+    ) -> list[Branch]:
+        """Sides of all switches of every gap immediately after an instant.
+
+        Parameters
+        ----------
+        passed : gap, number of its switch that changes its side there, and the side after it
+        """
+        if not self.count:
+            return [()] * len(self.switches)
+        s = self.equations.scales
+        near, slow = ZERO * s.length, SLOW * s.length / s.time
+        sides = np.zeros(self.count)
+        for _ in range(self.count + 1):  # functions depend on the sides of those before them
+            values, rates = (out.full().ravel() for out in self._function(t, x, rate, p, sides))
+            tied = (np.abs(values) <= near) & (np.abs(rates) > slow)
+            following = np.where(tied, rates > 0, values > 0).astype(float)
+            if passed is not None:
+                following[self.ends[passed[0]] + passed[1]] = passed[2]
+            if np.array_equal(following, sides):
+                break
+            sides = following
+        return [tuple(int(k) for k in sides[a:b]) for a, b in pairwise(self.ends)]
 
 
 def slip_rows(e: Equations) -> list[list[int]]:

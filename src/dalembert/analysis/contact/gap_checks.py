@@ -100,6 +100,32 @@ def _closed(model: Model, gaps: tuple[int, ...]) -> Model:
     return Model.assembled(model.parts.with_conditions([(d, Expression(0.0)) for d in distances]))
 
 
+def gap_violation(model: Model, s: Trajectory, p: np.ndarray) -> str:
+    """Message where a gap overlaps, or transmits a force although it is open; else empty.
+
+    Distances are those of the model, whatever branches of them a run has followed.
+    """
+    e = model.all_equations
+    if not (e.contacts and s.t.size):
+        return ""
+    function, count = _distances(model).map(s.t.size), s.t.size
+    distances = function(s.t, s.y, np.tile(p[:, None], count)).full()
+    sizes = [gap.forces().numel() for gap in e.contacts]
+    rows = e.constraint_count + np.cumsum([0, *sizes[:-1]])
+    presses = s.forces(e.transmitted.numel())[rows] != 0
+    wrong = (distances < -(near := e.scales.gap_threshold(ROUNDED))) | (
+        presses & (distances > near)
+    )
+    if not wrong.any():
+        return ""
+    row, k = (int(index[0]) for index in np.nonzero(wrong))
+    state = "presses at" if presses[row, k] else "has"
+    return (
+        f"{e.contacts[row].name} {state} a gap of {distances[row, k]:.3g} m at t = {s.t[k]:.9g} s; "
+        "use solve_nonsmooth, or a shorter step"
+    )
+
+
 def refuse_negative(gaps: Sequence[RigidGap], distances: np.ndarray, near: float) -> None:
     """Refuse overlapping bodies at the start of a run.
 

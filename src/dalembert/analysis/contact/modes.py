@@ -15,6 +15,7 @@ from dalembert.analysis.dynamics.variant import Variant
 from dalembert.integrators.base import Integrator
 from dalembert.model.graph.contacts import Phase, Phases
 from dalembert.model.graph.coordinates import CoordinateView
+from dalembert.model.graph.rigid_gaps import Branch
 
 Choose = Callable[[float, np.ndarray, np.ndarray, tuple[int, ...], Phases, Integrator], int]
 
@@ -52,7 +53,7 @@ class ContactModes:
         return self.choose(t, x, p, variant.rows, phases, variant.integrator)
 
     def dynamics(self, mode: int) -> tuple[ContactDynamics, ca.Function]:
-        """Contact dynamics with the constraints of a mode, and the same as a function."""
+        """Contact dynamics with the constraints of a mode, on any branches, and its function."""
         variant = self.variants[mode]
         key = (variant.rows, variant.bare)
         if key not in self._dynamics:
@@ -66,12 +67,13 @@ class ContactModes:
         gaps: tuple[int, ...],
         patterns: tuple[Pattern, ...],
         dead: frozenset[int],
+        branches: tuple[Branch, ...],
     ) -> Jump:
         """The jump of an impact with the given patterns of gaps."""
         variant = self.variants[mode]
-        key = (variant.rows, variant.bare, gaps, patterns, dead)
+        key = (variant.rows, variant.bare, gaps, patterns, dead, branches)
         if key not in self._jumps:
-            self._jumps[key] = Jump(self.dynamics(mode)[0], gaps, patterns, dead)
+            self._jumps[key] = Jump(self.dynamics(mode)[0], gaps, patterns, dead, branches)
         return self._jumps[key]
 
     def headings(self, mode: int, active_set: ActiveSet) -> Headings | None:
@@ -79,10 +81,10 @@ class ContactModes:
         resting, rest = active_set.resting, active_set.rest
         if rest is None or Phase.SLIDING not in rest.phases:
             return None
-        variant = self.variants[mode]
-        key = (variant.rows, variant.bare, resting, rest)
+        variant, branches = self.variants[mode], active_set.branches
+        key = (variant.rows, variant.bare, resting, rest, branches)
         if key not in self._headings:
-            self._headings[key] = Headings(self.dynamics(mode)[0], resting, rest)
+            self._headings[key] = Headings(self.dynamics(mode)[0], resting, rest, branches)
         return self._headings[key]
 
     def settling(self, mode: int, active_set: ActiveSet) -> Jump | None:
@@ -99,11 +101,12 @@ class ContactModes:
         unchanged = Phase.APART, Phase.STICKING
         phases = tuple(p if p in unchanged else Phase.SMOOTH for p in rest.phases)
         none: tuple[None, ...] = (None,) * len(resting)
-        return self.jump(mode, resting, (Pattern(phases, rest.released, none),), frozenset(resting))
+        pattern = Pattern(phases, rest.released, none)
+        return self.jump(mode, resting, (pattern,), frozenset(resting), active_set.branches)
 
     def change(self, mode: int, after: int, active_set: ActiveSet, guard: int | None) -> int:
         """The mode of the change from one mode to the phases of another."""
-        impact = active_set.gaps, active_set.patterns, active_set.dead
+        impact = active_set.gaps, active_set.patterns, active_set.dead, active_set.branches
         phases = active_set.phases, active_set.resting, active_set.rest
         struck = active_set.impulse is not None
         key = (mode, after, guard, struck, *phases, *impact, active_set.together)

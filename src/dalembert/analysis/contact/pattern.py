@@ -18,6 +18,7 @@ import numpy as np
 
 from dalembert.elements.planar.body import cross
 from dalembert.model.graph.contacts import Phase, Phases
+from dalembert.model.graph.rigid_gaps import Branch
 
 SECTORS = 16
 """Number of sectors of slip directions; Newton's method starts in the middle of one."""
@@ -71,6 +72,7 @@ class ActiveSet:
     acceleration : ``u̇`` of all gaps in these phases
     resting : numbers of the gaps that touch without separating
     rest : pattern of the resting gaps
+    branches : of the distances of all touching gaps, empty for the others
     """
 
     phases: Phases
@@ -83,6 +85,7 @@ class ActiveSet:
     acceleration: np.ndarray | None = None
     resting: tuple[int, ...] = ()
     rest: Pattern | None = None
+    branches: tuple[Branch, ...] = ()
 
 
 Entry = tuple[int, int, Any]

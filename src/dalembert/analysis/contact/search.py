@@ -16,7 +16,9 @@ from dalembert.analysis.contact.guards import (
     HALVINGS,
     Guard,
     Guards,
+    chattering,
     first_zero,
+    zero_guard,
 )
 from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.pattern import ActiveSet
@@ -27,7 +29,7 @@ from dalembert.analysis.events import locate
 from dalembert.errors import SingularityError, UnsolvedPart, UnsupportedError
 from dalembert.formulations.base import state_symbols
 from dalembert.integrators.marching.steps import Crossing
-from dalembert.model.graph.contacts import Phase, Phases
+from dalembert.model.graph.contacts import BranchedPhases, Phase, Phases, branches_of
 from dalembert.results.recording import ImpactRecord
 from dalembert.symbolic.evaluation.kernel import Kernel
 
@@ -69,7 +71,7 @@ class ContactSearch:
         self.together: list[tuple[float, str]] = []
         self.slides: list[tuple[float, str]] = []
         self.trouble, self.inconsistent = "", False
-        self._changes: list[float] = []
+        self._changes: list[tuple[float, Guard]] = []
         self._kernels: dict[object, Kernel] = {}
         self.size = state_symbols(kernel.equations).numel()
 
@@ -137,6 +139,7 @@ class ContactSearch:
         )
         leading_negative = values[:, :-1] + h * rates[:, :-1] < -near
         beyond |= leading_negative & guards.stiff[:, None]
+        beyond &= ~guards.idle[:, None]
         dips = cubic(parts, *ends_of) < -near
         dips[:-1] |= self._dips_between(times, states, mode, ends_of)
         for k in np.flatnonzero(beyond.any(axis=0) | dips.any(axis=(0, 1))):
@@ -229,22 +232,20 @@ class ContactSearch:
     # changes ---------------------------------------------------------------------------
     def _change(self, replacement: StepReplacement, mode: int, number: int, moving: bool) -> int:
         """Add a change of phases at the current instant; return the mode after it."""
-        guard: Guard = self._guards(mode).watched[number]
-        active_set = self.selector.at_guard(
-            replacement.time, replacement.x[: self.size], mode, guard
-        )
+        guards, state = self._guards(mode), replacement.x[: self.size]
+        outputs = self._call(guards.function, replacement.time, state, self.p)
+        values, rates = (output.ravel() for output in outputs)
+        number, guard, located = zero_guard(guards, number, values, rates, self.span)
+        moving = moving and located
+        active_set = self.selector.at_guard(replacement.time, state, mode, guard)
         self._note(active_set, replacement.time)
-        self._changes.append(replacement.time)
+        self._changes.append((replacement.time, guard))
         if self.trouble:
             return mode
-        elapsed = replacement.time - np.array(self._changes)
-        if np.sum(elapsed <= SIMULTANEOUS * self.span) > MANY:
-            names = self.kernel.equations.contacts[guard.gap].name
-            self.trouble = (
-                f"{names} opens and closes again and again at t = {replacement.time:.9g} s; "
-                "give it restitution=0, or a compliant contact, or use solve_nonsmooth, which does "
-                "not locate impacts"
-            )
+        since = replacement.time - SIMULTANEOUS * self.span
+        if len(recent := [g for t, g in self._changes if t >= since]) > MANY:
+            name = self.kernel.equations.contacts[guard.gap].name
+            self.trouble = chattering(recent, name, replacement.time)
             return mode
         after_mode = self._phased(mode, active_set.phases, replacement.time, replacement.x)
         if self.trouble:
@@ -294,4 +295,4 @@ def initial_phases(active_set: ActiveSet) -> Phases:
     if active_set.rest is not None:
         for k, sector in zip(active_set.resting, active_set.rest.sectors, strict=True):
             phases[k] = phases[k] if sector is None else Phase.STICKING
-    return tuple(phases)
+    return BranchedPhases(phases, branches_of(active_set.phases))

@@ -20,7 +20,7 @@ from dalembert.analysis.contact.pattern import Pattern, PatternImpulse
 from dalembert.formulations.base import WORK, memory_symbols, state_symbols
 from dalembert.model.graph.contacts import Phase, heading, slow
 from dalembert.model.graph.equations import Equations
-from dalembert.model.graph.rigid_gaps import headings
+from dalembert.model.graph.rigid_gaps import Branch, headings
 from dalembert.symbolic.formulas.expression import stack
 
 
@@ -33,6 +33,7 @@ class Jump:
     gaps : numbers of the gaps in contact
     patterns : their pattern, or two for compression and restitution
     dead : gaps among them that do not bounce
+    branches : of the distances of all gaps
     """
 
     def __init__(
@@ -41,8 +42,10 @@ class Jump:
         gaps: Sequence[int],
         patterns: Sequence[Pattern],
         dead: frozenset[int],
+        branches: Sequence[Branch],
     ):
         self.dynamics, self.gaps, self.patterns, self.dead = dynamics, gaps, patterns, dead
+        self.branches = branches
 
     @cached_property
     def impulse(self) -> ca.SX:
@@ -89,7 +92,7 @@ class Jump:
         lost = -ca.dot(impulse, d.speed + ca.mtimes(d.delassus, impulse) / 2)
         work = WORK + ca.vertcat(lost, gained + lost)
         after = ca.vertcat(e.y, v, work, headings(e.contacts), self._switch_signs(v))
-        outputs = [ca.densify(after), ca.densify(impulse)]
+        outputs = d.on(self.branches, [ca.densify(after), ca.densify(impulse)])
         return ca.Function("jump", [e.t, x, e.p], outputs, {"cse": True})
 
     def _switch_signs(self, v: ca.SX) -> ca.SX:
@@ -110,22 +113,30 @@ class Headings:
     dynamics : ContactDynamics
     gaps : numbers of the touching gaps
     pattern : their phases from now on
+    branches : of the distances of all gaps
     """
 
-    def __init__(self, dynamics: ContactDynamics, gaps: Sequence[int], pattern: Pattern):
+    def __init__(
+        self,
+        dynamics: ContactDynamics,
+        gaps: Sequence[int],
+        pattern: Pattern,
+        branches: Sequence[Branch],
+    ):
         self.dynamics, self.gaps, self.pattern = dynamics, gaps, pattern
+        self.branches = branches
 
     @cached_property
     def function(self) -> ca.Function:
         """``(t, x, p) → x``."""
-        e = self.dynamics.equations
+        d, e = self.dynamics, self.dynamics.equations
         x, stored = state_symbols(e), headings(e.contacts)
         renewed = [gap.heading for gap in e.contacts]
         for k, direction in zip(self.gaps, self._directions, strict=True):
             renewed[k] = direction if direction.numel() else renewed[k]
         memory = ca.substitute(memory_symbols(e), stored, ca.vertcat(*renewed))
-        state = ca.vertcat(e.y, e.v, memory)
-        return ca.Function("headings", [e.t, x, e.p], [ca.densify(state)], {"cse": True})
+        outputs = d.on(self.branches, [ca.densify(ca.vertcat(e.y, e.v, memory))])
+        return ca.Function("headings", [e.t, x, e.p], outputs, {"cse": True})
 
     @property
     def _directions(self) -> list[ca.SX]:

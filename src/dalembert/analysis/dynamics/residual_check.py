@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from dalembert.analysis.contact.gap_checks import gap_violation
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.model_residuals import ModelResiduals, Violation
 from dalembert.analysis.residual_check import ResidualCheck
@@ -126,6 +127,9 @@ class DynamicsResidualCheck(ResidualCheck):
         super().__init__(kernel.model, trajectory, p)
         self.kernel, self.steps, self.s, self.p = kernel, steps, trajectory, p
         self.balance = balance
+        crossings = kernel.crossings(steps)
+        turns = [k for k, change in crossings if getattr(change, "turns", False)]
+        self.residuals.one_sided = steps.t[turns]
 
     @cached_property
     def held(self) -> frozenset[Level]:
@@ -161,6 +165,10 @@ class DynamicsResidualCheck(ResidualCheck):
         """Outcome and message if the run is not a motion of the model, else None."""
         if violated := super().objection:
             return violated
+        if self.kernel.contacts is not None and Level.POSITION in self.held:
+            model, checked = self.kernel.model, self.residuals.checked
+            if text := gap_violation(model, checked, self.p):
+                return Outcome.VIOLATED, text
         return self.energy.objection(self.balance, "use a shorter step, or another integrator")
 
     @property

@@ -151,7 +151,8 @@ class Variant(CacheOwner):
         e = self.equations
         if not e.contacts:
             return None
-        watched = guards_of(e, self.phases)
+        switches = [gap.switches for gap in self.view.whole.contacts]
+        watched = guards_of(e, self.phases, switches)
         values = self._of_view(e, [stack(g.value for g in watched)], "guards").function
         return Guards(e, watched, values, self.rate.function)
 

@@ -17,7 +17,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.model.graph.equations import ConstraintKinematics, Equations
-from dalembert.model.graph.rigid_gaps import RigidGap, contact_forces
+from dalembert.model.graph.rigid_gaps import Branch, RigidGap, contact_forces
 from dalembert.model.graph.scales import Scales
 from dalembert.symbolic.formulas.expression import stack
 
@@ -39,6 +39,45 @@ class Phase(Enum):
 
 
 Phases = tuple[Phase, ...]
+
+
+class BranchedPhases(tuple[Phase, ...]):
+    """Phases of all gaps, with the branches of the distances of closed ones.
+
+    Attributes
+    ----------
+    branches : of all gaps, empty for open gaps and distances without branches
+    """
+
+    branches: tuple[Branch, ...]
+
+    def __new__(cls, phases: Sequence[Phase], branches: Sequence[Branch]) -> BranchedPhases:
+        self = super().__new__(cls, phases)
+        pairs = zip(phases, branches, strict=True)
+        self.branches = tuple(() if phase is Phase.APART else branch for phase, branch in pairs)
+        return self
+
+    def __getnewargs__(self) -> tuple:
+        return tuple(self), self.branches
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, tuple) or not super().__eq__(other):
+            return False
+        return self.branches == branches_of(other)
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+    def __hash__(self) -> int:
+        return super().__hash__()
+
+
+def branches_of(phases: Phases) -> tuple[Branch, ...]:
+    """Branches of the distances of all gaps; empty ones where none are stored."""
+    if isinstance(phases, BranchedPhases):
+        return phases.branches
+    return ((),) * len(phases)
+
 
 SLOW = 1e-4
 """Threshold for slip along a surface without a clear direction, in natural speeds."""
@@ -71,10 +110,12 @@ def slow(scales: Scales) -> float:
     return float(SLOW * scales.length / scales.time)
 
 
-def touching(e: Equations, phases: Sequence[Phase]) -> Equations:
+def touching(e: Equations, phases: Phases) -> Equations:
     """The system with closed gaps as constraints and with the friction of sliding gaps."""
     if not e.contacts:
         return e
+    contacts = zip(e.contacts, branches_of(phases), strict=True)
+    e = replace(e, contacts=tuple(gap.on(branch) for gap, branch in contacts))
     pairs = list(zip(e.contacts, phases, strict=True))
     closed = [gap for gap, phase in pairs if phase is not Phase.APART]
     stuck = [gap for gap, phase in pairs if phase is Phase.STICKING]

@@ -16,7 +16,7 @@ import numpy as np
 from dalembert.analysis.contact.change import ContactChange
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.transition import Transition
-from dalembert.errors import AnalysisError
+from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.model.graph.model import Model
 from dalembert.responses.base import Response
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
@@ -116,6 +116,30 @@ def contact_notes(motion: Result) -> list[str]:
                 "them make successive impacts, so the derivative is that of a simultaneous impact"
             )
     return notes
+
+
+def refuse_unlocated(motion: Result) -> None:
+    """Refuse gradients over a change of the face of a contact whose instant has no derivative.
+
+    Raises
+    ------
+    UnsupportedError
+        A body comes to rest at a corner, or the distance jumps there.
+    """
+    kernel = getattr(getattr(motion, "record", None), "kernel", None)
+    if not isinstance(motion, Recording) or not isinstance(kernel, DynamicsKernel):
+        return
+    steps = motion.record.steps
+    for k, change in kernel.crossings(steps):
+        if not isinstance(change, ContactChange) or change.guard is not None:
+            continue
+        if steps.t[k] > steps.t[0] and (left := change.left_branches):
+            names = ", ".join(kernel.equations.contacts[gap].name for gap in left)
+            raise UnsupportedError(
+                f"{names} reaches the end of a face at t = {steps.t[k]:.6g} s at rest, or the "
+                "distance jumps there: this instant, and with it the motion after it, has no "
+                "derivative; end the run before, or move the start"
+            )
 
 
 def _grazed_gaps(motion: Recording, changes: list[tuple[int, ContactChange]]) -> dict[int, float]:

@@ -44,19 +44,22 @@ class Switches:
         return self.sides.numel()
 
 
-def freeze_branches(expressions: list[ca.SX], moving: ca.SX) -> tuple[list[ca.SX], Switches]:
+def freeze_branches(
+    expressions: list[ca.SX], moving: ca.SX, extended: bool = True
+) -> tuple[list[ca.SX], Switches]:
     """The expressions with frozen branches, and their switches.
 
     Parameters
     ----------
     moving : symbols that change during a run; a comparison of other symbols is not a switch
+    extended : whether powers are continued beyond switches, which makes them depend on all sides
     """
     symbols = ca.vertcat(*ca.symvar(ca.veccat(*expressions, moving)))
     function = ca.Function("held", [symbols], expressions, {"cse": True})
     operations = [function.instruction_id(k) for k in range(function.n_instructions())]
     if not {*COMPARISONS, *SIGNED, *CHOOSING} & {*operations}:
         return expressions, Switches()
-    return _Replay(function, moving).run(operations, expressions)
+    return _Replay(function, moving, extended).run(operations, expressions)
 
 
 class _Replay:
@@ -65,8 +68,9 @@ class _Replay:
     Every value has a label, equal for equal values, so that equal comparisons are one switch.
     """
 
-    def __init__(self, function: ca.Function, moving: ca.SX):
+    def __init__(self, function: ca.Function, moving: ca.SX, extended: bool):
         self.function, (self.symbols,) = function, function.sx_in()
+        self.extended = extended
         names = {symbol.element_hash() for symbol in ca.vertsplit(moving)}
         self.moving = [s.element_hash() in names for s in ca.vertsplit(self.symbols)]
         self.functions: list[ca.SX] = []
@@ -129,7 +133,7 @@ class _Replay:
             a, b = values if operation == ca.OP_FMIN else values[::-1]
             side = self._side(*values, *labels)
             return ca.if_else(side, a, b)
-        if operation in POWERS:
+        if operation in POWERS and self.extended:
             return self._extended(operation, values)
         return _plain(operation, values)
 

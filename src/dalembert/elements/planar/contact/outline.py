@@ -11,10 +11,10 @@ import numpy as np
 from dalembert.elements.base import Condition, Look, Rows, option
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.hull import Boundary, Solid
-from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Shape
+from dalembert.elements.contact.shapes import Ball, Shape
 from dalembert.elements.look import Path
 from dalembert.elements.pair import need_body
-from dalembert.elements.planar.contact.polygon import checked_vertices, outline
+from dalembert.elements.planar.contact.polygon import checked_vertices, outline, sides_of
 
 FAR = 1e300
 """Distance from a side of places that are beyond its ends [m]."""
@@ -68,20 +68,26 @@ class Outline(Shape):
         return tuple(vertex.sx for vertex in self.vertices)
 
     def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
-        local, nearest, signed = self.local(place), ca.SX(FAR), ca.SX(FAR)
-        before = self.corners[-1]
-        for corner, after in zip(self.corners, self.corners[1:] + self.corners[:1], strict=True):
-            edge, relative = after - corner, local - corner
-            fraction, length = ca.dot(edge, relative), ca.sumsqr(edge)
-            height = -_cross(edge, relative) / ca.sqrt(length)
-            above = ca.logic_and(fraction >= 0, fraction <= length)
-            away = ca.sqrt(ca.sumsqr(relative) + NO_LENGTH**2)
-            convex = ca.if_else(_cross(corner - before, edge) > 0, 1, -1)
-            for size, value in ((ca.if_else(above, ca.fabs(height), FAR), height),
-                                (away, convex * away)):  # fmt: skip
+        nearest, signed = ca.SX(FAR), ca.SX(FAR)
+        sides = sides_of(self.local(place), self.corners)
+        turns = zip(self.corners[-1:] + self.corners[:-1], self.corners, strict=True)
+        edges = [corner - before for before, corner in turns]  # ending at each corner
+        for k, side in enumerate(sides):
+            inside = ca.logic_not(ca.logic_or(side.before_start, side.beyond_end))
+            at_start = ca.logic_and(sides[k - 1].beyond_end, side.before_start)
+            following = edges[(k + 1) % len(edges)]
+            convex = _cross(edges[k], following) > 0
+            if sharp:  # a lower bound without the singular direction at the corner
+                heights = sides[k - 1].height, side.height
+                at_corner = ca.if_else(convex, ca.fmax(*heights), ca.fmin(*heights))
+            else:
+                at_corner = ca.if_else(convex, side.from_start, -side.from_start)
+            for size, value in (
+                (ca.if_else(inside, ca.fabs(side.height), FAR), side.height),
+                (ca.if_else(at_start, side.from_start, FAR), at_corner),
+            ):
                 signed = ca.if_else(size < nearest, value, signed)
                 nearest = ca.fmin(nearest, size)
-            before = corner
         return signed
 
     def boundary(self) -> Boundary:

@@ -43,14 +43,23 @@ class ConvexShape(Spotted):
         return Hull.planar(without_straight(self.corners()), ca.SX(0))
 
     def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
-        local, corners = self.local(place), self.corners()
-        edges = list(zip(corners, corners[1:] + corners[:1], strict=True))
-        heights = [_height(local, *edge) for edge in edges]
-        deepest = functools.reduce(ca.fmax, heights)
+        corners = without_straight(self.corners())
+        sides = sides_of(self.local(place), corners)
         if sharp:
-            return deepest
-        nearest = functools.reduce(ca.fmin, [_squared_distance(local, *edge) for edge in edges])
-        return ca.if_else(deepest > 0, ca.sqrt(nearest + NO_LENGTH**2), deepest)
+            return functools.reduce(ca.fmax, [side.height for side in sides])
+        deepest, distance = ca.SX(0), ca.SX(0)
+        around = zip([sides[-1], *sides[:-1]], sides, [*sides[1:], sides[0]], strict=True)
+        for before, side, after in around:
+            at_end = ca.logic_and(side.beyond_end, after.before_start)
+            at_start = ca.logic_and(before.beyond_end, side.before_start)
+            nearest = ca.if_else(at_start, side.from_start, side.height)
+            nearest = ca.if_else(at_end, after.from_start, nearest)
+            if side is sides[0]:
+                deepest, distance = side.height, nearest
+            else:
+                distance = ca.if_else(deepest < side.height, nearest, distance)
+                deepest = ca.fmax(deepest, side.height)
+        return distance
 
     def look(self, near: ca.SX) -> list[Look]:
         corners = ca.horzcat(*self.corners())
@@ -138,17 +147,34 @@ def _extended(corners: list[ca.SX]) -> list[Condition]:
     ]
 
 
-def _height(place: ca.SX, start: ca.SX, end: ca.SX) -> ca.SX:
-    """Signed distance of a position to the right of an edge."""
-    edge, relative = end - start, place - start
-    return (edge[1] * relative[0] - edge[0] * relative[1]) / ca.sqrt(ca.sumsqr(edge))
+@dataclass(frozen=True, eq=False)
+class Side:
+    """A position relative to a side of a polygon.
+
+    Attributes
+    ----------
+    height : signed distance from the line of the side, positive outside
+    from_start : distance from the first corner
+    before_start, beyond_end : whether its projection lies beyond either end
+    """
+
+    height: ca.SX
+    from_start: ca.SX
+    before_start: ca.SX
+    beyond_end: ca.SX
 
 
-def _squared_distance(place: ca.SX, start: ca.SX, end: ca.SX) -> ca.SX:
-    """Squared distance of a position from an edge, including its end points."""
-    edge, relative = end - start, place - start
-    fraction = ca.fmin(1, ca.fmax(0, ca.dot(edge, relative) / ca.sumsqr(edge)))
-    return ca.sumsqr(relative - fraction * edge)
+def sides_of(place: ca.SX, corners: Sequence[ca.SX]) -> list[Side]:
+    """A position relative to all sides; ends are compared by lengths along the side."""
+    sides = []
+    for start, end in zip(corners, [*corners[1:], corners[0]], strict=True):
+        edge, relative = end - start, place - start
+        direction = edge / ca.sqrt(ca.sumsqr(edge))
+        away = ca.sqrt(ca.sumsqr(relative) + NO_LENGTH**2)
+        beyond_end = ca.dot(direction, place - end) > 0
+        before_start = ca.dot(direction, relative) < 0
+        sides.append(Side(-_cross(direction, relative), away, before_start, beyond_end))
+    return sides
 
 
 @dataclass(eq=False)

@@ -139,7 +139,8 @@ class JointView(CoordinateView):
     def _moved_gap(self, gap: RigidGap) -> RigidGap:
         distance, slip, friction = self.moved([gap.distance, gap.slip, gap.impact.friction])
         law = replace(gap.impact, friction=friction)
-        return replace(gap, distance=distance, slip=slip, impact=law)
+        moving = ca.vertcat(self.bodies.t, self.manifold.y)
+        return replace(gap, distance=distance, slip=slip, impact=law, moving=moving)
 
     def _shortened(self, constraints: ca.SX) -> ca.SX:
         """Loop equations; those between a body and its carrier in coordinates of their joint."""
