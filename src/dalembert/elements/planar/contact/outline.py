@@ -77,11 +77,10 @@ class Outline(Shape):
             at_start = ca.logic_and(sides[k - 1].beyond_end, side.before_start)
             following = edges[(k + 1) % len(edges)]
             convex = _cross(edges[k], following) > 0
+            outside = side.from_start
             if sharp:  # a lower bound without the singular direction at the corner
-                heights = sides[k - 1].height, side.height
-                at_corner = ca.if_else(convex, ca.fmax(*heights), ca.fmin(*heights))
-            else:
-                at_corner = ca.if_else(convex, side.from_start, -side.from_start)
+                outside = ca.fmax(sides[k - 1].height, side.height)
+            at_corner = ca.if_else(convex, outside, -side.from_start)
             for size, value in (
                 (ca.if_else(inside, ca.fabs(side.height), FAR), side.height),
                 (ca.if_else(at_start, side.from_start, FAR), at_corner),

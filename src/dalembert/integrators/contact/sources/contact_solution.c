@@ -127,11 +127,12 @@ static int casadi_redundant(const casadi_real** arg, casadi_real** res, const ca
   }
   return pressing>arg[SHARES][REDUNDANT]*pairs;
 }
-/* at most a number of proximal problems from the impulses in res[IMPULSE]; their number, and the residual in
-   status[RESIDUAL]. The best impulses are in res[IMPULSE]. Above the residual at which interior points end,
-   few problems are solved, or end after a number of failures of Newton's method. The weights of the last
-   problems, after interior points, fall more slowly. Solutions of successive ones often move in the same direction, by
-   lengths that are inverse to the weights: Newton's method begins where this leads to */
+/* at most a number of proximal problems from the impulses in res[IMPULSE]; their number, and the
+   residual in status[RESIDUAL]. The best impulses are in res[IMPULSE]. Above the residual at which
+   interior points end, few problems are solved, or end after a number of failures of Newton's method.
+   The weights of the last problems, after interior points, fall more slowly. Solutions of successive
+   ones often move in the same direction, by lengths that are inverse to the weights: Newton's method
+   begins where this leads to */
 static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real share, casadi_real scale, casadi_int most, casadi_int few,
     casadi_int failures, int last) {
