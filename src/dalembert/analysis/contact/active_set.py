@@ -15,7 +15,7 @@ from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.pattern import ActiveSet, GapRows, Pattern
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.model.graph.contacts import BranchedPhases, Phase, Phases, branches_of
-from dalembert.model.graph.rigid_gaps import Branch, vector
+from dalembert.model.graph.rigid_gaps import Branch, all_sides
 
 RESTING = 1e-9
 """Threshold for a speed at rest, relative to the sum of the magnitudes of its terms."""
@@ -174,7 +174,7 @@ class ActiveSetSelector:
 
     def _state(self, t: float, x: np.ndarray, mode: int) -> ContactState:
         function = self.modes.dynamics(mode)[1]
-        sides = vector(self._branches)
+        sides = all_sides(self._branches)
         return ContactState.at(function, self.kernel.equations, t, x, self.p, sides)
 
     # impacts ------------------------------------------------------------------------------

@@ -23,13 +23,12 @@ from dalembert.errors import UnsupportedError
 from dalembert.formulations.base import Formulation, state_symbols
 from dalembert.model.graph.contacts import Phase, touching
 from dalembert.model.graph.equations import Equations
-from dalembert.model.graph.rigid_gaps import ANY, Branch, vector
+from dalembert.model.graph.rigid_gaps import ANY, Branch, all_sides
 from dalembert.symbolic.formulas.expression import stack
 
 ROUNDING = 100 * float(np.finfo(float).eps)
 LEAST = 1e-3
 """Minimum scale of speeds, relative to the natural speed."""
-
 ZERO = 1e-12
 """Tolerance of a zero of a switching function, in natural lengths."""
 SLOW = 1e-9
@@ -96,7 +95,7 @@ class ContactDynamics:
         if not self.sides.numel():
             return list(outputs)
         pairs = zip(self._switches, branches, strict=True)
-        values = vector([branch or (ANY,) * s.count for s, branch in pairs])
+        values = all_sides([branch or (ANY,) * s.count for s, branch in pairs])
         return list(ca.substitute(list(outputs), [self.sides], [ca.SX(values)]))
 
 

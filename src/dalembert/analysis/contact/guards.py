@@ -31,8 +31,6 @@ SMALLEST = 1e-30
 """Offset that makes the length of a zero vector differentiable."""
 HALVINGS = 50
 """Upper limit of the halvings of a step that begins at a zero."""
-
-
 ZERO = 1e-9
 """Time to the zero of a function, relative to the run, below which it is zero."""
 GRAZED = 1e-6

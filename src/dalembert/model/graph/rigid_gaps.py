@@ -189,6 +189,6 @@ def contact_forces(gaps: Sequence[RigidGap]) -> ca.SX:
     return stack(gap.forces() for gap in gaps)
 
 
-def vector(branches: Sequence[Branch]) -> list[int]:
+def all_sides(branches: Sequence[Branch]) -> list[int]:
     """Sides of all gaps in one list; 0 for those without influence."""
     return [max(side, 0) for branch in branches for side in branch]

@@ -145,10 +145,8 @@ def overlapping_solids(
     possible = (flat[first] | flat[second]) & geometry.may_touch(first, second)
     possible &= ~geometry.compliant(first, second)
     first, second = first[possible], second[possible]
-    tolerance, support = (
-        np.minimum(tolerances[first], tolerances[second]),
-        SupportPoints(geometry, at),
-    )
+    tolerance = np.minimum(tolerances[first], tolerances[second])
+    support = SupportPoints(geometry, at)
     reach = NEAR * float(radii[solids].min())
     rest = ~_separated(source, configuration, reach, support, (first, second, tolerance))
     first, second, tolerance = first[rest], second[rest], tolerance[rest]

@@ -188,21 +188,19 @@ def _overlap_in_space(
     step: ContactStep, source: HullGaps, configuration: Configuration
 ) -> Overlap | None:
     """The deepest overlap of solids that rounded numbers do not explain."""
-    sizes: dict[str, float] = {}
-    shapes, deepest = source.geometry.shapes, None
-    for sized in (False, True):  # most starts do without the sizes of the bodies, which take longer
-        if sized:
-            sizes = body_sizes(step.model.parts, step.model.equations, step.p)
-        limits = [
-            _rounded_overlap(step, sizes, [shape.carrier.name]) if sized else step.rounding
-            for shape in shapes
-        ]
+    shapes = source.geometry.shapes
+
+    def deepest(tolerances: np.ndarray) -> Overlap | None:
         searches = overlapping_solids, solids_in_terrain
-        overlaps = [search(source, configuration, np.array(limits)) for search in searches]
-        deepest = max((o for o in overlaps if o), key=lambda o: o[2], default=None)
-        if deepest is None:
-            break
-    return deepest
+        overlaps = [search(source, configuration, tolerances) for search in searches]
+        return max((o for o in overlaps if o), key=lambda o: o[2], default=None)
+
+    if deepest(np.full(len(shapes), step.rounding)) is None:
+        return None  # most starts, without the sizes of the bodies, which take longer
+    sizes = body_sizes(step.model.parts, step.model.equations, step.p)
+    return deepest(
+        np.array([_rounded_overlap(step, sizes, [shape.carrier.name]) for shape in shapes])
+    )
 
 
 def _remedy(model: Model, bodies: list[str]) -> str:
