@@ -116,9 +116,9 @@ class ContactStep(ModelGaps):
             return contacts
         manifold = self.model.equations.manifold
         at = self.at(start.t + lead, manifold.go(start.y, manifold.halfway(2 * lead * v)))
-        middle, kept = self.selected(at, contacts.key), np.zeros(contacts.count, dtype=bool)
+        middle = self.following(at, contacts.key, self.at(start.t, start.y))
+        kept, free = np.zeros(middle.count, dtype=bool), start.smooth.free.speeds
         if not lasting:
-            free = start.smooth.free.speeds
             speeds = contacts.speeds(v), contacts.speeds(free)
             approach = Approach(contacts, *speeds, start.h, self.longest, rest=self.rest)
             kept = approach.impacting & (-start.h * approach.before[:, 0] > self.least_travel)

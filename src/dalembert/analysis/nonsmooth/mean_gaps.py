@@ -33,7 +33,7 @@ def mean_gaps(
 
     Parameters
     ----------
-    gaps_at : gaps at a time and position
+    gaps_at : gaps at a time and position, with tangents that follow those at the start
     manifold : of the positions
     span : start time and length ``h`` of the step
     y : position at the start

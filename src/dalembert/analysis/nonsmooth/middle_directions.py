@@ -4,7 +4,8 @@
     M (v⁺ − v) = h F + W_mᵀ P
 
 ``W_m`` and ``w_m`` are those where bodies have moved for ``(1−θ) h`` with the speeds ``v``, with
-half of the rotations of ``2 (1−θ) h v``: in the middle of a step by the midpoint rule. So
+half of the rotations of ``2 (1−θ) h v``: in the middle of a step by the midpoint rule. Their
+tangents follow those at the start (``gaps.tangents``). So
 ``u⁺ + u⁻ = W_m (v⁺ + v) + 2 w_m``: the mean of both velocities is that of the gap over the step,
 and impulses do the work ``P·(u⁺ + u⁻)/2``. ``u⁺`` is the velocity at the end, ``W(y⁺) v⁺ + w``,
 but for ``O(h²)``. In schemes of first order ``W(y) v⁺ + w`` acts for it (Acary & Brogliato 2008,

@@ -21,8 +21,9 @@ def path_means(step: ContactStep, start: StepStart, contacts: Contacts, v: np.nd
     By the midpoint rule ``u⁺ + u⁻ = W̄ (v⁺ + v) + 2 w̄``, where ``u⁻`` is the velocity at the start
     as with directions in the middle; for gaps that close by an impact it is ``W̄ v + w̄``.
     """
+    begin = step.at(start.t, start.y)
     first, mean = mean_gaps(
-        lambda t, y: step.selected(step.at(t, y), contacts.key),
+        lambda t, y: step.following(step.at(t, y), contacts.key, begin),
         step.model.equations.manifold,
         (start.t, start.h),
         start.y,

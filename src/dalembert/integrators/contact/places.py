@@ -114,15 +114,16 @@ class Inputs(Places):
     PATH_KEYS = 54
     PATH_MEANS = 55  # means of their rows of W
     PATH_GAPS = 56
-    KEYS_BEFORE = 57  # of the contacts of the last completed step
-    DESCRIPTIONS_BEFORE = 58
-    CORNERS_AHEAD = 59  # in the middle of the step, as the four arrays below
-    REFERENCES_AHEAD = 60
-    NORMALS_AHEAD = 61
-    VELOCITIES_AHEAD = 62
-    AXES_AHEAD = 63
+    PATH_NORMALS = 57  # at the start of the path
+    KEYS_BEFORE = 58  # of the contacts of the last completed step
+    DESCRIPTIONS_BEFORE = 59
+    CORNERS_AHEAD = 60  # in the middle of the step, as the four arrays below
+    REFERENCES_AHEAD = 61
+    NORMALS_AHEAD = 62
+    VELOCITIES_AHEAD = 63
+    AXES_AHEAD = 64
     # scheme of Moreau and Jean
-    MASS = 64  # entries of the mass matrix where the shapes are
+    MASS = 65  # entries of the mass matrix where the shapes are
 
 
 class Outputs(Places):

@@ -8,7 +8,9 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.nonsmooth.gaps.gap_source import GapKind
+from dalembert.analysis.nonsmooth.gaps.gap_source import GapKind, GapSource
+from dalembert.analysis.nonsmooth.gaps.shape_velocities import TWIST
+from dalembert.analysis.nonsmooth.gaps.tangents import tangent_rotation
 from dalembert.sensitivity.nonsmooth.blocked_kernel import BlockedKernel
 
 CACHED = 64
@@ -23,18 +25,24 @@ class GapVariables:
     ----------
     width : components of gap velocities
     arguments, velocities : numbers of the arguments and of the velocities that are not constant
+    follows : whether the tangents are those of a normal that has turned, as of contacts in space
     """
 
     width: int
     arguments: tuple[int, ...]
     velocities: tuple[int, ...]
+    follows: bool
 
     @classmethod
-    def of(cls, kind: GapKind, width: int, varying: np.ndarray, moving: np.ndarray) -> GapVariables:
-        """Variables of some gaps, by masks of the entries of the geometry and of the velocities."""
+    def of(
+        cls, kind: GapKind, source: GapSource, width: int, varying: np.ndarray, moving: np.ndarray
+    ) -> GapVariables:
+        """Variables of some gaps of a source, by masks of the entries of the geometry and of the
+        velocities."""
         own = varying[np.hstack(kind.arguments)], moving[kind.velocities]
         arguments, velocities = (np.flatnonzero(mask.any(axis=0)).tolist() for mask in own)
-        return cls(width, tuple(arguments), tuple(velocities))
+        follows = source.groups[:1] == (2,) and kind.velocities.shape[1] == 2 * TWIST
+        return cls(width, tuple(arguments), tuple(velocities), follows)
 
 
 class GapKernels:
@@ -42,21 +50,22 @@ class GapKernels:
 
     def __init__(self) -> None:
         self._slopes: dict[tuple[ca.Function, GapVariables], list[BlockedKernel]] = {}
-        self._values: dict[tuple[ca.Function, GapVariables], BlockedKernel] = {}
+        self._values: dict[tuple[ca.Function, GapVariables], list[BlockedKernel]] = {}
 
     def slopes(self, function: ca.Function, variables: GapVariables) -> list[BlockedKernel]:
-        """``(arguments, τ) → g, B τ, B`` and derivatives of ``g`` and ``B τ``; and
-        ``(arguments, τ, P) → B τ, f, B`` and derivatives of ``B τ`` and ``f``."""
+        """``(arguments, τ) → g, B τ, B, n`` and derivatives of ``g``, ``B τ`` and ``n``; and
+        ``(arguments, n₀, τ, P) → B τ, f, B`` with the tangents of ``n₀``, and derivatives of
+        ``B τ`` and ``f`` by the arguments and by ``n₀``."""
         key = function, variables
         if key not in self._slopes:
             self._slopes[key] = [BlockedKernel(own) for own in _slopes(*key)]
         return self._slopes[key]
 
-    def values(self, function: ca.Function, variables: GapVariables) -> BlockedKernel:
-        """``arguments → g, B``."""
+    def values(self, function: ca.Function, variables: GapVariables) -> list[BlockedKernel]:
+        """``arguments → g, B, n``, and ``(arguments, n₀) → B`` with the tangents of ``n₀``."""
         key = function, variables
         if key not in self._values:
-            self._values[key] = BlockedKernel(_values(*key))
+            self._values[key] = [BlockedKernel(own) for own in _values(*key)]
         return self._values[key]
 
 
@@ -66,7 +75,9 @@ class _Formulas:
     Attributes
     ----------
     arguments : symbols
-    distance, blocks : ``g``, and all columns of ``B``
+    first : symbol of ``n₀``
+    distance, normal : ``g``, and ``n``, zero if tangents do not follow it
+    blocks, turned : ``B``, and the same with the tangents of ``n₀``
     """
 
     def __init__(self, function: ca.Function, variables: GapVariables):
@@ -74,28 +85,49 @@ class _Formulas:
         self.distance, blocks, *_ = function.call(self.arguments)
         rows = min(variables.width, blocks.shape[0])
         zeros = ca.SX.zeros(variables.width - rows, blocks.shape[1])
-        self.blocks = ca.vertcat(blocks[:rows, :], zeros)
+        blocks = ca.vertcat(blocks[:rows, :], zeros)
+        self.first, self.normal, turned = ca.SX.sym("n", 3), ca.SX(3, 1), blocks
+        if variables.follows:
+            self.normal = blocks[0, TWIST : TWIST + 3].T  # its speed is that of the second shape
+            turned = _turned(blocks, tangent_rotation(self.first, self.normal))
+        moving = list(variables.velocities)
+        self.blocks, self.turned = blocks[:, moving], turned[:, moving]
+
+
+def _turned(blocks: ca.SX, rotation: ca.SX) -> ca.SX:
+    """Rows of each pair of tangents turned."""
+    pairs = [first for first in (1, 4) if first + 2 <= blocks.shape[0]]
+    rows = ca.SX(blocks)
+    for first in pairs:
+        rows[first : first + 2, :] = ca.mtimes(rotation, blocks[first : first + 2, :])
+    return rows
 
 
 @lru_cache(CACHED)
-def _values(function: ca.Function, variables: GapVariables) -> ca.Function:
+def _values(function: ca.Function, variables: GapVariables) -> tuple[ca.Function, ca.Function]:
     own = _Formulas(function, variables)
-    results = [own.distance, own.blocks[:, list(variables.velocities)]]
-    return _function("gap_values", own.arguments, results)
+    start = own.arguments, [own.distance, own.blocks, own.normal]
+    middle = [*own.arguments, own.first], [own.turned]
+    return _function("gap_values", *start), _function("gap_values", *middle)
 
 
 @lru_cache(CACHED)
 def _slopes(function: ca.Function, variables: GapVariables) -> tuple[ca.Function, ca.Function]:
-    own, moving = _Formulas(function, variables), list(variables.velocities)
-    blocks = own.blocks[:, moving]
-    twist, impulse = ca.SX.sym("twist", len(moving)), ca.SX.sym("P", variables.width)
-    speeds, wrench = ca.mtimes(blocks, twist), ca.mtimes(blocks.T, impulse)
+    own = _Formulas(function, variables)
+    twist, impulse = ca.SX.sym("twist", own.blocks.shape[1]), ca.SX.sym("P", variables.width)
     geometry, varying = ca.vertcat(*own.arguments), list(variables.arguments)
-    by_distance, by_speeds, by_wrench = (
-        ca.jacobian(value, geometry)[:, varying] for value in (own.distance, speeds, wrench)
-    )
-    start = [*own.arguments, twist], [own.distance, speeds, blocks, by_distance, by_speeds]
-    middle = [*own.arguments, twist, impulse], [speeds, wrench, blocks, by_speeds, by_wrench]
+
+    def by(value: ca.SX) -> ca.SX:
+        return ca.jacobian(value, geometry)[:, varying]
+
+    before = ca.mtimes(own.blocks, twist)
+    normal = by(own.normal) if variables.follows else ca.SX(3, 0)
+    values = own.distance, before, own.blocks, own.normal
+    start = [*own.arguments, twist], [*values, by(own.distance), by(before), normal]
+    both, wrench = ca.mtimes(own.turned, twist), ca.mtimes(own.turned.T, impulse)
+    by_first = [ca.jacobian(value, own.first) for value in (both, wrench)]
+    inputs = [*own.arguments, own.first, twist, impulse]
+    middle = inputs, [both, wrench, own.turned, by(both), by(wrench), *by_first]
     return _function("gap_slopes", *start), _function("gap_slopes", *middle)
 
 

@@ -90,7 +90,7 @@ def gap_matrices(gaps: SourceGaps) -> dict[str, Sparse]:
     """Derivatives by ``q`` of the fields of ``GapChanges``, and of ``momentum``, ``Wᵀ P``."""
     gaps, count, (width, laws) = gaps.by_rows, gaps.rows.size, gaps.shape
     place, entry = gaps.middle.moving.shape[0], gaps.start.geometry.shape[0]
-    rows = {"before": count * width, "laws": count * laws}
+    rows = {"before": count * width, "laws": count * laws, "first": count * width}
     local = {name: _Blocks(number, entry) for name, number in rows.items()}
     both = _Blocks(count * width, entry)
     across = [_Blocks(count * width, place) for _ in range(2)]
@@ -99,6 +99,7 @@ def gap_matrices(gaps: SourceGaps) -> dict[str, Sparse]:
         components = width * row + np.arange(width)
         local["before"].add(part.before, components, part.entries)
         both.add(part.both, components, part.entries)
+        local["first"].add(part.both_first, components, part.first)
         for total, blocks in zip(across, (part.start, part.blocks), strict=True):
             total.add(blocks, components, kind.velocities)
         one = np.ones((row.size, 1, 1))
@@ -108,7 +109,7 @@ def gap_matrices(gaps: SourceGaps) -> dict[str, Sparse]:
     start, middle = _velocities(gaps)
     slopes["before"] = slopes["before"] + across[0].matrix @ start
     both_slopes = both.matrix @ gaps.middle.geometry + across[1].matrix @ middle
-    slopes["after"] = both_slopes - gaps.end * slopes["before"]
+    slopes["after"] = both_slopes + slopes.pop("first") - gaps.end * slopes["before"]
     return slopes | {"distance": _distances(gaps), "momentum": _momentum(gaps)}
 
 
@@ -122,10 +123,13 @@ def _distances(gaps: SourceGaps) -> Sparse:
 
 def _momentum(gaps: SourceGaps) -> Sparse:
     """Derivatives of ``Wᵀ P`` by ``q``."""
-    wrench = _Blocks(gaps.middle.moving.shape[0], gaps.middle.geometry.shape[0])
+    shape = gaps.middle.moving.shape[0], gaps.middle.geometry.shape[0]
+    wrench, first = _Blocks(*shape), _Blocks(*shape)
     for part in gaps.kinds:
         wrench.add(part.wrenches, part.kind.velocities, part.entries)
-    by_q = gaps.middle.moving.T @ (wrench.matrix @ gaps.middle.geometry) + gaps.momenta
+        first.add(part.wrenches_first, part.kind.velocities, part.first)
+    wrenches = wrench.matrix @ gaps.middle.geometry + first.matrix @ gaps.start.geometry
+    by_q = gaps.middle.moving.T @ wrenches + gaps.momenta
     return scipy.sparse.csr_array(by_q)
 
 
@@ -144,6 +148,7 @@ def _weighted(gaps: SourceGaps, weights: dict[str, np.ndarray]) -> Sparse:
         blocks.add(distances + before @ part.before, components, first + part.entries)
         blocks.add(own["laws"][:, :, : kind.laws.shape[1]], components, first + kind.laws)
         blocks.add(after @ part.both, components, ahead + part.entries)
+        blocks.add(after @ part.both_first, components, first + part.first)
         blocks.add(before @ part.start, components, start + kind.velocities)
         blocks.add(after @ part.blocks, components, middle + kind.velocities)
     return blocks.matrix @ scipy.sparse.vstack(places, "csr")

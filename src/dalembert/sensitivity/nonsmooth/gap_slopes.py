@@ -1,10 +1,12 @@
 """Derivatives of gaps by the variables of a step, applied to changes or to weights.
 
 With the geometry ``s(t, y, p)`` and velocities ``τ = J v + τ₀`` of the shapes, at the start of the
-step and in its middle, ``u⁻ = B(s) τ⁻`` and ``u⁺ + u⁻ = B(s_m) τ_m`` of the speeds ``v⁺ + v``,
+step and in its middle, ``u⁻ = B(s) τ⁻`` and ``u⁺ + u⁻ = B(s_m, s) τ_m`` of the speeds ``v⁺ + v``,
 
     dg = g_s ds,      d(B τ) = (B τ)_s ds + B dτ
     d(Wᵀ P) = Jᵀ (Bᵀ P)_s ds + d(Jᵀ f),   f = Bᵀ P      in the middle
+
+where the tangents follow those at the start.
 
 Derivatives are applied to changes of ``q`` (``push``), or transposed to weights (``pull``).
 """
@@ -35,6 +37,8 @@ class KindSlopes:
     start, blocks : (n, k, w) ``B`` at the start and in the middle
     distance, before : derivatives (n, …, m) of ``g`` and ``u⁻`` by the arguments at the start
     both, wrenches : of ``B τ_m`` and ``f`` by those in the middle
+    first : (n, m) arguments that determine the tangents; none in the plane
+    both_first, wrenches_first : as ``both`` and ``wrenches``, by these at the start
     """
 
     kind: GapKind
@@ -47,6 +51,9 @@ class KindSlopes:
     before: np.ndarray
     both: np.ndarray
     wrenches: np.ndarray
+    first: np.ndarray
+    both_first: np.ndarray
+    wrenches_first: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,16 +132,20 @@ class SourceGaps:
         changes, wrench = GapChanges.zero(self.rows.size, *self.shape, c), np.zeros((count, c))
         for part in self.kinds:
             local, moved = geometry[part.entries], ahead[part.entries]
+            tangents = geometry[part.first]
             place = part.kind.velocities
             first = part.before @ local + part.start @ before[place]
             own = GapChanges(
                 (part.distance[:, None] @ local)[:, 0],
                 first,
-                part.both @ moved + part.blocks @ both[place] - self.end * first,
+                part.both @ moved
+                + part.both_first @ tangents
+                + part.blocks @ both[place]
+                - self.end * first,
                 geometry[part.kind.laws],
             )
             changes.add(part.kind.row, own)
-            scatter(wrench, place, part.wrenches @ moved)
+            scatter(wrench, place, part.wrenches @ moved + part.wrenches_first @ tangents)
         return changes, self.middle.moving.T @ wrench + self.momenta @ dq
 
     def pull(self, weights: GapChanges, momentum: np.ndarray) -> np.ndarray:
@@ -150,7 +161,10 @@ class SourceGaps:
             local += part.before.swapaxes(1, 2) @ first
             moved = part.both.swapaxes(1, 2) @ own.after
             moved += part.wrenches.swapaxes(1, 2) @ wrench[place]
+            tangents = part.both_first.swapaxes(1, 2) @ own.after
+            tangents += part.wrenches_first.swapaxes(1, 2) @ wrench[place]
             scatter(geometry, part.entries, local)
+            scatter(geometry, part.first, tangents)
             scatter(ahead, part.entries, moved)
             laws = part.kind.laws
             scatter(geometry, laws, own.laws[:, : laws.shape[1]])

@@ -9,7 +9,7 @@ along tangents, ``β`` the weights of means.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,9 @@ from dalembert.sensitivity.nonsmooth.slope_function import SlopeFunction
 from dalembert.sensitivity.nonsmooth.source_slopes import SourceSlopes, StepState
 from dalembert.sensitivity.nonsmooth.triplets import Sparse
 from dalembert.symbolic.once import once
+
+SPEEDS = "before", "after", "ending"
+"""Velocities at the nodes of the speeds at the start, at the end and of the path."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,10 +151,11 @@ class _Nodes:
         self.chain = _interleaved([_columns(by, path.shares, rest, count), before, others], count)
 
     def states(self, state: StepState, path: Path, after: np.ndarray) -> StepState:
-        """Arguments of the gaps at the nodes, in columns, with the speeds ``after`` at the end."""
+        """Arguments of the gaps at the nodes, in columns, with velocities of the speeds ``after``
+        only."""
         t, y = state.t + self.fractions * path.h, self._columns(self.y)
-        before, end = (self._columns(self.shares) * u[:, None] for u in (state.before, after))
-        return StepState(t, y, state.p, before, end)
+        before, own = (self._columns(self.shares) * u[:, None] for u in (state.before, after))
+        return StepState(t, y, state.p, before, own, end=0.0)
 
     def _columns(self, values: np.ndarray) -> np.ndarray:
         return values.reshape(self.fractions.size, -1).T
@@ -185,17 +189,17 @@ class _NodeGaps:
         pressing = np.array([np.where(own, impulses, 0.0) for own in (normal, ~normal)])
         pressing = np.repeat(pressing, self.count, axis=0).reshape(-1, k)
         owner = np.repeat(np.arange(2 * self.count), n)
-        own = np.arange(owner.size), np.tile(keys, 2 * self.count), pressing, laws, owner
-        gaps, at_end = (
-            source.at(nodes.states(state, path, u), *own) for u in (state.after, path.speeds)
-        )
-        across, slopes = gaps.directions(), gap_matrices(gaps)
-        self.values, self.ending = gaps.values, at_end.values.after
-        self.slopes = {name: slopes[name] @ nodes.chain for name in NAMES}
-        by_path = gap_matrices(at_end)["after"] @ nodes.chain
-        _, after, ending = nodes.changes
-        self.slopes["after"] = self.slopes["after"] + across @ after
-        self.slopes["ending"] = by_path + across @ ending
+        first = np.tile(np.arange(n), 2 * self.count)
+        own = np.arange(owner.size), np.tile(keys, 2 * self.count), pressing, laws, owner, first
+        speeds = state.before, state.after, path.speeds
+        parts = [source.at(nodes.states(state, path, u), *own) for u in speeds]
+        before, after, self.ending = (part.values.after for part in parts)
+        self.values = replace(parts[0].values, before=before, after=after)
+        across, matrices = parts[1].directions(), [gap_matrices(part) for part in parts]
+        slopes = matrices[1]
+        self.slopes = {name: slopes[name] @ nodes.chain for name in ("distance", "laws")}
+        for name, change, own_slopes in zip(SPEEDS, nodes.changes, matrices, strict=True):
+            self.slopes[name] = own_slopes["after"] @ nodes.chain + across @ change
         self.across = across @ nodes.scaling
         momenta = scipy.sparse.diags_array(nodes.shares) @ (slopes["momentum"] @ nodes.chain)
         pushes = scipy.sparse.diags_array(across.T @ pressing.ravel())

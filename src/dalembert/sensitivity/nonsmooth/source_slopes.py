@@ -129,6 +129,7 @@ class SourceSlopes:
         impulses: np.ndarray,
         laws: int,
         owner: np.ndarray | None = None,
+        first: np.ndarray | None = None,
     ) -> SourceGaps:
         """The gaps with some keys.
 
@@ -138,6 +139,8 @@ class SourceSlopes:
         impulses : (n, k), as many components as the velocities have in the result
         laws : number of coefficients
         owner : (n,) column of the state of each gap; the first one by default
+        first : (n,) numbers of the gaps whose tangents at the start those in the middle follow;
+            their own by default
         """
         place = state.t, state.y, state.p, state.before, state.lead
         count, end, share = state.count, state.end, state.drift
@@ -153,17 +156,19 @@ class SourceSlopes:
         )
         sizes = geometry.size // count, before.size // count
         column, kinds = np.zeros(keys.size, dtype=int) if owner is None else owner, []
+        first = np.arange(keys.size) if first is None else first
         for kind in self.source.kinds(keys):
             own, variables = self._changing(kind, impulses.shape[1], column[kind.row], *sizes)
             at = (geometry, ahead), (before, both), impulses[kind.row], end
-            kinds.append(self._evaluate(own, variables, *at))
+            order = np.searchsorted(kind.row, first[kind.row])
+            kinds.append(self._evaluate(own, variables, *at, order))
         wrench = np.zeros((before.size, 1))
         for part in kinds:
             scatter(wrench, part.kind.velocities, part.wrench[..., None])
         columns = wrench.reshape(count, -1).T
         momenta = middle.momenta(*place, columns, count=state.columns)[1][0]
-        first, n, width = self._e.y.numel(), self._e.v.numel(), by_q.shape[1] // count
-        speeds = (width * np.arange(count)[:, None] + first + np.arange(n)).ravel()
+        begin, n, width = self._e.y.numel(), self._e.v.numel(), by_q.shape[1] // count
+        speeds = (width * np.arange(count)[:, None] + begin + np.arange(n)).ravel()
         shape = impulses.shape[1], laws
         places = start, PlaceSlopes(ahead_by_q, *slopes)
         return SourceGaps(rows, kinds, *places, momenta, end, speeds, shape)
@@ -195,11 +200,12 @@ class SourceSlopes:
         lengths = sizes.size // count, before.size // count
         for one in self.source.kinds(keys):
             kind, variables = self._changing(one, width, owner[one.row], *lengths)
-            kernel = self._kernels.values(kind.function, variables)
-            distance, blocks = kernel(*(sizes[entries] for entries in kind.arguments))
+            at_start, in_middle = self._kernels.values(kind.function, variables)
+            distance, blocks, normal = at_start(*(sizes[entries] for entries in kind.arguments))
             turned = blocks
             if middle is not self._start:
-                turned = kernel(*(ahead[entries] for entries in kind.arguments))[1]
+                place_ahead = (ahead[entries] for entries in kind.arguments)
+                (turned,) = in_middle(*place_ahead, normal[..., 0])
             first = (blocks @ before[kind.velocities][..., None])[..., 0]
             last = (turned @ both[kind.velocities][..., None])[..., 0] - end * first
             values.add(kind.row, GapChanges(distance[:, 0, 0], first, last, sizes[kind.laws]))
@@ -211,7 +217,8 @@ class SourceSlopes:
     ) -> tuple[GapKind, GapVariables]:
         """Gaps in the columns ``owner`` of states with a number of entries each, without the
         velocities that are zero, and their variables."""
-        variables, own = GapVariables.of(kind, width, self._varying, self._moving), owner[:, None]
+        masks, own = (self._varying, self._moving), owner[:, None]
+        variables = GapVariables.of(kind, self.source, width, *masks)
         changing = replace(
             kind,
             arguments=[entries + geometry * own for entries in kind.arguments],
@@ -228,22 +235,25 @@ class SourceSlopes:
         velocities: tuple[np.ndarray, np.ndarray],
         impulses: np.ndarray,
         end: float,
+        first: np.ndarray,
     ) -> KindSlopes:
-        """Gaps of a kind, by the geometry and the velocities at the start and in the middle."""
-        kernels, results = self._kernels.slopes(kind.function, variables), []
-        for kernel, place, speeds, rest in zip(
-            kernels, geometry, velocities, ([], [impulses]), strict=True
-        ):
-            columns = [place[entries] for entries in kind.arguments]
-            results.append(kernel(*columns, speeds[kind.velocities], *rest))
-        distance, start, blocks, by_distance, by_start = results[0]
-        both, wrench, ahead, by_both, by_wrench = results[1]
-        before = start[..., 0]
-        laws = geometry[0][kind.laws]
+        """Gaps of a kind, by the geometry and the velocities at the start and in the middle, and by
+        the numbers of those whose tangents they follow."""
+        at_start, in_middle = self._kernels.slopes(kind.function, variables)
+        sides = [[place[entries] for entries in kind.arguments] for place in geometry]
+        start, both = (speeds[kind.velocities] for speeds in velocities)
+        results = at_start(*sides[0], start)
+        distance, before, blocks, normal, by_distance, by_start, by_normal = results
+        results = in_middle(*sides[1], normal[first, :, 0], both, impulses)
+        both, wrench, ahead, by_both, by_wrench, *by_first = results
+        by_tangents = [by @ by_normal[first] for by in by_first]
+        before, laws = before[..., 0], geometry[0][kind.laws]
         values = GapChanges(distance[:, 0, 0], before, both[..., 0] - end * before, laws)
         slopes = by_distance[:, 0], by_start, by_both, by_wrench
         entries = np.hstack(kind.arguments)[:, list(variables.arguments)]
-        return KindSlopes(kind, entries, values, wrench[..., 0], blocks, ahead, *slopes)
+        tangents = entries[first, : by_normal.shape[2]]
+        shared = kind, entries, values, wrench[..., 0], blocks, ahead
+        return KindSlopes(*shared, *slopes, tangents, *by_tangents)
 
 
 @once

@@ -220,7 +220,7 @@ class FreeBodySteps(PairLists):
             **shape_inputs(self._shapes),
             **self._lasting_inputs(),
         }
-        self._means = inputs[Inputs.PATH_MEANS]
+        self._means, self._normals = (inputs[k] for k in (Inputs.PATH_MEANS, Inputs.PATH_NORMALS))
         self._sizes[Sizes.SLOTS] = inputs[Inputs.KEY_TABLE].size
         outputs = step_outputs(contacts, k, widest, self.v.size, entries)
         self._solved, self._pair_of = outputs[Outputs.IMPULSE], outputs[Outputs.PAIRS]

@@ -41,6 +41,7 @@ class PathContacts(ABC):
     _path: tuple[np.ndarray, np.ndarray, np.ndarray]
     _before: tuple[np.ndarray, np.ndarray]
     _means: np.ndarray
+    _normals: np.ndarray
     _shares_of_path: np.ndarray
     _speeds: tuple[np.ndarray, np.ndarray]
 
@@ -116,10 +117,11 @@ class PathContacts(ABC):
         if count > self._path[0].size:
             self._reserve(count)
         self._path[0][:count], self._path[1][:count] = keys, described
-        self._means[:] = 0.0
+        self._means[:] = self._normals[:] = 0.0
 
     def path_gaps(self, weight: float = 0.0, shares: np.ndarray | None = None) -> np.ndarray:
-        """Gaps of the contacts of the path where the shapes are; with a weight in the means."""
+        """Gaps of the contacts of the path where the shapes are; with a weight in the means, whose
+        tangents are those of the first position."""
         assert self._loop is not None
         self.limits[Limits.PATH_WEIGHT], self._sizes[Sizes.CALL] = weight, Calls.ON_PATH
         if shares is not None:
@@ -131,7 +133,7 @@ class PathContacts(ABC):
     def forced(self) -> float:
         """The largest change of a normal speed by the forces in the arrays, of the contacts of the
         path where the shapes are and of those within reach [m/s]; infinite if the call failed."""
-        self._means[:] = 0.0
+        self._means[:] = self._normals[:] = 0.0
         self.path_gaps(1.0, np.ones(self._shares_of_path.size))
         self._sizes[Sizes.CALL] = Calls.ALL
         done = self() is StepOutcome.DONE

@@ -47,6 +47,7 @@ def contact_inputs(
         Inputs.WEIGHTS: rows,
         Inputs.SHIFT: rows,
         Inputs.PATH_MEANS: column.size,
+        Inputs.PATH_NORMALS: 3 * contacts,
     }
     return {
         **{place: np.zeros(size) for place, size in numbers.items()},

@@ -122,6 +122,11 @@ class GapSource(ABC):
         """
         return np.full((keys.size, 3), np.nan), np.zeros((keys.size, 3, self.linear))
 
+    def normals(self, configuration: Configuration, keys: np.ndarray) -> np.ndarray:
+        """(n, 3) unit vectors from the first body to the second at gaps with some keys; zero for
+        gaps stated by formulas."""
+        return self.points(configuration, keys)[1][:, :, 0]
+
     def pairs(self, keys: np.ndarray) -> np.ndarray:
         """(n,) numbers of the pairs of shapes of gaps with some keys; of their own by default."""
         return keys

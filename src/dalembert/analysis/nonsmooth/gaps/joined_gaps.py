@@ -64,6 +64,19 @@ def pairs_of(sources: list[GapSource], offset: int, keys: np.ndarray) -> np.ndar
     return pairs
 
 
+def normals_of(
+    sources: list[GapSource], offset: int, configuration: Configuration, keys: np.ndarray
+) -> np.ndarray:
+    """(n, 3) normals of gaps of sources whose keys differ by multiples of ``offset``, as
+    ``GapSource.normals``."""
+    numbers, own = np.divmod(keys, offset)
+    normals = np.zeros((keys.size, 3))
+    for number in np.unique(numbers):
+        rows = numbers == number
+        normals[rows] = sources[number].normals(configuration, own[rows])
+    return normals
+
+
 def leaving_of(
     sources: list[GapSource],
     offset: int,
@@ -135,6 +148,9 @@ class JoinedGaps(GapSource):
             if own.any():
                 places[own], directions[own] = source.points(configuration, keys[own] % SOURCE)
         return places, directions
+
+    def normals(self, configuration: Configuration, keys: np.ndarray) -> np.ndarray:
+        return normals_of(self.sources, SOURCE, configuration, keys)
 
     def pairs(self, keys: np.ndarray) -> np.ndarray:
         return pairs_of(self.sources, SOURCE, keys)

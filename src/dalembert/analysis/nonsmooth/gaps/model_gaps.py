@@ -12,10 +12,12 @@ from dalembert.analysis.nonsmooth.gaps.configuration import Configuration
 from dalembert.analysis.nonsmooth.gaps.gap_source import GapSource
 from dalembert.analysis.nonsmooth.gaps.joined_gaps import (
     leaving_of,
+    normals_of,
     pairs_of,
     selected_of,
     separating_of,
 )
+from dalembert.analysis.nonsmooth.gaps.tangents import with_tangents_of
 from dalembert.integrators.contact.contact_laws import widest_groups
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
@@ -64,6 +66,21 @@ class ModelGaps:
         if len(self.sources) == 1:
             return gaps
         return replace(gaps, owner=gaps.owner + self._first_elements[keys // APART])
+
+    def following(
+        self, configuration: Configuration, keys: np.ndarray, start: Configuration
+    ) -> Contacts:
+        """Gaps with some keys, at any distance, whose tangents follow those at ``start``.
+
+        The tangents turn with the normal by the smallest angle, so that they do not spin about it.
+        Components along them are those at ``start`` of the same velocity, whatever the axes of the
+        model.
+        """
+        gaps = self.selected(configuration, keys)
+        if not keys.size or self.groups[:1] != (2,):
+            return gaps
+        normals = (normals_of(self.sources, APART, at, keys) for at in (start, configuration))
+        return with_tangents_of(gaps, *normals)
 
     def separating(self, start: Configuration, end: Configuration, keys: np.ndarray) -> np.ndarray:
         """Keys of gaps between the shapes of the gaps ``keys`` that separate them at ``start`` and

@@ -83,10 +83,27 @@ static void casadi_response_rows(const casadi_real** arg, casadi_real** res, con
     }
   }
 }
-/* rows of W of a contact of shapes i and j, appended behind those of the contacts before; levers of
-   balls and walls are those of the surfaces, apart by the gap from the place halfway between them */
+/* the tangents of another normal, turned with it about an axis perpendicular to both by the smallest
+   angle: so they do not depend on the axes of the model, and do not spin about the normal. In the
+   plane, and for normals more than a right angle apart, they are those of the direction */
+static void casadi_turned_tangents(casadi_real* direction, const casadi_real* normal,
+    casadi_int dimension) {
+  casadi_real other[9], along = casadi_dot(normal, direction), share;
+  casadi_int a, k;
+  casadi_tangents(direction, dimension);
+  if (dimension==2 || normal==direction || !(along>0)) return;
+  for (k=0; k<3; ++k) other[k] = normal[k];
+  casadi_tangents(other, dimension);
+  for (a=1; a<3; ++a) {
+    share = casadi_dot(direction, other + 3*a)/(1 + along);
+    for (k=0; k<3; ++k) direction[3*a+k] = other[3*a+k] - share*(direction[k] + normal[k]);
+  }
+}
+/* rows of W of a contact of shapes i and j, appended behind those of the contacts before, with the
+   tangents of a normal; levers of balls and walls are those of the surfaces, apart by the gap from the
+   place halfway between them */
 static void casadi_direction_rows(const casadi_real** arg, const casadi_int* iw,
-    casadi_int contact, casadi_int i, casadi_int j, casadi_real* direction,
+    casadi_int contact, casadi_int i, casadi_int j, casadi_real* direction, const casadi_real* normal,
     const casadi_real* place, casadi_real gap) {
   casadi_real* directions = (casadi_real*) arg[DIRECTIONS];
   int* row = (int*) arg[DIRECTION_ROWS];
@@ -98,7 +115,7 @@ static void casadi_direction_rows(const casadi_real** arg, const casadi_int* iw,
   const int* number = (const int*) arg[PLACES];
   casadi_real arm[3], half = gap>0 && number[5*i+NUMBER]>=0 && number[5*j+NUMBER]>=0 ? gap/2 : 0.0;
   const casadi_real* along;
-  casadi_tangents(direction, dimension);
+  casadi_turned_tangents(direction, normal, dimension);
   for (a=0; a<width; ++a) {
     turn = a - dimension;
     along = direction + 3*a;
@@ -179,7 +196,8 @@ static void casadi_add_contact(const casadi_real** arg, casadi_real** res, casad
     pair = contact[PAIR];
   iw[CONTACTS] = count + 1;
   if (count>=iw[MAX_CONTACTS]) return;
-  casadi_direction_rows(arg, iw, count, contact[SHAPE], contact[OTHER_SHAPE], direction, place, gap);
+  casadi_direction_rows(arg, iw, count, contact[SHAPE], contact[OTHER_SHAPE], direction, direction, place,
+    gap);
   ((casadi_real*) arg[GAPS])[count] = gap;
   res[GAPS][count] = gap>arg[LIMITS][LEAST_GAP] ? gap : arg[LIMITS][LEAST_GAP];
   ((int*) res[PAIRS])[count] = pair;
@@ -364,7 +382,7 @@ static int casadi_strikes(const casadi_real** arg, casadi_real** res, const casa
    at its start, as all of implicit steps; with them the velocities at the end of the step, the clearance
    of gaps that turn, the rows of X, and a mask of the contacts that leave their faces */
 static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
-  const casadi_real* ahead[64];
+  const casadi_real* ahead[65];
   const casadi_int* key = (const casadi_int*) arg[KEYS];
   const int* contact = (const int*) arg[DESCRIPTIONS];
   const int* row = (const int*) arg[DIRECTION_ROWS];
@@ -372,8 +390,9 @@ static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const
   int* kept = (int*) res[START_DIRECTIONS];
   int* leaves = (int*) res[LEAVING];
   casadi_int i, r, slot, width = iw[COMPONENTS];
-  casadi_real gap, direction[9], normal[9], point[3], middle, end, clearance, h = arg[LIMITS][LENGTH];
-  for (i=0; i<64; ++i) ahead[i] = arg[i];
+  casadi_real gap, first, direction[9], normal[9], point[3], place[3], middle, end, clearance,
+    h = arg[LIMITS][LENGTH];
+  for (i=0; i<65; ++i) ahead[i] = arg[i];
   ahead[CORNERS] = arg[CORNERS_AHEAD];
   ahead[REFERENCES] = arg[REFERENCES_AHEAD];
   ahead[NORMALS] = arg[NORMALS_AHEAD];
@@ -393,13 +412,13 @@ static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const
       casadi_response_rows(arg, res, iw, i, contact[SHAPE], contact[OTHER_SHAPE]);
       continue;
     }
+    first = casadi_described_gap(arg, iw, contact, normal, place);
     gap = casadi_described_gap(ahead, iw, contact, direction, point);
-    casadi_direction_rows(ahead, iw, i, contact[SHAPE], contact[OTHER_SHAPE], direction, point, gap);
+    casadi_direction_rows(ahead, iw, i, contact[SHAPE], contact[OTHER_SHAPE], direction, normal, point, gap);
     middle = casadi_row(arg[DIRECTIONS], column, row[r], row[r+1], arg[SPEEDS]);
     end = casadi_row(arg[DIRECTIONS], column, row[r], row[r+1], res[FREE_SPEEDS]);
     if (kept[i]) {
       kept[i] = !(gap>=0 && res[GAPS][i] + h*(middle + end)/2>=0);
-      gap = casadi_described_gap(arg, iw, contact, normal, point);
       if (!(casadi_dot(normal, direction)>0)) kept[i] = 1;
     }
     if (slot>=0) {
@@ -409,7 +428,7 @@ static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const
       kept[i] = 0;
       res[GAPS][i] += 10*res[STATUS][REACH];
     } else if (kept[i]) {
-      casadi_direction_rows(arg, iw, i, contact[SHAPE], contact[OTHER_SHAPE], normal, point, gap);
+      casadi_direction_rows(arg, iw, i, contact[SHAPE], contact[OTHER_SHAPE], normal, normal, place, first);
     } else if (h*fabs(middle - res[VELOCITY_BEFORE][r])>arg[LIMITS][LEAST_TURN]) {
       middle = h*fabs(middle - res[VELOCITY_BEFORE][r]);
       clearance = arg[LIMITS][CLEARANCE];
@@ -426,7 +445,7 @@ static void casadi_take_middle(const casadi_real** arg, casadi_real** res, const
   }
 }
 /* gaps of the contacts of the path at a position and, with a weight, the part of this position in the
-   means of their directions */
+   means of their directions, whose tangents are those of the first position with a weight */
 static void casadi_path(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
   const casadi_int* sizes = (const casadi_int*) arg[SIZES];
   const int* contact;
@@ -434,6 +453,7 @@ static void casadi_path(const casadi_real** arg, casadi_real** res, const casadi
   const int* column = (const int*) arg[DIRECTION_COLUMNS];
   casadi_real* mean = (casadi_real*) arg[PATH_MEANS];
   casadi_real* gaps = (casadi_real*) arg[PATH_GAPS];
+  casadi_real* normal;
   casadi_int k, a, c, width = iw[COMPONENTS], widest = 2*iw[BLOCK_SIZE];
   casadi_real direction[9], point[3], share;
   casadi_all_axes(arg, iw);
@@ -442,7 +462,12 @@ static void casadi_path(const casadi_real** arg, casadi_real** res, const casadi
     contact = (const int*) arg[PATH_DESCRIPTIONS] + 6*k;
     gaps[k] = casadi_described_gap(arg, iw, contact, direction, point);
     if (arg[LIMITS][PATH_WEIGHT]==0) continue;
-    casadi_direction_rows(arg, iw, 0, contact[SHAPE], contact[OTHER_SHAPE], direction, point, gaps[k]);
+    normal = (casadi_real*) arg[PATH_NORMALS] + 3*k;
+    if (casadi_dot(normal, normal)==0) {
+      for (a=0; a<3; ++a) normal[a] = direction[a];
+    }
+    casadi_direction_rows(arg, iw, 0, contact[SHAPE], contact[OTHER_SHAPE], direction, normal, point,
+      gaps[k]);
     for (a=0; a<width; ++a) {
       for (c=row[a]; c<row[a+1]; ++c) {
         share = a==0 ? arg[PATH_SHARES][column[c]] : 1.0;
