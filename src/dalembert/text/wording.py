@@ -103,6 +103,13 @@ def similar(
     return difflib.get_close_matches(str(name)[:80], list(known), count, similarity)
 
 
+def suggestions(name: Any, known: Iterable[str]) -> str:
+    """``; nearest: …`` with the similar known names, or ``; known: …`` with the first of all."""
+    names = list(known)
+    close = similar(name, names)
+    return f"; nearest: {', '.join(close)}" if close else f"; known: {listed(names)}"
+
+
 def nearest(name: Any, known: Iterable[str]) -> str:
     """``(did you mean …?)`` with the nearest known name, if one is close; renamed ones first."""
     names = list(known)

@@ -19,7 +19,7 @@ from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.meshes.mesh import Mesh
 from dalembert.results.result import Result
 from dalembert.results.structural.drawing import StructuralDrawing
-from dalembert.text.wording import listed, similar
+from dalembert.text.wording import suggestions
 
 
 class StructuralStates(Result):
@@ -191,7 +191,7 @@ def set_field(model: StructuralModel, state: State, name: str) -> np.ndarray:
     owner, _, quantity = name.partition(".")
     elements = model.measures.elements(owner, quantity)
     if elements is None:
-        raise AnalysisError(f"no field {name!r}{_suggestions(name, _all_names(model))}")
+        raise AnalysisError(f"no field {name!r}{suggestions(name, _all_names(model))}")
     return elements.field(state)
 
 
@@ -226,7 +226,7 @@ def element_field(
         values[start + np.asarray(rows)] = measured[np.asarray(rows)]
     if not exists:
         names = [*field_names(model), *_all_names(model)]
-        raise AnalysisError(f"no element has {name!r}{_suggestions(name, names)}")
+        raise AnalysisError(f"no element has {name!r}{suggestions(name, names)}")
     return Field(name, unit, values)
 
 
@@ -257,9 +257,3 @@ def _all_names(model: StructuralModel) -> list[str]:
         for owner in block.names.owners[:200]
         for quantity in block.kind.measures
     ]
-
-
-def _suggestions(name: str, candidates: list[str]) -> str:
-    """The nearest names, else the known ones."""
-    close = similar(name, candidates)
-    return f"; nearest: {', '.join(close)}" if close else f"; known: {listed(candidates)}"

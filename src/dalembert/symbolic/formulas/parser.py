@@ -13,7 +13,7 @@ from dalembert.errors import ExpressionError, UnknownNameError
 from dalembert.symbolic.formulas.expression import Dimensioned, Expression
 from dalembert.symbolic.formulas.functions import FORMULA_FUNCTIONS
 from dalembert.symbolic.formulas.interpolation import Interpolation, interp
-from dalembert.text.wording import listed, similar
+from dalembert.text.wording import listed, suggestions
 from dalembert.units.amounts import Amount
 from dalembert.units.grammar import Grammar
 from dalembert.units.unit import MOST_POWER, si_unit
@@ -87,8 +87,7 @@ class Names:
                 raise UnknownNameError(
                     f"{name!r} has several measures; name one of them: {listed(own)}", name
                 )
-            nearest = ", ".join(similar(name, known)) or "none"
-            raise UnknownNameError(f"no measure {name!r}; nearest: {nearest}", name)
+            raise UnknownNameError(f"no measure {name!r}{suggestions(name, known)}", name)
         return expression
 
     def expression(self, measure: str | Expression) -> Expression:
