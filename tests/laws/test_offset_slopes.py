@@ -117,9 +117,9 @@ def test_offsets_of_an_overlap_by_rounding_converge(before: float) -> None:
     contacts = replace(approach.contacts, distance=np.full(COUNT, -2e-13))
     speeds = np.full((2, COUNT, 1), before) - [[[0.0]], [[G * H]]]
     approach = Approach(contacts, *speeds, H, H)
-    scheme, rounds = da.AnticipatedImpacts(), 0
+    scheme, rounds, last = da.AnticipatedImpacts(), 0, None
     offsets = scheme.first(approach)
-    while offsets is not None:
+    while not np.array_equal(offsets, last):
         last, rounds = offsets, rounds + 1
         after = np.maximum(approach.free, -offsets)
         offsets = scheme.again(approach, offsets, after - approach.free, after)

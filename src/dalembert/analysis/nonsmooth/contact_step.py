@@ -34,6 +34,7 @@ from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.integrators.contact.impulses import Impulses, compliant_problem
+from dalembert.integrators.contact.mean_slip import MeanSlip
 from dalembert.integrators.contact.schemes import ContactScheme
 from dalembert.integrators.contact.static_friction import (
     STILL,
@@ -278,12 +279,13 @@ class ContactStep(ModelGaps):
         if self.force_laws.elements:
             own = matrix.diagonal().reshape(shape)[:, 0]
         compliant = CompliantContacts(*soft, own, self.scheme.theta)
-        offsets = self.scheme.first(approach)
-        laws, none = contacts.laws, contacts.key[:0]
+        slip, solver = MeanSlip(approach, self.scheme.theta), self.solver
+        offsets = slip.first(self.scheme.first(approach))
+        laws, none, rounds = contacts.laws, contacts.key[:0], 0
         scale = approach.fastest or 1.0
-        rounding = STILL * self.solver.newton_tolerance * scale
+        rounding = STILL * solver.newton_tolerance * scale
         static = may_stick(contacts, approach.before, before.stuck if before else none, rounding)
-        start, rounds = warm_start(contacts, before, shape), 0
+        start = warm_start(contacts, before, shape)
         rigid = FrictionProblem(matrix, free, laws.friction, contacts.groups, scale)
         for _ in range(ROUNDS):
             offsets[compliant.rows, 0] = compliant.offsets
@@ -291,10 +293,10 @@ class ContactStep(ModelGaps):
             if compliant.rows.size:
                 problem = compliant_problem(problem, compliant.compliance)
             state = laws, static, approach.before
-            solution, static = solve_with_static_friction(self.solver, problem, start, *state)
+            solution, static = solve_with_static_friction(solver, problem, start, *state)
             if solution.converged and solution.residual > JAMMED * scale:
                 limit = JAMMED * scale
-                solution, static = solve_precisely(self.solver, problem, solution, limit, *state)
+                solution, static = solve_precisely(solver, problem, solution, limit, *state)
             start, rounds = solution.impulses, rounds + solution.rounds
             after = problem.speeds(solution.impulses) - offsets
             pushes = solution.impulses
@@ -303,18 +305,16 @@ class ContactStep(ModelGaps):
                 pushes = start.copy()
                 pushes[compliant.rows, 0] = 0.0  # force laws may do work
             changed = self.scheme.again(approach, offsets, pushes, after)
-            if changed is not None:
-                changed[compliant.rows, 0] = offsets[compliant.rows, 0]
-                changed = changed if (changed != offsets).any() else None
+            changed = slip.again(changed, after)
+            changed[compliant.rows, 0] = offsets[compliant.rows, 0]
             size = problem.size(start) if compliant.rows.size else scale
-            softened = compliant.update(
-                start[:, 0], after[:, 0], self.solver.newton_tolerance * size
-            )
-            if not (softened or changed is not None) or not solution.accepted:
+            softened = compliant.update(start[:, 0], after[:, 0], solver.newton_tolerance * size)
+            same = not softened and np.array_equal(changed, offsets)
+            if same or not solution.accepted:
                 break
-            offsets = offsets if changed is None else changed
+            offsets = changed
         stuck = none
         if laws.higher_at_rest.any():
-            stuck = contacts.key[(start[:, 0] > 0) & sticks(self.solver, problem, solution)]
-        solution = compliant.solution(replace(solution, rounds=rounds), after, self.solver, size)
+            stuck = contacts.key[(start[:, 0] > 0) & sticks(solver, problem, solution)]
+        solution = compliant.solution(replace(solution, rounds=rounds), after, solver, size)
         return solution, offsets, stuck, compliant

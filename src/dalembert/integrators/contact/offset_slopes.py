@@ -25,7 +25,8 @@ class OffsetSlopes:
     forced : of the normal offset, by the largest change of a normal speed by forces in the step
     change : this change [m/s] of contacts whose offsets depend on it, as their offsets state it
     struck : of the normal offset, by the normal speed after impacts at the start of the step
-    idle : mask of the contacts whose tangential offsets are ``u_T⁻``; others follow Newton's law
+    idle : (n, k − 1) mask of the tangential components whose offsets are ``u_T⁻``; others follow
+        Newton's law
     bounces : mask of the contacts that follow Newton's law, or stop in time to remain open
     """
 
@@ -50,7 +51,19 @@ def newton_slopes(approach: Approach, offsets: np.ndarray) -> OffsetSlopes:
     value, *slopes = _rebound(approach)
     parts = np.abs(offsets[:, 0] - u) < np.abs(offsets[:, 0] - value)
     speed, restitution, struck = (np.where(parts, 0.0, slope) for slope in slopes)
-    return OffsetSlopes(zero, speed + parts, restitution, zero, zero, struck, zero > 0, ~parts)
+    idle = idle_components(approach, offsets)
+    return OffsetSlopes(zero, speed + parts, restitution, zero, zero, struck, idle, ~parts)
+
+
+def idle_components(approach: Approach, offsets: np.ndarray) -> np.ndarray:
+    """(n, k − 1) mask of the tangential components whose offsets are ``u_T⁻``; others follow
+    Newton's law: slip, and rotations, of a contact each have one of both."""
+    before, law = approach.before[:, 1:], approach.newton()[:, 1:]
+    idle, slips = np.zeros(before.shape, dtype=bool), approach.contacts.linear - 1
+    for part in (slice(0, slips), slice(slips, None)):
+        lengths = (_lengths((offsets[:, 1:] - other)[:, part]) for other in (before, law))
+        idle[:, part] = np.less(*lengths)[:, None]
+    return idle
 
 
 def _rebound(approach: Approach) -> tuple[np.ndarray, ...]:
@@ -138,9 +151,7 @@ def anticipated_slopes(
         )
     number = np.argmax(tied, axis=0)
     _, by_gap, speed, restitution, forced = branches[number, :, np.arange(u.size)].T
-    law = contacts.laws.tangential[:, None] * before[:, 1:]
-    law[:, contacts.linear - 1 :] = 0.0
-    idle = _lengths(offsets[:, 1:] - before[:, 1:]) < _lengths(offsets[:, 1:] - law)
+    idle = idle_components(approach, offsets)
     bounces = ((number == 1) | (number == 2)) & (u < -rounding)
     struck = np.where(number == 2, struck, 0.0)
     change = np.where(number == branches.shape[0] - 1, slow_change, offsets[:, 0])

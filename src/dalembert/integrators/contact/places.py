@@ -182,23 +182,24 @@ class Outputs(Places):
     VELOCITY_APPLIED = 48  # VELOCITY_FREE, by the last forces of the step
     FIRST_SPEEDS = 49  # FREE_SPEEDS, by the first forces of the step
     LEAVING = 50  # whether a corner leaves its face before it would touch it
+    SLIDING = 51  # whether the mean of the slip counts
     # scheme of Moreau and Jean: all contacts near each other at the start
-    STORED_DIRECTIONS = 51  # W
-    STORED_ROWS = 52
-    STORED_COLUMNS = 53
-    STORED_BEFORE = 54  # VELOCITY_BEFORE
-    STORED_FREE = 55  # VELOCITY_FREE
-    STORED_GAPS = 56
-    STORED_KEYS = 57
-    STORED_DESCRIPTIONS = 58
-    STORED_START = 59  # START_DIRECTIONS
-    STORED_NORMALS = 60  # from the shape with the lower number
-    STATES = 61  # class States
-    END_SPEEDS = 62  # of the bodies
-    MASS_INVERSES = 63  # of the blocks of the mass matrix
-    LAST_MASS = 64  # entries of the mass matrix that these belong to
-    OTHER_KEYS = 65  # of contacts of other features that are closed at the end
-    OTHER_DESCRIPTIONS = 66
+    STORED_DIRECTIONS = 52  # W
+    STORED_ROWS = 53
+    STORED_COLUMNS = 54
+    STORED_BEFORE = 55  # VELOCITY_BEFORE
+    STORED_FREE = 56  # VELOCITY_FREE
+    STORED_GAPS = 57
+    STORED_KEYS = 58
+    STORED_DESCRIPTIONS = 59
+    STORED_START = 60  # START_DIRECTIONS
+    STORED_NORMALS = 61  # from the shape with the lower number
+    STATES = 62  # class States
+    END_SPEEDS = 63  # of the bodies
+    MASS_INVERSES = 64  # of the blocks of the mass matrix
+    LAST_MASS = 65  # entries of the mass matrix that these belong to
+    OTHER_KEYS = 66  # of contacts of other features that are closed at the end
+    OTHER_DESCRIPTIONS = 67
 
 
 class Counts(Places):

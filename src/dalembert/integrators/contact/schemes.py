@@ -42,9 +42,9 @@ class ContactScheme(ABC):
 
     def again(
         self, approach: Approach, offsets: Offsets, impulses: np.ndarray, after: np.ndarray
-    ) -> Offsets | None:
-        """Updated offsets for the computed impulses and velocities; None if unchanged."""
-        return None
+    ) -> Offsets:
+        """Updated offsets for the computed impulses and velocities."""
+        return offsets
 
     @abstractmethod
     def slopes(
@@ -70,6 +70,8 @@ class MoreauJean(ContactScheme):
     projection: Acary 2013), those that part with ``u_N⁺ ≥ −u_N⁻``, which does no work, unless
     their friction supplies more than a hundredth of the work of lifting the bodies. Lifted bodies
     and impacts with friction (Kane's paradox) may add energy; a warning states how much.
+    With ``theta=0.5``, friction of spatial contacts that slide throughout a step opposes
+    ``u_T⁺ + u_T⁻`` (``mean_slip``).
 
     Parameters
     ----------
@@ -156,6 +158,8 @@ class AnticipatedImpacts(ContactScheme):
     motion within the step; if the work of all contacts is positive, ``u⁺ + u⁻`` replaces ``u⁺``
     there, which does no work, so that contacts never create energy. Contacts with static friction
     above that of sliding stop instead, which may create energy of the order of the squared step.
+    Friction of spatial contacts that slide throughout a step opposes ``u_T⁺ + u_T⁻``
+    (``mean_slip``).
 
     Examples
     --------
@@ -192,7 +196,7 @@ class AnticipatedImpacts(ContactScheme):
 
     def again(
         self, approach: Approach, offsets: Offsets, impulses: np.ndarray, after: np.ndarray
-    ) -> Offsets | None:
+    ) -> Offsets:
         bounce = approach.least.bounce
         pressed = (impulses[:, 0] > 0) & (-offsets[:, 0] < bounce)
         parting = approach.before[:, 0]
@@ -200,7 +204,7 @@ class AnticipatedImpacts(ContactScheme):
         work = (impulses * (after + approach.before)).sum(axis=1)
         supplied = float(work.sum())
         if not pressed.any() and supplied <= 0:
-            return None
+            return offsets
         changed = offsets.copy()
         changed[pressed, 0] = -bounce[pressed]
         if supplied > 0 and supplied > _inexact_work(approach, impulses, after):
@@ -209,7 +213,7 @@ class AnticipatedImpacts(ContactScheme):
             slips = ~approach.contacts.laws.higher_at_rest  # the others stop
             idle[slips, 1:] = approach.before[slips, 1:]
             changed[work > 0] = idle[work > 0]
-        return changed if (changed != offsets).any() else None
+        return changed
 
     def slopes(
         self, approach: Approach, offsets: Offsets, rounding: float | np.ndarray

@@ -69,6 +69,8 @@ class Shares(Places):
     LATEST = 32  # steps within which a gap closes
     AT_REST = 33  # closing of a gap that counts as rest, by the size of the face
     ROUGH = 34  # tolerance of impulses that determine which contacts press
+    SLIDES = 35  # slip of a sliding contact by the change of speed by forces
+    STOPS = 36  # change of the slip of one that stops
 
 
 class Sizes(Places):

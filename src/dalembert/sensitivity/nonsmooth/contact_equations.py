@@ -119,7 +119,7 @@ class ContactEquations:
         column[:, 1 : contacts.linear] -= static[:, None]
         factors = np.zeros((count, k))
         factors[:, 1 : contacts.linear] = laws.tangential[:, None]
-        factors[slopes.idle] = 1.0
+        factors[:, 1:][slopes.idle] = 1.0
         factors[:, 0] = slopes.speed
         equations = own, coupled, slopes, limit, column, factors, residual.ravel()
         return cls(keys, gaps, *equations, impact, forces)
@@ -130,9 +130,8 @@ class ContactEquations:
     ) -> ContactEquations:
         """``N δ + g = 0``, with ``g`` constant unless the contact presses."""
         zero, one = np.zeros(distance.size), np.ones((distance.size, 1, 1))
-        slopes = OffsetSlopes(
-            presses.astype(float), zero, zero, zero, zero, zero, ~presses, ~presses
-        )
+        idle = np.zeros((distance.size, 0), dtype=bool)
+        slopes = OffsetSlopes(presses.astype(float), zero, zero, zero, zero, zero, idle, ~presses)
         residual, still = gaps.values.after[:, 0] + distance, zero[:, None]
         column = np.zeros((distance.size, 1), dtype=int)
         return cls(keys, gaps, 0 * one, one, slopes, still, column, still, residual)
@@ -253,7 +252,7 @@ class ContactEquations:
     def _restituted(self) -> np.ndarray:
         """(n, k − 1) derivatives of the offsets by the tangential restitution."""
         before = self.gaps.values.before[:, 1:]
-        return np.where((self.column[:, 1:] <= FIRST) & ~self.slopes.idle[:, None], before, 0.0)
+        return np.where((self.column[:, 1:] <= FIRST) & ~self.slopes.idle, before, 0.0)
 
 
 def _static(laws: ContactLaws, groups: tuple[int, ...], impulses: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ from dalembert.analysis.nonsmooth.force_laws import ForceLaws
 from dalembert.elements.contact.laws import NormalLaw
 from dalembert.integrators.contact.approach import Approach
 from dalembert.integrators.contact.mean_force import NODES, WEIGHTS
-from dalembert.integrators.contact.offset_slopes import OffsetSlopes
+from dalembert.integrators.contact.offset_slopes import OffsetSlopes, idle_components
 from dalembert.integrators.contact.schemes import ContactScheme
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
@@ -92,14 +92,12 @@ class ForceSlopes:
         values = {}
         for field in fields(OffsetSlopes):
             part = getattr(own, field.name)
-            values[field.name] = np.zeros(count, dtype=part.dtype)
+            values[field.name] = np.zeros((count, *part.shape[1:]), dtype=part.dtype)
             values[field.name][rigid] = part
         after = np.where(self.after != 0, self.after, 1.0)
         values["gap"][self.rows] = self.gap / after
         values["speed"][self.rows] = self.before / after
-        slip, offset = approach.before[self.rows, 1:], offsets[self.rows, 1:]
-        lengths = (np.linalg.norm(vectors, axis=1) for vectors in (offset - slip, offset))
-        values["idle"][self.rows] = np.less(*lengths)
+        values["idle"][self.rows] = idle_components(approach, offsets)[self.rows]
         return OffsetSlopes(**values)
 
 

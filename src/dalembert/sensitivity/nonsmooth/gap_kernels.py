@@ -95,10 +95,9 @@ class _Formulas:
 
 
 def _turned(blocks: ca.SX, rotation: ca.SX) -> ca.SX:
-    """Rows of each pair of tangents turned."""
-    pairs = [first for first in (1, 4) if first + 2 <= blocks.shape[0]]
+    """Rows along both tangents turned, those of the slip and of the rotations about tangents."""
     rows = ca.SX(blocks)
-    for first in pairs:
+    for first in range(1, min(blocks.shape[0] - 1, 5), 2):
         rows[first : first + 2, :] = ca.mtimes(rotation, blocks[first : first + 2, :])
     return rows
 

@@ -112,7 +112,8 @@ class FreeBodySteps(PairLists):
         self.arms, self._centers = np.zeros(shapes), np.zeros((shapes, 3))
         self._shares_of_path, self.lists = np.ones(n), 0
         self._keys, self._described, self._gaps = contact_arrays(0)
-        self._path = contact_arrays(0)
+        none = np.zeros((0, self.width * 2 * motion.widest)), np.zeros((0, 3))
+        self._path = *contact_arrays(0), *none
         self._before = contact_arrays(0)[:2]
         self._sizes = np.zeros(Sizes.size(), dtype=np.int64)
         self._sizes[Sizes.FEATURES] = motion.shapes.features
@@ -204,7 +205,8 @@ class FreeBodySteps(PairLists):
         last, self._last = self._last, (np.zeros(contacts, np.int64), np.zeros((contacts, k)))
         for own, old_last in zip(self._last, last, strict=True):
             own[: old_last.shape[0]] = old_last
-        path, before = contact_arrays(contacts), contact_arrays(contacts)[:2]
+        means = np.zeros((contacts, k * 2 * widest)), np.zeros((contacts, 3))
+        path, before = (*contact_arrays(contacts), *means), contact_arrays(contacts)[:2]
         for own, old_part in zip((*path, *before), (*self._path, *self._before), strict=True):
             own[: old_part.shape[0]] = old_part
         records = max(RECORDS + 32 * self._reserved, 4 * contacts, self._pressed.size)
@@ -220,7 +222,6 @@ class FreeBodySteps(PairLists):
             **shape_inputs(self._shapes),
             **self._lasting_inputs(),
         }
-        self._means, self._normals = (inputs[k] for k in (Inputs.PATH_MEANS, Inputs.PATH_NORMALS))
         self._sizes[Sizes.SLOTS] = inputs[Inputs.KEY_TABLE].size
         outputs = step_outputs(contacts, k, widest, self.v.size, entries)
         self._solved, self._pair_of = outputs[Outputs.IMPULSE], outputs[Outputs.PAIRS]
@@ -275,6 +276,8 @@ class FreeBodySteps(PairLists):
             Inputs.PATH_DESCRIPTIONS: self._path[1],
             Inputs.PATH_KEYS: self._path[0],
             Inputs.PATH_GAPS: self._path[2],
+            Inputs.PATH_MEANS: self._path[3],
+            Inputs.PATH_NORMALS: self._path[4],
             Inputs.KEYS_BEFORE: self._before[0],
             Inputs.DESCRIPTIONS_BEFORE: self._before[1],
             Inputs.CORNERS_AHEAD: ahead[0],

@@ -25,7 +25,8 @@ SHAPES = [Descriptions.SHAPE, Descriptions.OTHER_SHAPE]
 class PathContacts(ABC):
     """Contacts with keys and descriptions: kind, shape and feature of both sides, and the pair.
 
-    A subclass allocates the arrays.
+    A subclass allocates the arrays, among them those of the path: keys, descriptions, gaps, means
+    of the directions and normals at its first position.
     """
 
     counts: np.ndarray
@@ -38,10 +39,8 @@ class PathContacts(ABC):
     _keys: np.ndarray
     _described: np.ndarray
     _gaps: np.ndarray
-    _path: tuple[np.ndarray, np.ndarray, np.ndarray]
+    _path: tuple[np.ndarray, ...]
     _before: tuple[np.ndarray, np.ndarray]
-    _means: np.ndarray
-    _normals: np.ndarray
     _shares_of_path: np.ndarray
     _speeds: tuple[np.ndarray, np.ndarray]
 
@@ -117,7 +116,12 @@ class PathContacts(ABC):
         if count > self._path[0].size:
             self._reserve(count)
         self._path[0][:count], self._path[1][:count] = keys, described
-        self._means[:] = self._normals[:] = 0.0
+        self._forget_means()
+
+    def _forget_means(self) -> None:
+        """Zero means over the path, and no normals of its first position."""
+        for values in self._path[3:]:
+            values[:] = 0.0
 
     def path_gaps(self, weight: float = 0.0, shares: np.ndarray | None = None) -> np.ndarray:
         """Gaps of the contacts of the path where the shapes are; with a weight in the means, whose
@@ -133,7 +137,7 @@ class PathContacts(ABC):
     def forced(self) -> float:
         """The largest change of a normal speed by the forces in the arrays, of the contacts of the
         path where the shapes are and of those within reach [m/s]; infinite if the call failed."""
-        self._means[:] = self._normals[:] = 0.0
+        self._forget_means()
         self.path_gaps(1.0, np.ones(self._shares_of_path.size))
         self._sizes[Sizes.CALL] = Calls.ALL
         done = self() is StepOutcome.DONE
@@ -145,7 +149,7 @@ class PathContacts(ABC):
     def shift_path_gaps(self, gaps: np.ndarray, displacement: np.ndarray) -> None:
         """Distances at the start by which gaps at the end are linear in the displacement."""
         first, body, widest = self._motion.first, self.body, 2 * self._motion.widest
-        means = self._means.reshape(-1, self.width, widest)[:, 0]
+        means = self._path[3].reshape(-1, self.width, widest)[:, 0]
         for k, gap in enumerate(gaps):
             bodies = [b for b in body[self._path[1][k, SHAPES]] if b >= 0]
             own = np.concatenate([np.arange(first[b], first[b + 1]) for b in bodies])

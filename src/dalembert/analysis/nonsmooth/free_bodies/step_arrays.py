@@ -46,8 +46,6 @@ def contact_inputs(
         Inputs.MOBILITY: rows,
         Inputs.WEIGHTS: rows,
         Inputs.SHIFT: rows,
-        Inputs.PATH_MEANS: column.size,
-        Inputs.PATH_NORMALS: 3 * contacts,
     }
     return {
         **{place: np.zeros(size) for place, size in numbers.items()},
@@ -101,6 +99,7 @@ def step_outputs(
         Outputs.PAIRS: integers(contacts),
         Outputs.START_DIRECTIONS: integers(contacts),
         Outputs.LEAVING: integers(contacts),
+        Outputs.SLIDING: integers(contacts),
     }
 
 

@@ -7,6 +7,7 @@ from dalembert.analysis.nonsmooth.contact_step import JAMMED
 from dalembert.analysis.nonsmooth.gaps import corners_over_faces
 from dalembert.analysis.nonsmooth.middle_directions import TURNS
 from dalembert.integrators.contact.approach import SLOW, SLOWEST
+from dalembert.integrators.contact.mean_slip import SLIDES, STOPS
 from dalembert.integrators.contact.schemes import CLOSING, ROUNDING
 from dalembert.integrators.contact.solution_settings import SOLUTION_SHARES
 from dalembert.integrators.contact.step_places import Shares
@@ -28,5 +29,7 @@ STEP_SHARES = {
     Shares.LATEST: corners_over_faces.LATEST,
     Shares.AT_REST: corners_over_faces.ROUNDING,
     Shares.ROUGH: ROUGH,
+    Shares.SLIDES: SLIDES,
+    Shares.STOPS: STOPS,
 }
 """Parameters of the solution and of the steps."""

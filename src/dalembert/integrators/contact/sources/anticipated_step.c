@@ -126,27 +126,34 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
   }
   return differs;
 }
-/* impulses of all contacts, with offsets that depend on which of them press: rough impulses determine
-   most of these. The number of proximal problems, or -1 if they did not converge */
+/* impulses of all contacts, with offsets that depend on which of them press and slide: rough impulses
+   determine most of these. The number of proximal problems, or -1 if they did not converge */
 static casadi_int casadi_anticipated_impulses(const casadi_real** arg, casadi_real** res,
     casadi_int* iw, casadi_real* w) {
   casadi_int k, more, rounds = 0;
   casadi_real limits[2], scale, rough, residual;
+  int changed;
   casadi_largest(arg, res, iw, limits);
   casadi_first_offsets(arg, res, iw, limits[0]);
   scale = limits[1]>0 ? limits[1] : 1.0;
   rough = arg[SHARES][ROUGH]*scale;
   casadi_begin_impulses(arg, res, iw, w);
+  casadi_sliding(arg, res, iw);
   for (k=0; k<iw[MAX_OFFSETS]; ++k) {
     rounds += casadi_offset_impulses(arg, res, iw, w, arg[SHARES][ROUGH], scale);
     if (!(casadi_pressed_offsets(arg, res, iw, limits[0], rough)>rough)) break;
+  }
+  if (iw[DIMENSION]==3) {
+    casadi_velocities(arg, res, iw);
+    casadi_stopping(arg, res, iw);
   }
   for (k=0; k<iw[MAX_OFFSETS]; ++k) {
     more = casadi_impulses(arg, res, iw, w, scale);
     if (more<0) return -1;
     rounds += more;
     residual = res[STATUS][RESIDUAL];
-    if (!casadi_next_offsets(arg, res, iw, limits[0])) break;
+    changed = casadi_next_offsets(arg, res, iw, limits[0]);
+    if (!casadi_stopping(arg, res, iw) && !changed) break;
   }
   res[STATUS][RESIDUAL] = residual;
   return rounds;

@@ -56,6 +56,53 @@ static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, ca
   casadi_velocities(arg, res, iw);
   return rounds;
 }
+/* offsets of the contacts that slide throughout the step: friction in space opposes the mean of the
+   slip */
+static void casadi_sliding(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
+  const casadi_real* before = res[VELOCITY_BEFORE];
+  int* slides = (int*) res[SLIDING];
+  casadi_int i, r;
+  casadi_real slip, limit;
+  for (i=0; i<iw[CONTACTS]; ++i) slides[i] = 0;
+  if (iw[DIMENSION]==2 || iw[GROUPS]==0 || arg[LIMITS][THETA]!=0.5) return;
+  casadi_changes(arg, res, iw);
+  for (i=0; i<iw[CONTACTS]; ++i) {
+    r = i*iw[COMPONENTS];
+    slip = before[r+1]*before[r+1] + before[r+2]*before[r+2];
+    limit = arg[SHARES][SLIDES]*casadi_change(arg, res, i);
+    slides[i] = slip>limit*limit && !(before[r]<0 && casadi_strikes(arg, res, iw, i));
+    if (!slides[i]) continue;
+    res[OFFSETS][r+1] = before[r+1];
+    res[OFFSETS][r+2] = before[r+2];
+  }
+}
+/* offsets of sliding contacts that stop or reverse; whether there are any */
+static int casadi_stopping(const casadi_real** arg, casadi_real** res, const casadi_int* iw) {
+  const int* law = (const int*) arg[LAW_OF_PAIR];
+  const int* pair = (const int*) res[PAIRS];
+  const casadi_real* before = res[VELOCITY_BEFORE];
+  int* slides = (int*) res[SLIDING];
+  int stops = 0;
+  casadi_int i, a, r;
+  casadi_real slip, change, share = arg[SHARES][STOPS];
+  for (i=0; i<iw[CONTACTS]; ++i) {
+    if (!slides[i]) continue;
+    r = i*iw[COMPONENTS];
+    slip = 0;
+    change = 0;
+    for (a=1; a<3; ++a) {
+      slip += before[r+a]*before[r+a];
+      change += (res[VELOCITY][r+a] - before[r+a])*(res[VELOCITY][r+a] - before[r+a]);
+    }
+    if (!(change>share*share*slip)) continue;
+    slides[i] = 0;
+    stops = 1;
+    for (a=1; a<3; ++a) {
+      res[OFFSETS][r+a] = arg[LAWS][law[pair[i]]*(2+iw[GROUPS])+1]*before[r+a];
+    }
+  }
+  return stops;
+}
 /* record of the step: losses, residual, and keys, impulses and offsets of pressing contacts */
 static void casadi_record(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real deepest, casadi_int rounds) {

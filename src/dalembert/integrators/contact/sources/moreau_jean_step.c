@@ -34,8 +34,8 @@ static casadi_int casadi_newton_impulses(const casadi_real** arg, casadi_real** 
     casadi_int* iw, casadi_real* w) {
   const casadi_real* before = res[VELOCITY_BEFORE];
   const casadi_real* law;
-  casadi_real limits[2];
-  casadi_int i, a, r, rounds, width = iw[COMPONENTS],
+  casadi_real limits[2], scale;
+  casadi_int i, a, r, more, rounds = 0, width = iw[COMPONENTS],
     linear = iw[GROUPS]>0 ? ((const int*) arg[GROUP_STARTS])[1] : 1;
   casadi_largest(arg, res, iw, limits);
   for (i=0; i<iw[CONTACTS]; ++i) {
@@ -46,7 +46,12 @@ static casadi_int casadi_newton_impulses(const casadi_real** arg, casadi_real** 
     for (a=1; a<width; ++a) res[OFFSETS][r+a] = a<linear ? law[1]*before[r+a] : 0.0;
   }
   casadi_begin_impulses(arg, res, iw, w);
-  rounds = casadi_impulses(arg, res, iw, w, limits[1]>0 ? limits[1] : 1.0);
+  casadi_sliding(arg, res, iw);
+  scale = limits[1]>0 ? limits[1] : 1.0;
+  do {
+    more = casadi_impulses(arg, res, iw, w, scale);
+    rounds = more<0 ? -1 : rounds + more;
+  } while (rounds>=0 && casadi_stopping(arg, res, iw));
   if (rounds>=0 && casadi_may_gain(arg, res, iw, limits[0])) {
     casadi_refine(arg, res, iw, w, 1e-3*arg[SHARES][NEWTON_SHARE]*arg[LIMITS][TOLERANCE]*limits[1]);
   }

@@ -364,10 +364,9 @@ static void casadi_changes(const casadi_real** arg, casadi_real** res, const cas
     }
   }
 }
-/* whether a contact has an impact, by the changes at its bodies */
-static int casadi_strikes(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
-    casadi_int i) {
-  casadi_int s, body, r = i*iw[COMPONENTS];
+/* the largest change of a normal speed by forces at the bodies of a contact */
+static casadi_real casadi_change(const casadi_real** arg, casadi_real** res, casadi_int i) {
+  casadi_int s, body;
   casadi_real largest = 0, change;
   for (s=0; s<2; ++s) {
     body = ((const int*) arg[BODY_OF_SHAPE])[((const int*) arg[FIRST_SHAPE+s])[((const int*) res[PAIRS])[i]]];
@@ -375,8 +374,14 @@ static int casadi_strikes(const casadi_real** arg, casadi_real** res, const casa
     change = res[BODY_CHANGES][((const int*) arg[BODY_STARTS])[body]];
     if (!(change<=largest)) largest = change;
   }
+  return largest;
+}
+/* whether a contact has an impact, by the changes at its bodies */
+static int casadi_strikes(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+    casadi_int i) {
+  casadi_int r = i*iw[COMPONENTS];
   return casadi_fast(res[GAPS][i], res[VELOCITY_BEFORE][r], res[VELOCITY_FREE][r], arg[LIMITS][LENGTH],
-    largest, arg[SHARES][SLOW], arg[SHARES][SLOWEST]);
+    casadi_change(arg, res, i), arg[SHARES][SLOW], arg[SHARES][SLOWEST]);
 }
 /* directions of the contacts: those in the middle of the step, means over its path, or, of impacts, those
    at its start, as all of implicit steps; with them the velocities at the end of the step, the clearance
