@@ -255,6 +255,28 @@ def test_a_disc_rests_on_both_sides_of_a_narrow_valley():
     assert forces.forces[order] == pytest.approx(np.array([(across, G), (-across, G)]), rel=1e-6)
 
 
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("kind", ["point", "polygon"])
+def test_a_sharp_corner_stops_at_the_bottom_of_a_dent(kind, scheme):
+    """It slides down the upright face of a tooth, and crosses the bottom within a step."""
+    system = da.System("tooth", gravity=(0.0, -G))
+    tooth = [(-0.1, -0.1), (0.1, -0.1), (0.1, 0.01), (0, 0.01), (0, 0), (-0.03, 0.01), (-0.1, 0.01)]
+    start = {"position": (-0.01, 0.02), "velocity": (0.35, -0.35)}
+    if kind == "point":
+        pawl = system.add(planar.Particle("pawl", mass=0.05, **start))
+        tip = contact.Vertex(pawl)
+    else:
+        pawl = system.add(planar.Body("pawl", mass=0.05, inertia=1e-5, **start))
+        tip = contact.Polygon(pawl, [(0.0, 0.0), (0.002, 0.03), (-0.012, 0.03)])
+    system.add(planar.Collisions("touch", [tip, contact.Outline(system.ground, tooth)]))
+    motion = da.solve_nonsmooth(system.build(), 0.1, step=1e-3, integrator=scheme)
+    x, y = motion["pawl.x"].values, motion["pawl.y"].values
+    assert motion.status.success
+    assert np.minimum(-x, y + x / 3)[y < 0.01].min() > -1e-9
+    if kind == "point":
+        assert np.hypot(x[-1], y[-1]) < 1e-9
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize("scheme", sampled(SCHEMES, 2))
 def test_a_convex_outline_moves_like_a_polygon(scheme):

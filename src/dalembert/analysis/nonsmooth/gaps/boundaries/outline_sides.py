@@ -34,6 +34,8 @@ class OutlineSides:
         between = places[:, None] - start
         edge = np.take_along_axis(start, self._after[..., None], axis=1) - start
         self.length = (edge * tangent).sum(axis=2)
+        before = np.take_along_axis(normal, self._before[..., None], axis=1)
+        self._dent = (before * tangent).sum(axis=2) > 0  # at the starts
         self.height = (between * normal).sum(axis=2)
         self._along = (between * tangent).sum(axis=2)
 
@@ -78,11 +80,21 @@ class OutlineSides:
         faced: np.ndarray = higher & (self.height >= AHEAD * self.distance)
         return faced
 
+    @cached_property
+    def dented(self) -> np.ndarray:
+        """Sides that end in the dent that is the nearest point to a place in the material."""
+        after = np.take_along_axis(self._dent, self._after, axis=1)
+        dent = np.where(self._along > self.length, after, self._dent)
+        nearest = self.distance.min(axis=1)[:, None]
+        dented: np.ndarray = dent & (self.distance <= nearest + ROUNDING * self.length)
+        return dented
+
     def touched(self, radii: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
         """Rows and numbers of the sides that balls of these radii touch.
 
-        A ball touches a side above which its centre is, a corner also one that it faces.
+        A ball touches a side above which its centre is, a corner also one that it faces. Behind a
+        dent no side is below them: both sides of it bound their motion.
         """
-        reached = self.above | (self.faced & (radii == 0)[:, None])
+        reached = self.above | self.dented | (self.faced & (radii == 0)[:, None])
         row, side = np.nonzero(reached & self.valid & (self.height - radii[:, None] <= reach))
         return row, side
