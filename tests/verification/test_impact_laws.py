@@ -234,6 +234,47 @@ def test_elastic_ball_conserves_its_energy(law):
     assert energy == pytest.approx(energy[0], rel=1e-9)
 
 
+@pytest.mark.parametrize("spin", [5.0, 60.0])
+@pytest.mark.parametrize("law", ["poisson", "energetic"])
+def test_elastic_rod_that_turns_conserves_its_energy(law, spin):
+    """Its impact comes before the step in which the gap would close, with other directions."""
+    system = da.System("rod")
+    start = {"position": (0.0, 0.4), "velocity": (0.0, -2.0), "angle": 0.5}
+    rod = planar.Body("rod", mass=1.0, inertia=4e-3, angular_velocity=spin, **start)
+    ends = system.add(rod).point(-0.1, 0.0), rod.point(0.1, 0.0)
+    shapes = [planar.contact.Capsule(*ends, 0.02), planar.contact.HalfPlane(system.ground)]
+    system.add(planar.Collisions("hits", shapes, restitution=1.0, impact_law=law))
+    model = system.build()
+    for step in (1e-3, 5e-4):
+        motion = da.solve_nonsmooth(model, 0.2, step=step)
+        assert motion.impulse("hits").max() > 0.5
+        assert motion["energy"].values == pytest.approx(motion["energy"].values[0], rel=1e-12)
+
+
+@pytest.mark.parametrize("law", ["poisson", "energetic"])
+def test_contacts_that_press_later_take_part_in_the_impacts(law):
+    """A corner that turns towards a face closes its gap after the forces of the step."""
+    system, shapes = da.System("tetrahedra"), []
+    corners = [(0.1, 0, -0.05), (-0.06, 0.09, -0.05), (-0.06, -0.09, -0.05), (0, 0, 0.12)]
+    starts = [
+        ((-0.083, -0.135, -0.122), (-1.455, -0.247, 2.064), (-3.388, -1.151, -1.311)),
+        ((0.102, 0.12, 0.064), (0.572, -1.033, 0.36), (2.845, 2.853, 1.258)),
+    ]
+    for k, (place, turn, spin) in enumerate(starts):
+        rotation = da.rotation.axis_angle(turn, float(np.linalg.norm(turn)))
+        start = {"position": place, "rotation": rotation, "angular_velocity": spin}
+        start["velocity"] = tuple((1 - 2 * k) * np.array([0.417, 0.673, 0.611]))
+        inertia = ((2e-3, 3e-3, 4e-3), (5e-3, 4e-3, 3e-3))[k]
+        body = spatial.Body(f"b{k}", mass=1.0 - 0.3 * k, inertia=inertia, **start)
+        shapes.append(spatial.contact.Polyhedron(system.add(body), corners))
+    system.add(spatial.Collisions("hits", shapes, restitution=0.0, friction=0.3, impact_law=law))
+    motion = da.solve_nonsmooth(system.build(), 0.3, step=1e-3)
+    momentum = sum(m * motion[f"b{k}.velocity"].values for k, m in enumerate((1.0, 0.7)))
+    assert motion.status.success and motion.impulse("hits").sum() > 1e-3
+    np.testing.assert_allclose(momentum - momentum[0], 0.0, atol=1e-9)
+    assert np.diff(motion["energy"].values).max() < 1e-6
+
+
 @pytest.mark.few(2)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("law", ["poisson", "energetic"])

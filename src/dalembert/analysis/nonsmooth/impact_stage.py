@@ -86,7 +86,7 @@ def impact_stage(
             "contacts with several laws of impact act in one impact, and one by Newton's law has "
             "restitution of the slip; leave out tangential="
         )
-    before, matrix = approach.before[taking_part], delassus(contacts.directions, mobility)
+    before, matrix = approach.struck_from[taking_part], delassus(contacts.directions, mobility)
     friction = laws.friction, contacts.groups
     problem = FrictionProblem(matrix, before, *friction, approach.fastest or 1.0)
     impulses, increments = impact_impulses(problem, laws, solver)

@@ -159,7 +159,7 @@ class StepStart:
         if not other.any():
             return contacts.key[:0]
         approach = self.approach(contacts, rounding)
-        late: np.ndarray = contacts.key[other & approach.impacting & ~approach.hit]
+        late: np.ndarray = contacts.key[other & approach.impacting & np.logical_not(approach.hit)]
         return late
 
 

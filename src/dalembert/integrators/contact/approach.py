@@ -69,6 +69,14 @@ class Approach:
         offsets[:, 1:linear] = laws.tangential[:, None] * self.before[:, 1:linear]
         return offsets
 
+    @property
+    def struck_from(self) -> np.ndarray:
+        """(n, k) velocities before impacts at the start, where the directions are.
+
+        An impulse does the work of the mean of these velocities and those after it.
+        """
+        return np.asarray(self.before + self.contacts.turning)
+
     @cached_property
     def forced(self) -> float:
         """The largest change of a normal velocity by forces in the step [m/s]."""

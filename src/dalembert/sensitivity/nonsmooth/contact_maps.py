@@ -202,12 +202,13 @@ class ContactMaps:
         def slopes(change: np.ndarray) -> list[Sparse]:
             return self.equations.linear(start + change, *state)[1]
 
-        def gaps(own: np.ndarray, impulses: np.ndarray, change: np.ndarray) -> Gaps:
-            state = StepState(t, y, p, v, v + change, lead=lead, end=-1.0)
-            return self.gaps(state, own, impulses, kept=kept_of(own))
+        def gaps(own: np.ndarray, impulses: np.ndarray, change: np.ndarray, end=-1.0) -> Gaps:
+            state = StepState(t, y, p, v, v + change, lead=lead, end=end)
+            kept = np.isin(own, stage.contacts.key[stage.contacts.kept_mask])
+            return self.gaps(state, own, impulses, kept=kept)
 
-        def kept_of(own: np.ndarray) -> np.ndarray:
-            return np.isin(own, stage.contacts.key[stage.contacts.kept_mask])
+        def middle(own: np.ndarray, impulses: np.ndarray) -> Gaps:
+            return gaps(own, impulses, np.zeros(n), end=1.0)
 
         def means(change: np.ndarray) -> Gaps:
             own = active.keys, np.zeros_like(active.impulses), active.curved, path
@@ -217,7 +218,7 @@ class ContactMaps:
         by_z, by_q = slopes(0 * start)
         factors = ProximalFactors.of([(0, 0, by_z)], self._weight(0))
         changes = lambda change: by_rows(slopes(change)[1]) - by_rows(by_q)  # noqa: E731
-        motions = Motions(factors, changes, gaps, means, n, self.size)
+        motions = Motions(factors, changes, gaps, middle, means, n, self.size)
         return ImpactSlopes(stage, active.keys, motions)
 
     def forced_changes(self, steps: ForcedSteps, path: Path | None = None) -> Sparse:

@@ -33,13 +33,15 @@ class Motions:
     factors : of ``[[A, Cᵀ], [C, 0]]``
     slopes : ``(δ, Λ)`` → derivatives of ``A δ + Cᵀ Λ`` and ``C δ`` by ``q``
     gaps : ``keys``, ``S``, ``δ`` → gaps with the velocities ``W v`` and ``W (v + δ)``
-    means : ``δ`` → the same of all pressing contacts, as in the rest of the step
+    middle : ``keys``, ``0`` → gaps with ``u⁻`` and ``2 u − u⁻``, ``u`` where the directions are
+    means : ``δ`` → the same as ``gaps`` of all pressing contacts, as in the rest of the step
     speeds, first : number of the speeds, and of the first of them in ``q``
     """
 
     factors: ProximalFactors
     slopes: Callable[[np.ndarray], Sparse]
     gaps: Callable[[np.ndarray, np.ndarray, np.ndarray], Gaps]
+    middle: Callable[[np.ndarray, np.ndarray], Gaps]
     means: Callable[[np.ndarray], Gaps]
     speeds: int
     first: int
@@ -76,6 +78,7 @@ class ImpactSlopes:
         right[: motions.speeds] = across.T.toarray()
         responses = motions.factors.solve(right)
         self._across, self._gaps, self._slopes = across, [], []
+        self._middle = motions.middle(own, none)
         for sum_ in sums:
             change = responses @ sum_.ravel()
             self._gaps.append(motions.gaps(own, sum_, change[: motions.speeds]))
@@ -101,7 +104,8 @@ class ImpactSlopes:
             moved = self._across @ self._motions.factors.solve(right)[:n]
             turned = (change.after - change.before).reshape(own.shape) + own
             inputs.append(turned - moved)
-        before = change.before.reshape(own.shape)
+        middle, _ = self._middle.push(dq)
+        before = ((middle.before + middle.after).reshape(own.shape) + own) / 2
         laws = change.laws.reshape(-1, dq.shape[1])
         impulses = self._system.push(np.vstack([before, *inputs, laws]))
         momentum = momentum + self._across.T @ impulses
@@ -137,12 +141,15 @@ class ImpactSlopes:
             push = -inner[:n]
             if number == len(self._gaps) - 1:
                 push = push + momentum
-                own.before[:] += parts[0].reshape(-1, k, columns)
                 laws = inputs[size * (1 + len(self._gaps)) :]
                 own.laws[:] = laws.reshape(own.laws.shape)
             pulled = gaps.pull(own, push) + slope.T @ inner
             pulled[first : first + n] += self._across.T @ parts[1 + number]
             total += pulled
+        own = self._middle.values.like(columns)
+        own.before[:] = own.after[:] = parts[0].reshape(-1, k, columns) / 2
+        total += self._middle.pull(own, np.zeros_like(momentum))
+        total[first : first + n] += self._across.T @ parts[0] / 2
         return np.asarray(total)
 
     def pull_path(self, struck: np.ndarray) -> np.ndarray:
