@@ -5,7 +5,8 @@ hits at ``√(s² + 2 a g)``, and rebounds with the share ``e²`` of this energy
 ``e s`` while the gap is open, so that ``(1 − e²) a g`` remain. ``AnticipatedImpacts`` counts slow
 contacts as resting, and ``MoreauJean`` returns ``e s``, which is nothing for a body that begins to
 fall: it then stands in front of the gap. Impulses of Poisson's and the energetic law do not state
-the speed after an impact: its share of the speed before it is that of the run.
+the speed after an impact: its share of the speed before it is that of the run, unless most of the
+latter is due to forces in the step.
 """
 
 from __future__ import annotations
@@ -29,6 +30,9 @@ ENOUGH = 10.0
 MOST = 200
 """Upper limit of the number of steps that are examined, those with the largest losses or
 impulses."""
+MEASURED = 0.5
+"""Threshold of the speed at the start of a step with an impact, relative to that of the impact,
+above which the share of it that returns is that of the run [-]."""
 REBOUND = 0.5
 """Threshold of a speed that counts as the rebound, relative to the exact one [-]."""
 
@@ -131,7 +135,8 @@ def _rebounds(step: ContactStep, record: ContactRecord, k: int) -> Rebounds | No
     if elastic.any():  # the height of others is dissipated by later impacts
         end = step.selected(step.at(t + h, record.ends.y[:, k + 1]), contacts.key[elastic])
         height[elastic] = np.maximum(acceleration[elastic], 0.0) * np.maximum(end.distance, 0.0)
-    share = np.divide(after, closing, out=np.zeros_like(after), where=closing > 0)
+    measured = closing > MEASURED * speed
+    share = np.divide(after, closing, out=contacts.laws.restitution.copy(), where=measured)
     newton = contacts.laws.follows(ImpactLaw.NEWTON)
     exact = np.where(newton, rebound, share * speed)
     error = masses * np.abs(after**2 / 2 + height - exact**2 / 2)
