@@ -31,10 +31,10 @@ FIRST_STEPS, NEWTON_STEPS, INTERIOR_POINTS, POLISHING, SHORT_STEPS = 5, 15, 45, 
 """Upper limits of Newton's steps until redundant contacts continue with proximal problems, of
 Newton's steps, of interior points, of Newton's steps from one of these, and of consecutive short
 steps of interior points."""
-REDUNDANT, REDUNDANT_STEPS, REDUNDANT_PROBLEMS, FAILURES = 1.2, 40, 16, 3
+REDUNDANT, REDUNDANT_STEPS = 1.2, 40
 """Number of pressing contacts of a pair, as the mean of all pairs, above which contacts are
-redundant, as those of boxes are; upper limits of Newton's steps on their proximal problems, of
-these problems, and of failures, before interior points, which rarely solve them."""
+redundant, as those of boxes are, and upper limit of Newton's steps on each of their proximal
+problems. Interior points rarely solve them."""
 INTERIOR_STARTS, TO_BOUNDARY, SHORT = (0.1, 1.0), 0.995, 1e-2
 """Distances of the first interior points from the boundary relative to the largest speed, share of
 a step to the boundary, and share of a short step [-]."""
@@ -73,7 +73,5 @@ SOLUTION_SHARES = {
     Shares.FIRST_ITERATIONS: FIRST_STEPS,
     Shares.REDUNDANT: REDUNDANT,
     Shares.REDUNDANT_ITERATIONS: REDUNDANT_STEPS,
-    Shares.REDUNDANT_PROBLEMS: REDUNDANT_PROBLEMS,
-    Shares.FAILURES: FAILURES,
 }
 """Parameters of the machine code."""

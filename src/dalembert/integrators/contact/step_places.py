@@ -54,23 +54,21 @@ class Shares(Places):
     FIRST_ITERATIONS = 19  # of Newton's method before proximal problems of redundant contacts
     REDUNDANT = 20  # pressing contacts by their pairs of bodies above which they are redundant
     REDUNDANT_ITERATIONS = 21  # of Newton's method in proximal problems of such contacts
-    REDUNDANT_PROBLEMS = 22  # proximal problems of such contacts before interior points
-    FAILURES = 23  # unsolved ones of these
-    REACH = 24  # of contacts, by the distance at the largest speed
-    CLOSING = 25  # of a gap by gradual approach
-    SLOW = 26  # speed of an impact by the change of speed by forces
-    ROUNDING = 27  # of the work of all contacts
-    JAMMED = 28  # residual of blocked contacts by the largest speed
-    SLOWEST = 29  # speed of an impact by the gap over the length of the step
-    TURNS = 30  # clearance of a gap by its turn
+    REACH = 22  # of contacts, by the distance at the largest speed
+    CLOSING = 23  # of a gap by gradual approach
+    SLOW = 24  # speed of an impact by the change of speed by forces
+    ROUNDING = 25  # of the work of all contacts
+    JAMMED = 26  # residual of blocked contacts by the largest speed
+    SLOWEST = 27  # speed of an impact by the gap over the length of the step
+    TURNS = 28  # clearance of a gap by its turn
     CORNER_SLACK = (
-        31  # steps by which a corner may come later to the end of a face than to the face
+        29  # steps by which a corner may come later to the end of a face than to the face
     )
-    LATEST = 32  # steps within which a gap closes
-    AT_REST = 33  # closing of a gap that counts as rest, by the size of the face
-    ROUGH = 34  # tolerance of impulses that determine which contacts press
-    SLIDES = 35  # slip of a sliding contact by the change of speed by forces
-    STOPS = 36  # change of the slip of one that stops
+    LATEST = 30  # steps within which a gap closes
+    AT_REST = 31  # closing of a gap that counts as rest, by the size of the face
+    ROUGH = 32  # tolerance of impulses that determine which contacts press
+    SLIDES = 33  # slip of a sliding contact by the change of speed by forces
+    STOPS = 34  # change of the slip of one that stops
 
 
 class Sizes(Places):

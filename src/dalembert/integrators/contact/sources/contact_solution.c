@@ -128,14 +128,14 @@ static int casadi_redundant(const casadi_real** arg, casadi_real** res, const ca
   return pressing>arg[SHARES][REDUNDANT]*pairs;
 }
 /* at most a number of proximal problems from the impulses in res[IMPULSE]; their number, and the
-   residual in status[RESIDUAL]. The best impulses are in res[IMPULSE]. Above the residual at which
-   interior points end, few problems are solved, or end after a number of failures of Newton's method.
-   The weights of the last problems, after interior points, fall more slowly. Solutions of successive
+   residual in status[RESIDUAL]. The best impulses are in res[IMPULSE]. Before interior points, last = 0, and
+   above the residual at which these end, few problems are solved, or end where Newton's method fails. The
+   weights fall more slowly after interior points, last = 1, and for redundant contacts, last = 2, after a
+   failure. Solutions of successive
    ones often move in the same direction, by lengths that are inverse to the weights: Newton's method
    begins where this leads to */
 static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, casadi_int* iw,
-    casadi_real* w, casadi_real share, casadi_real scale, casadi_int most, casadi_int few,
-    casadi_int failures, int last) {
+    casadi_real* w, casadi_real share, casadi_real scale, casadi_int most, int last) {
   casadi_real* velocity = (casadi_real*) arg[VELOCITY];
   casadi_real* shift = (casadi_real*) arg[SHIFT];
   casadi_real* impulse = res[IMPULSE];
@@ -143,7 +143,7 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
   casadi_real* center = original + iw[CONTACTS]*iw[COMPONENTS];
   casadi_real* best = center + iw[CONTACTS]*iw[COMPONENTS];
   casadi_real* move = best + iw[CONTACTS]*iw[COMPONENTS];
-  casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], rounds, r, solved = 1;
+  casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], rounds, r, solved = 1, failed = 0, slow;
   casadi_real weight = arg[SHARES][WEIGHT], residual = res[STATUS][RESIDUAL], least = residual, tolerance,
     allowed;
   casadi_real ahead, moved = 0;
@@ -156,8 +156,9 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
   for (rounds=0; rounds<most && residual<1e300; ++rounds) {
     allowed = share*casadi_size(arg, iw, best, scale);
     if (!(least>allowed)) break;
-    if (!last && least>arg[SHARES][INTERIOR_END]*scale && (rounds>=few || failures<0)) break;
-    ahead = last ? moved/weight : 0.0;
+    if (!last && least>arg[SHARES][INTERIOR_END]*scale && (rounds>=iw[FEW_PROXIMAL] || failed)) break;
+    slow = last==2 ? failed : last && rounds>2;
+    ahead = slow || last==1 ? moved/weight : 0.0;
     for (r=0; r<rows; ++r) {
       shift[r] = weight*arg[MOBILITY][r];
       velocity[r] = original[r] - shift[r]*center[r];
@@ -169,14 +170,14 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
     if (arg[SHARES][TOLERANCE_SHARE]*allowed>tolerance) tolerance = arg[SHARES][TOLERANCE_SHARE]*allowed;
     solved = casadi_newton(arg, res, iw, w, tolerance)<=tolerance;
     moved = solved ? weight : 0.0;
-    if (!solved) --failures;
+    if (!solved) failed = 1;
     for (r=0; r<rows; ++r) {
       move[r] = impulse[r] - center[r];
       shift[r] = 0;
       velocity[r] = original[r];
     }
     weight = weight*(!solved ? arg[SHARES][INCREASE]
-      : (last && rounds>2 ? arg[SHARES][LAST_DECREASE] : arg[SHARES][DECREASE]));
+      : (slow ? arg[SHARES][LAST_DECREASE] : arg[SHARES][DECREASE]));
     if (weight>arg[SHARES][WEIGHT_MAX]) weight = arg[SHARES][WEIGHT_MAX];
     if (weight<arg[SHARES][WEIGHT_MIN]) weight = arg[SHARES][WEIGHT_MIN];
     casadi_mobilities(arg, res, iw);
@@ -196,36 +197,36 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
   return rounds;
 }
 /* impulses from those in res[IMPULSE], with a tolerance relative to the scale or to a larger change of
-   speed; the number of proximal problems, and the residual in status[RESIDUAL] */
+   speed; the number of proximal problems, and the residual in status[RESIDUAL]. Redundant contacts have
+   few of Newton's steps, then proximal problems with more of them */
 static casadi_int casadi_solution(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real tolerance, casadi_real scale) {
   casadi_real allowed = tolerance*casadi_size(arg, iw, res[IMPULSE], scale);
-  casadi_int rounds, usual = iw[MAX_ITERATIONS], steps = usual, failures = 0;
-  casadi_int most = iw[MAX_PROXIMAL], few = iw[FEW_PROXIMAL];
-  if (arg[SHARES][FIRST_ITERATIONS]<steps) iw[MAX_ITERATIONS] = arg[SHARES][FIRST_ITERATIONS];
+  casadi_int rounds, usual = iw[MAX_ITERATIONS], first = (casadi_int) arg[SHARES][FIRST_ITERATIONS], most;
+  if (first<usual) iw[MAX_ITERATIONS] = first;
   if (casadi_newton(arg, res, iw, w, arg[SHARES][NEWTON_SHARE]*allowed)
       >arg[SHARES][NEWTON_SHARE]*allowed) {
     allowed = tolerance*casadi_size(arg, iw, res[IMPULSE], scale);
     if (res[STATUS][RESIDUAL]>allowed && casadi_redundant(arg, res, iw)) {
-      steps = arg[SHARES][REDUNDANT_ITERATIONS];
-      few = arg[SHARES][REDUNDANT_PROBLEMS];
-      failures = arg[SHARES][FAILURES];
-    } else if (arg[SHARES][FIRST_ITERATIONS]<steps) {
-      iw[MAX_ITERATIONS] = steps - arg[SHARES][FIRST_ITERATIONS];
+      iw[MAX_ITERATIONS] = arg[SHARES][REDUNDANT_ITERATIONS];
+      rounds = casadi_proximal(arg, res, iw, w, tolerance, scale, iw[MAX_PROXIMAL], 2);
+      iw[MAX_ITERATIONS] = usual;
+      return rounds;
+    }
+    if (first<usual) {
+      iw[MAX_ITERATIONS] = usual - first;
       casadi_newton(arg, res, iw, w, arg[SHARES][NEWTON_SHARE]*allowed);
     }
   }
   iw[MAX_ITERATIONS] = usual;
   if (res[STATUS][RESIDUAL]<=tolerance*casadi_size(arg, iw, res[IMPULSE], scale)) return 0;
-  if (5*iw[FEW_PROXIMAL]<most) most = 5*iw[FEW_PROXIMAL];
-  iw[MAX_ITERATIONS] = steps;
-  rounds = casadi_proximal(arg, res, iw, w, tolerance, scale, most, few, failures, 0);
-  iw[MAX_ITERATIONS] = usual;
+  most = 5*iw[FEW_PROXIMAL]<iw[MAX_PROXIMAL] ? 5*iw[FEW_PROXIMAL] : iw[MAX_PROXIMAL];
+  rounds = casadi_proximal(arg, res, iw, w, tolerance, scale, most, 0);
   allowed = tolerance*casadi_size(arg, iw, res[IMPULSE], scale);
   if (res[STATUS][RESIDUAL]<=allowed) return rounds;
   casadi_centered(arg, res, iw, w, allowed, scale);
   iw[MAX_ITERATIONS] = arg[SHARES][LAST_ITERATIONS];
-  rounds += casadi_proximal(arg, res, iw, w, tolerance, scale, iw[MAX_PROXIMAL], 0, 0, 1);
+  rounds += casadi_proximal(arg, res, iw, w, tolerance, scale, iw[MAX_PROXIMAL], 1);
   iw[MAX_ITERATIONS] = usual;
   return rounds;
 }
