@@ -140,3 +140,25 @@ def test_invalid_surfaces_are_refused():
         planar.Contact("c", floor, surface, law=law)
     with pytest.raises(da.ModelError, match="ties strip to itself"):
         planar.Contact("c", surface, kit.BeamLine(beam), law=law)
+
+
+@pytest.mark.parametrize("stations", [1, 2])
+@pytest.mark.parametrize("other", ["surface", "ball"])
+def test_shapes_that_may_pass_between_stations_are_warned_about(other, stations):
+    system = da.System("crossing")
+    rigidities = dict.fromkeys(("axial_rigidity", "shear_rigidity", "torsional_rigidity"), 1e6)
+    rigidities |= {"bending_rigidity_y": 10.0, "bending_rigidity_z": 10.0, "elements": 5}
+    ground = system.ground
+    beam, rail = (
+        system.add(spatial.Beam(name, ground.frame(place), length=0.5, **rigidities))
+        for name, place in (("beam", (0.0, 0.0, 0.0)), ("rail", (0.0, 0.2, 0.0)))
+    )
+    shapes = {"surface": solid.BeamSurface(rail, 0.02), "ball": solid.Sphere(rail.end, 0.02)}
+    line = solid.BeamLine(beam, 0.01, stations=stations)
+    law = solid.KelvinVoigt(stiffness=1e3)
+    system.add(spatial.Contact("touch", shapes[other], line, law=law))
+    warnings = [
+        text for text in system.build().diagnosis.element_warnings if "between them" in text
+    ]
+    assert len(warnings) == (stations == 1)
+    assert all("0.1 m apart" in text and "0.06 m across" in text for text in warnings)

@@ -9,9 +9,19 @@ from typing import ClassVar
 
 import casadi as ca
 
-from dalembert.elements.base import Constraint, Look, Rate, Scalar, option, quantity
+from dalembert.elements.base import (
+    Condition,
+    Constraint,
+    Look,
+    Rate,
+    Scalar,
+    option,
+    quantity,
+)
 from dalembert.elements.body import BodyElement
 from dalembert.elements.component import Component
+from dalembert.elements.contact.beam_line import BeamLine
+from dalembert.elements.contact.beam_surface import BeamSurface
 from dalembert.elements.contact.compliant import Compliant
 from dalembert.elements.contact.contact_point import ContactPoint
 from dalembert.elements.contact.friction import Friction
@@ -44,6 +54,21 @@ def contact_points(shape_i: Shape, shape_j: Shape, owner: str) -> list[ContactPo
         pairs = ", ".join(supported_pairs(shape_i.dimension))
         raise ModelError(f"no contact of {i} and {j} is available; there are {pairs}", owner)
     return points
+
+
+def _passages(line: BeamLine, other: Shape) -> list[Condition]:
+    """Condition that a round shape, or a beam in space, cannot pass between stations of a beam."""
+    beam, crosses = line.beam, isinstance(other, BeamSurface) and other.dimension == 3
+    if not (crosses or isinstance(other, Round)):
+        return []
+    spacing = beam.length.sx / (beam.elements * int(line.stations or 1))
+    across = 2 * (line.radius.sx + other.radius.sx)
+    text = (
+        f"the stations of the BeamLine on {beam.name} are {{:.3g}} m apart, and the "
+        f"{type(other).__name__} may pass between them, as both together are {{:.3g}} m across; "
+        f"use more stations, a BeamSurface of {beam.name}, or Collisions"
+    )
+    return [(across - spacing, text, ca.vertcat(spacing, across))]
 
 
 def supported_pairs(dimension: int) -> list[str]:
@@ -169,6 +194,11 @@ class ShapeContact(Compliant):
             return None
         coefficient = ca.SX(0) if self.friction is None else self.friction.sliding_coefficient()
         return Impact(self.law.e.sx, self.law.tangential.sx, coefficient)
+
+    def warnings(self) -> list[Condition]:
+        pairs = self.shapes, self.shapes[::-1]
+        lines = [(line, other) for line, other in pairs if isinstance(line, BeamLine)]
+        return [condition for pair in lines for condition in _passages(*pair)]
 
     def look(self) -> list[Look]:
         places = ca.horzcat(*(point.place for point in self.contact_points))

@@ -131,9 +131,8 @@ static int casadi_redundant(const casadi_real** arg, casadi_real** res, const ca
    residual in status[RESIDUAL]. The best impulses are in res[IMPULSE]. Before interior points, last = 0, and
    above the residual at which these end, few problems are solved, or end where Newton's method fails. The
    weights fall more slowly after interior points, last = 1, and for redundant contacts, last = 2, after a
-   failure. Solutions of successive
-   ones often move in the same direction, by lengths that are inverse to the weights: Newton's method
-   begins where this leads to */
+   failure. Solutions of successive problems then often move in the same direction, by lengths that are
+   inverse to the weights: Newton's method begins where this leads to */
 static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real share, casadi_real scale, casadi_int most, int last) {
   casadi_real* velocity = (casadi_real*) arg[VELOCITY];
