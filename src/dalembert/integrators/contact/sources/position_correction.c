@@ -3,12 +3,12 @@
    the inverses of its blocks in res[MASS_INVERSES] and res[LAST_MASS]; the outcome */
 static casadi_int casadi_correct(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w) {
-  const casadi_real* inputs[65];
-  casadi_real* outputs[65];
+  const casadi_real* inputs[66];
+  casadi_real* outputs[66];
   const int* contact;
   casadi_int i, k, r, a, width = iw[COMPONENTS], groups = iw[GROUPS];
   casadi_real reach[2], other[2], scale;
-  for (i=0; i<65; ++i) {
+  for (i=0; i<66; ++i) {
     inputs[i] = arg[i];
     outputs[i] = res[i];
   }
