@@ -24,7 +24,7 @@ LAST_DECREASE, LAST_STEPS = 0.8, 8
 RESIDUAL_SHARE, TOLERANCE_SHARE = 0.3, 0.3
 """Tolerance of a proximal problem relative to the residual and to the tolerance of the original
 problem; the larger one counts [-]."""
-FEW_PROXIMAL, MANY_PROXIMAL = 8, 200
+FEW_PROXIMAL, MANY_PROXIMAL = 8, 300
 """Upper limits of the proximal problems before interior points or sweeps, and after interior
 points."""
 FIRST_STEPS, NEWTON_STEPS, INTERIOR_POINTS, POLISHING, SHORT_STEPS = 5, 15, 45, 6, 5
@@ -35,6 +35,10 @@ REDUNDANT, REDUNDANT_STEPS = 1.2, 40
 """Number of pressing contacts of a pair, as the mean of all pairs, above which contacts are
 redundant, as those of boxes are, and upper limit of Newton's steps on each of their proximal
 problems. Interior points rarely solve them."""
+PATIENCE, CHANGE = 40, 1e-3
+"""Number of proximal problems of redundant contacts that do not halve the least residual, as they
+may repeat a cycle, after which the best impulses change by a pseudorandom share, and largest such
+share [-]."""
 INTERIOR_STARTS, TO_BOUNDARY, SHORT = (0.1, 1.0), 0.995, 1e-2
 """Distances of the first interior points from the boundary relative to the largest speed, share of
 a step to the boundary, and share of a short step [-]."""
@@ -73,5 +77,7 @@ SOLUTION_SHARES = {
     Shares.FIRST_ITERATIONS: FIRST_STEPS,
     Shares.REDUNDANT: REDUNDANT,
     Shares.REDUNDANT_ITERATIONS: REDUNDANT_STEPS,
+    Shares.PATIENCE: PATIENCE,
+    Shares.CHANGE: CHANGE,
 }
 """Parameters of the machine code."""

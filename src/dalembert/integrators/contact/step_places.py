@@ -69,6 +69,8 @@ class Shares(Places):
     ROUGH = 32  # tolerance of impulses that determine which contacts press
     SLIDES = 33  # slip of a sliding contact by the change of speed by forces
     STOPS = 34  # change of the slip of one that stops
+    PATIENCE = 35  # proximal problems that do not halve the residual before impulses are changed
+    CHANGE = 36  # of these impulses, relative to them
 
 
 class Sizes(Places):

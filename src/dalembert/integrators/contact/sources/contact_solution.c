@@ -127,12 +127,26 @@ static int casadi_redundant(const casadi_real** arg, casadi_real** res, const ca
   }
   return pressing>arg[SHARES][REDUNDANT]*pairs;
 }
+/* impulses that differ from the best ones by a pseudorandom share, up to a limit, and their residual */
+static casadi_real casadi_varied(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    casadi_real* w, const casadi_real* best, casadi_real limit, casadi_real phase) {
+  casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], r;
+  for (r=0; r<rows; ++r) {
+    phase += 0.61803398874989485;
+    while (phase>=1) phase -= 1;
+    res[IMPULSE][r] = best[r]*(1 + limit*(2*phase - 1));
+  }
+  casadi_forget(w + iw[WORK] + rows + iw[MERITS], iw[CONTACTS]);
+  casadi_state(arg, res, iw, w);
+  return res[STATUS][RESIDUAL];
+}
 /* at most a number of proximal problems from the impulses in res[IMPULSE]; their number, and the
    residual in status[RESIDUAL]. The best impulses are in res[IMPULSE]. Before interior points, last = 0, and
    above the residual at which these end, few problems are solved, or end where Newton's method fails. The
    weights fall more slowly after interior points, last = 1, and for redundant contacts, last = 2, after a
    failure. Solutions of successive problems then often move in the same direction, by lengths that are
-   inverse to the weights: Newton's method begins where this leads to */
+   inverse to the weights: Newton's method begins where this leads to. Friction is no gradient, so that
+   they may repeat a cycle: those of redundant contacts then begin again with other impulses */
 static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real share, casadi_real scale, casadi_int most, int last) {
   casadi_real* velocity = (casadi_real*) arg[VELOCITY];
@@ -142,10 +156,10 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
   casadi_real* center = original + iw[CONTACTS]*iw[COMPONENTS];
   casadi_real* best = center + iw[CONTACTS]*iw[COMPONENTS];
   casadi_real* move = best + iw[CONTACTS]*iw[COMPONENTS];
-  casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], rounds, r, solved = 1, failed = 0, slow;
+  casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], rounds, r, solved = 1, failed = 0, slow, idle = 0;
   casadi_real weight = arg[SHARES][WEIGHT], residual = res[STATUS][RESIDUAL], least = residual, tolerance,
     allowed;
-  casadi_real ahead, moved = 0;
+  casadi_real ahead, moved = 0, halved = residual;
   for (r=0; r<rows; ++r) {
     original[r] = velocity[r];
     center[r] = impulse[r];
@@ -189,6 +203,16 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
         if (residual<least) best[r] = impulse[r];
       }
       if (residual<least) least = residual;
+    }
+    idle = least<0.5*halved ? 0 : idle + 1;
+    if (idle==0) halved = least;
+    if (last==2 && idle>=arg[SHARES][PATIENCE]) {
+      residual = casadi_varied(arg, res, iw, w, best, arg[SHARES][CHANGE], 1e-3*rounds);
+      for (r=0; r<rows; ++r) center[r] = impulse[r];
+      weight = arg[SHARES][WEIGHT];
+      moved = 0;
+      failed = 0;
+      idle = 0;
     }
   }
   for (r=0; r<rows; ++r) impulse[r] = best[r];
