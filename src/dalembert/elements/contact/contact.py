@@ -58,8 +58,10 @@ def contact_points(shape_i: Shape, shape_j: Shape, owner: str) -> list[ContactPo
 
 def _passages(line: BeamLine, other: Shape) -> list[Condition]:
     """Condition that a round shape, or a beam in space, cannot pass between stations of a beam."""
-    beam, crosses = line.beam, isinstance(other, BeamSurface) and other.dimension == 3
-    if not (crosses or isinstance(other, Round)):
+    beam = line.beam
+    if not isinstance(other, Round | BeamSurface):
+        return []
+    if isinstance(other, BeamSurface) and other.dimension == 2:
         return []
     spacing = beam.length.sx / (beam.elements * int(line.stations or 1))
     across = 2 * (line.radius.sx + other.radius.sx)
