@@ -239,6 +239,13 @@ def test_wrong_pairs_are_refused(options, message):
         pucks(**options)
 
 
+@pytest.mark.parametrize("given", ["friction", "restitution", "impact_law", "law"])
+def test_pairs_that_do_not_touch_have_no_coefficients(given):
+    laws = {"impact_law": "poisson", "law": contact.KelvinVoigt(stiffness=1e3)}
+    with pytest.raises(ModelError, match=f"touching=False have no {given}; leave it out"):
+        contact.Pair(("left", "right"), touching=False, **{given: laws.get(given, 0.3)})
+
+
 def test_wrong_shapes_are_refused():
     body = planar.Body("b", mass=1.0, inertia=1.0)
     disc = contact.Circle(body, 0.1)

@@ -46,7 +46,12 @@ class Pair(Component):
     impact_law : meaning of ``restitution``, that of ``Collisions`` by default
     law : normal force law, or ``contact.Restitution(…)`` for rigid contacts; that of ``Collisions``
         by default
-    touching : False if shapes of these groups pass through each other
+    touching : False if shapes of these groups pass through each other, without coefficients or law
+
+    Raises
+    ------
+    ModelError
+        Not two names; coefficients or a law of shapes that do not touch each other.
 
     Examples
     --------
@@ -91,8 +96,16 @@ class Pair(Component):
         self.groups = tuple(groups)
         if not isinstance(self.touching, bool):
             raise ModelError(f"touching is {self.touching!r}; give True or False", "Pair")
+        given = [name for name in (*COEFFICIENTS, "law") if self._states(name)]
+        if given and not self.touching:
+            raise ModelError(
+                f"shapes of groups with touching=False have no {given[0]}; leave it out", "Pair"
+            )
         super().__post_init__()
-        check_law("Pair", self.law, [name for name in RETURNS if getattr(self, name) is not None])
+        check_law("Pair", self.law, [name for name in RETURNS if self._states(name)])
+
+    def _states(self, name: str) -> bool:
+        return getattr(self, name) is not None
 
     def conditions(self) -> list[Condition]:
         coefficients = {"restitution": self.restitution, "tangential": self.tangential}
