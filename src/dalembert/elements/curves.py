@@ -79,7 +79,7 @@ class SplineCurve(Curve):
             raise ModelError(f"points must be a list, got {self.points!r:.60}", "SplineCurve")
         self.dimension = 3 if len(self.points) and np.size(self.points[0]) == 3 else 2
         points = [
-            as_expression(p, f"SplineCurve point {k + 1}", "m", self.dimension)
+            as_expression(p, f"SplineCurve points[{k}]", "m", self.dimension)
             for k, p in enumerate(self.points)
         ]
         if len(points) < 3:
@@ -93,7 +93,7 @@ class SplineCurve(Curve):
             chords = np.linalg.norm(np.diff(table, axis=0), axis=1)
             if np.any(chords <= 0):
                 k = int(np.argmax(chords <= 0))
-                raise ModelError(f"points {k + 1} and {k + 2} coincide", "SplineCurve")
+                raise ModelError(f"points[{k}] and points[{k + 1}] coincide", "SplineCurve")
         else:  # knots must be constants: equal spacing for all formulas
             chords = np.ones(len(columns) - 1)
         knots = np.concatenate([[0.0], np.cumsum(chords)])

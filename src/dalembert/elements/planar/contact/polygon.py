@@ -81,7 +81,7 @@ def checked_vertices(vertices: Rows, owner: str) -> list[Expression]:
     """
     if not isinstance(vertices, (list, tuple, np.ndarray)) or len(vertices) < 3:
         raise ModelError(f"needs at least 3 vertices, got {vertices!r:.60}", owner)
-    return [as_expression(v, f"{owner} vertex {k + 1}", "m", 2) for k, v in enumerate(vertices)]
+    return [as_expression(v, f"{owner} vertices[{k}]", "m", 2) for k, v in enumerate(vertices)]
 
 
 def without_straight(corners: Sequence[ca.SX]) -> list[ca.SX]:

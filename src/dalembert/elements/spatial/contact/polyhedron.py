@@ -160,7 +160,7 @@ class Polyhedron(Spotted):
         if not isinstance(self.vertices, (list, tuple, np.ndarray)) or len(self.vertices) < 4:
             raise ModelError(f"needs at least 4 vertices, got {self.vertices!r:.60}", "Polyhedron")
         rows = [
-            as_expression(v, f"Polyhedron vertex {k + 1}", "m", 3).sx
+            as_expression(v, f"Polyhedron vertices[{k}]", "m", 3).sx
             for k, v in enumerate(self.vertices)
         ]
         if not all(row.is_constant() for row in rows):
@@ -172,7 +172,7 @@ class Polyhedron(Spotted):
         self.form = ConvexHull.of(points, "Polyhedron")
         if inner := sorted(set(range(len(points))) - set(self.form.extreme.tolist())):
             raise ModelError(
-                f"vertex {inner[0] + 1} is inside the others or on a face; leave it out",
+                f"vertices[{inner[0]}] is inside the others or on a face; leave it out",
                 "Polyhedron",
             )
         super().__post_init__()
