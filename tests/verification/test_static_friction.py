@@ -11,10 +11,12 @@ import functools
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 from thorough import sampled
 
 import dalembert as da
-from dalembert import planar
+from dalembert import planar, spatial
 from dalembert.errors import ModelError
 
 G, STATIC, SLIDING = 9.81, 0.5, 0.3
@@ -197,6 +199,82 @@ def test_gradient_of_a_block_that_a_growing_force_breaks_away(scheme):
     t, jump = STATIC * 2.0 * G / 20.0, (STATIC - SLIDING) * G
     exact = [-jump * 2.0 * G / 20.0, (0.8**2 - t**2) / 4 + jump * t / 20.0]
     assert slopes.values.ravel() == pytest.approx(exact, rel=5e-3)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_gradient_of_a_box_whose_corners_break_away_together(scheme):
+    """Four contacts, the friction forces of which may balance each other; ``t = μ_s m g/c``."""
+    system, end = da.System("pulled box", gravity=(0, 0, -G)), 0.5
+    static, pace = system.parameter("static", 0.6), system.parameter("pace", 20.0, "N/s")
+    box = system.add(spatial.Box("box", size=(0.4, 0.4, 0.1), mass=1.0, position=(0, 0, 0.05)))
+    system.add(spatial.Force("pull", box.center, (pace * da.t, 0, 0)))
+    own = spatial.contact.Box(box.center, (0.4, 0.4, 0.1))
+    floor = spatial.contact.HalfSpace(system.ground.frame())
+    law = {"friction": SLIDING, "static_friction": static}
+    system.add(spatial.Collisions("floor", [own, floor], **law))
+    motion = da.solve_nonsmooth(system.build(), end, step=1e-3, integrator=scheme)
+    slopes = da.sensitivity(motion, da.final("box.x"), method="direct")
+    t, jump = 0.6 * G / 20.0, (0.6 - SLIDING) * G * (end - 0.6 * G / 20.0)
+    exact = [-jump * G / 20.0, (end**3 - t**3) / 6 - t**2 / 2 * (end - t) + jump * t / 20.0]
+    assert slopes.values.ravel() == pytest.approx(exact, rel=3e-3)
+    adjoint = da.sensitivity(motion, da.final("box.x"), method="adjoint")
+    assert adjoint.values == pytest.approx(slopes.values, rel=1e-9)
+
+
+LADDER = {"floor": 0.30, "wall": 0.25, "on floor": 0.2, "on wall": 0.15, "pace": 80.0}
+LENGTH, WEIGHT, SLOPE = 2.0, 10.0, np.radians(65)
+
+
+def ladder_at(angle: float, rate: float, load: float, floor: float, wall: float) -> float:
+    """Angular acceleration of a sliding ladder between floor and wall, with a load at its top."""
+    c, s, half, inertia = np.cos(angle), np.sin(angle), LENGTH / 2, WEIGHT * LENGTH**2 / 12
+    rows = [
+        [-WEIGHT * half * s, floor, -1],
+        [WEIGHT * half * c, -1, -wall],
+        [-inertia, -half * (c - s * floor), half * (c * wall + s)],
+    ]
+    spin = WEIGHT * half * rate**2
+    right = [spin * c, spin * s - WEIGHT * G - load, half * c * load]
+    return float(np.linalg.solve(rows, right)[0])
+
+
+def ladder_foot(values: dict[str, float]) -> float:
+    """Place of the foot after one second of a load that grows evenly."""
+    limit = values["floor"], values["wall"]
+    moving, pace = (values["on floor"], values["on wall"]), values["pace"]
+    begin = brentq(lambda t: ladder_at(SLOPE, 0.0, pace * t, *limit), 0.0, 1.0)
+    fall = solve_ivp(
+        lambda t, y: [y[1], ladder_at(y[0], y[1], pace * t, *moving)],
+        *((begin, 1.0), [SLOPE, 0.0]),
+        rtol=1e-11,
+        atol=1e-12,
+    )
+    return LENGTH * float(np.cos(fall.y[0, -1]))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_gradients_of_a_ladder_that_slips_by_unequal_amounts(scheme):
+    """Foot and top break away together; forces between floor and wall are not unique before."""
+    system = da.System("ladder", gravity=(0, -G))
+    values = {name: system.parameter(name.replace(" ", "_"), v) for name, v in LADDER.items()}
+    place = (LENGTH / 2 * np.cos(SLOPE), LENGTH / 2 * np.sin(SLOPE))
+    bar = planar.Bar("bar", length=LENGTH, mass=WEIGHT, position=place, angle=np.pi - SLOPE)
+    system.add(bar)
+    system.add(planar.Force("load", bar.end, (0, -values["pace"] * da.t)))
+    for name, point, normal in (("floor", bar.start, (0, 1)), ("wall", bar.end, (1, 0))):
+        side = planar.contact.HalfPlane(system.ground.center, normal)
+        law = {"friction": values[f"on {name}"], "static_friction": values[name]}
+        system.add(planar.Collisions(name, [planar.contact.Vertex(point), side], **law))
+    motion = da.solve_nonsmooth(system.build(), 1.0, step=1e-3, integrator=scheme)
+    slopes = da.sensitivity(motion, da.final("bar.start.x"))
+    exact = []
+    for name, value in LADDER.items():
+        ends = [ladder_foot({**LADDER, name: value * (1 + s)}) for s in (1e-5, -1e-5)]
+        exact.append((ends[0] - ends[1]) / (2e-5 * value))
+    assert motion["bar.start.x"][-1].item() == pytest.approx(ladder_foot(LADDER), abs=1e-3)
+    assert slopes.values.ravel() == pytest.approx(exact, rel=3e-3)
 
 
 def test_static_friction_is_not_below_friction():

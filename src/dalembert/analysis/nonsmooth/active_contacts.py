@@ -25,6 +25,8 @@ class ActiveContacts:
     curved : (n,) mask of means over the path of the step
     kept : (n,) mask of directions at the start of the step
     longest : (n,) longest step that might follow [s]
+    limits : (n, d) directions of slip of the contacts at the limit of static friction, zero for
+        others; None without any
     """
 
     keys: np.ndarray
@@ -33,6 +35,7 @@ class ActiveContacts:
     curved: np.ndarray
     kept: np.ndarray
     longest: np.ndarray
+    limits: np.ndarray | None = None
 
     @classmethod
     def of(cls, result: StepResult) -> ActiveContacts:
@@ -59,7 +62,8 @@ class ActiveContacts:
     def some(self, selected: np.ndarray) -> ActiveContacts:
         """The selected contacts."""
         fields = self.keys, self.impulses, self.offsets, self.curved, self.kept, self.longest
-        return ActiveContacts(*(field[selected] for field in fields))
+        limits = None if self.limits is None else self.limits[selected]
+        return replace(ActiveContacts(*(field[selected] for field in fields)), limits=limits)
 
     def pressing(self, impulses: np.ndarray) -> ActiveContacts:
         """The same contacts with other impulses."""

@@ -110,13 +110,18 @@ class ContactEquations:
         z = impulses - speeds / problem.mobility
         own, coupled = pieces(problem, z, np.arange(count))
         coupled[soft, :, 0] = 0.0
+        limited = _limited(active)
+        _slide(own, coupled, active, laws.static_friction)
         residual = (own @ impulses[..., None] + coupled @ speeds[..., None])[..., 0]
         if forces is not None:
             own[soft, 0], coupled[soft, 0] = np.eye(k)[0], 0.0
             coupled[soft, 0, 0] = -forces.after
             residual[soft, 0] = impulses[soft, 0] - forces.impulse
         limit, column = _limit_slopes(problem, own, z)
-        column[:, 1 : contacts.linear] -= static[:, None]
+        column[:, 1 : contacts.linear] -= (static & ~limited)[:, None]
+        if active.limits is not None:
+            column[limited, 1 : contacts.linear] = FIRST - 1
+            limit[limited, 1 : contacts.linear] = (impulses[:, :1] * active.limits)[limited]
         factors = np.zeros((count, k))
         factors[:, 1 : contacts.linear] = laws.tangential[:, None]
         factors[:, 1:][slopes.idle] = 1.0
@@ -260,6 +265,25 @@ def _static(laws: ContactLaws, groups: tuple[int, ...], impulses: np.ndarray) ->
     slip = np.linalg.norm(impulses[:, 1 : 1 + sum(groups[:1])], axis=1)
     moving = laws.friction[:, 0] if groups else 0.0
     return np.asarray(laws.higher_at_rest & (slip > (1 + STICK_MARGIN) * moving * impulses[:, 0]))
+
+
+def _limited(active: ActiveContacts) -> np.ndarray:
+    """(n,) mask of the contacts at the limit of static friction."""
+    if active.limits is None:
+        return np.zeros(active.keys.size, dtype=bool)
+    return np.asarray(active.limits.any(axis=1))
+
+
+def _slide(
+    own: np.ndarray, coupled: np.ndarray, active: ActiveContacts, static: np.ndarray
+) -> None:
+    """``P_T + μ_s P_N d = 0`` for contacts that slip in directions ``d`` at the limit of static
+    friction."""
+    if active.limits is None:
+        return
+    rows, end = np.flatnonzero(_limited(active)), 1 + active.limits.shape[1]
+    own[rows, 1:end], coupled[rows, 1:end] = np.eye(own.shape[1])[1:end], 0.0
+    own[rows, 1:end, 0] = static[rows, None] * active.limits[rows]
 
 
 def _limit_slopes(

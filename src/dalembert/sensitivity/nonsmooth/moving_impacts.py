@@ -156,7 +156,7 @@ def single_tangent(steps: ContactSteps, k: int) -> StepTangent:
     impacts = _impacts(steps, k, maps, closing, before) if closing.impacting.size else None
     breaks = break_aways(steps, k, maps[0])
     changes = contact_changes(steps, k, maps[0], closing, impacts)
-    steps.changes[k] = replace(changes, breaks=len(breaks.groups) if breaks else 0)
+    steps.changes[k] = replace(changes, breaks=breaks.count if breaks else 0)
     moved = impacts if impacts and impacts.groups else None
     return StepTangent(maps, [shift for shift in (moved, breaks) if shift is not None])
 
