@@ -14,7 +14,12 @@ from dalembert.elements.contact.hull import Boundary, Solid
 from dalembert.elements.contact.shapes import Ball, Shape
 from dalembert.elements.look import Path
 from dalembert.elements.pair import need_body
-from dalembert.elements.planar.contact.polygon import checked_vertices, outline, sides_of
+from dalembert.elements.planar.contact.polygon import (
+    checked_vertices,
+    outline,
+    sides_of,
+    without_straight,
+)
 
 FAR = 1e300
 """Distance from a side of places that are beyond its ends [m]."""
@@ -64,8 +69,8 @@ class Outline(Shape):
 
     @property
     def corners(self) -> tuple[ca.SX, ...]:
-        """Its corners in the axes of the body."""
-        return tuple(vertex.sx for vertex in self.vertices)
+        """Its corners in the axes of the body, without those between sides in one line."""
+        return tuple(without_straight([vertex.sx for vertex in self.vertices]))
 
     def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
         nearest, signed = ca.SX(FAR), ca.SX(FAR)

@@ -16,7 +16,10 @@ from dalembert.analysis.nonsmooth.gaps.terrain.terrain import RIDGE, Terrain
 Touching = tuple[np.ndarray, np.ndarray]
 """Numbers of places, and of triangles, edges or vertices."""
 VALLEY = 1e-9
-"""Difference of heights over two planes that are not the same, by the size of a cell."""
+"""Difference of heights over two planes that are not the same, and distance of two nearest points
+that are not the same, by the size of a cell."""
+OFFSET = 0.37
+"""Rounding of nearest points, which are often multiples of the size of a cell [-]."""
 
 
 def triangles_below(terrain: Terrain, places: np.ndarray, reach: float) -> Touching:
@@ -53,6 +56,7 @@ def surface_near_balls(
     heights = terrain.height(centers[number], triangle)
     beside = ~over & ~sunk[number]
     over &= ~sunk[number] & (heights > 0)  # not the far side of a peak
+    over[over] = _single(terrain, number[over], centers[number[over]], triangle[over])
     on_edge = beside & (vertex < 0)
     edges, row, count = np.unique(
         np.stack([number, form.edge_of[triangle, edge]])[:, on_edge],
@@ -75,6 +79,20 @@ def surface_near_balls(
     ridges, peaks = edges[:, count == sides], peaks[:, shared == form.triangle_counts[peaks[1]]]
     balls, planes = np.hstack(faces)
     return (balls, planes), (ridges[0], ridges[1]), (peaks[0], peaks[1])
+
+
+def _single(
+    terrain: Terrain, number: np.ndarray, centers: np.ndarray, triangle: np.ndarray
+) -> np.ndarray:
+    """(k,) mask of one triangle for each nearest point of a ball: that of a ball over an edge or a
+    vertex between triangles of one plane is in all of these."""
+    normal, corner = terrain.normals[triangle], terrain.places[terrain.form.triangles[triangle, 0]]
+    distance = ((centers - corner) * normal).sum(axis=1)
+    nearest = (centers - distance[:, None] * normal) / (VALLEY * terrain.lengths.max())
+    places = np.column_stack([number, np.floor(nearest + OFFSET)])
+    single = np.zeros(number.size, dtype=bool)
+    single[np.unique(places, axis=0, return_index=True)[1]] = True
+    return single
 
 
 def _nearest(
