@@ -370,3 +370,16 @@ def test_gradients_include_the_form_of_the_curve():
         for response, row in zip(responses, direct, strict=True):
             slope = np.diff([end[response.measure].values[-1] for end in ends])[0] / -2e-5
             assert row[k] == pytest.approx(slope, rel=1e-4, abs=1e-6)
+
+
+@pytest.mark.parametrize("place", [0.0, 1e-12, 0.3])
+def test_a_disc_over_a_straight_corner_of_an_outline_presses_on_one_side(place):
+    """``m g = K δ^(3/2)`` at the corner between two sides in one line and beside it."""
+    system = da.System("disc on an outline", gravity=(0, -G))
+    start = {"position": (place, 0.05), "angle": 0.0}
+    disc = system.add(planar.Body("disc", mass=1.0, inertia=1e-3, **start))
+    outline = contact.Outline(system.ground, [(-1, -0.2), (1, -0.2), (1, 0), (0, 0), (-1, 0)])
+    law = contact.HuntCrossley(stiffness=1e6, damping=5.0)
+    system.add(planar.Collisions("contacts", [contact.Circle(disc, 0.05), outline], law=law))
+    motion = da.solve_nonsmooth(system.build(), 0.4, step=1e-3)
+    assert 0.05 - motion["disc.y"][-1].item() == pytest.approx((G / 1e6) ** (2 / 3), rel=2e-3)

@@ -346,3 +346,51 @@ def test_a_ball_beside_a_peak_does_not_touch_its_far_side():
         system.add(spatial.Collisions("touch", [contact.Sphere(ball.center, 1.0), peaks]))
         motion = da.solve_nonsmooth(system.build(), 2e-3, step=1e-3)
         assert motion.impulse("touch").sum() == 0.0
+
+
+# lines of the grid and the border -------------------------------------------------------------
+@pytest.mark.parametrize("place", [(0.03, 0.02), (0.03, 0.0), (0.0, 0.0)])
+def test_a_ball_over_a_line_of_a_flat_grid_presses_on_one_triangle(place):
+    """``m g = K δ^(3/2)`` inside a triangle, over a line and over a vertex."""
+    system = da.System("ball on a field", gravity=(0, 0, -G))
+    ball = system.add(spatial.Sphere("ball", radius=0.05, mass=1.0, position=(*place, 0.05)))
+    field = contact.HeightField(system.ground.frame(), (2, 2), np.zeros((21, 21)))
+    law = contact.HuntCrossley(stiffness=1e6, damping=5.0)
+    shapes = [contact.Sphere(ball.center, 0.05), field]
+    system.add(spatial.Collisions("contacts", shapes, law=law))
+    motion = da.solve_nonsmooth(system.build(), 0.4, step=1e-3)
+    assert 0.05 - motion["ball.z"][-1].item() == pytest.approx((G / 1e6) ** (2 / 3), rel=1e-4)
+
+
+def on_border(kind: str) -> tuple[da.Model, float]:
+    """A body that covers a field of 2 m by 2 m, or reaches over its border; its height at rest."""
+    system, middle = da.System("border", gravity=(0, 0, -G)), 0.013
+    if kind == "capsule":
+        turn = Rotation.from_rotvec([0, np.pi / 2, 0]).as_matrix()
+        start = {"position": (0, middle, 0.052), "rotation": turn}
+        body = system.add(spatial.Capsule("body", radius=0.05, length=3.0, mass=1.0, **start))
+        ends = body.point(0, 0, -1.5), body.point(0, 0, 1.5)
+        shape: spatial.contact.Shape = contact.Capsule(*ends, 0.05)
+    elif kind == "cylinder":
+        start = {"position": (0, middle, 0.052)}
+        body = system.add(spatial.Cylinder("body", radius=1.6, length=0.1, mass=1.0, **start))
+        shape = contact.Cylinder(body.point(0, 0, -0.05), body.point(0, 0, 0.05), 1.6)
+    else:
+        size = {"plate": (3, 3, 0.1), "strip": (3, 0.5, 0.1)}.get(kind, (0.5, 0.5, 0.1))
+        place = {"edge": (0.9, middle), "corner": (-0.9, -0.87)}.get(kind, (0, middle))
+        start = {"position": (*place, 0.052)}
+        body = system.add(spatial.Box("body", size=size, mass=1.0, **start))
+        shape = contact.Box(body.center, size)
+    field = contact.HeightField(system.ground.frame(), (2, 2), np.zeros((11, 11)))
+    system.add(spatial.Collisions("contacts", [shape, field], friction=0.5))
+    return system.build(), 0.05
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("kind", ["plate", "edge", "capsule", "cylinder", "strip", "corner"])
+def test_bodies_over_the_border_of_a_field_rest_on_it(kind):
+    model, height = on_border(kind)
+    motion = da.solve_nonsmooth(model, 0.3, step=2e-3)
+    assert motion.status.success
+    assert motion["body.z"][-1].item() == pytest.approx(height, abs=1e-9)
+    assert np.abs(motion["body.angular_velocity"][-1]).max() < 1e-9

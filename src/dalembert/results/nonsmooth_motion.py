@@ -115,7 +115,7 @@ class NonsmoothMotion(Motion):
         variables = {
             "normal_impulse": (dims, normal, _attributes("normal impulses", "N s")),
             "friction_impulse": (dims, friction, _attributes("friction impulses", "N s")),
-            "penetration": ("time", depth, _attributes("depth of the deepest gap", "m")),
+            "penetration": ("time", depth, _attributes("depth of the deepest rigid gap", "m")),
         }
         contents = motion_contents(self)
         stored = np.interp(self.time, record.t, record.stored)

@@ -31,7 +31,7 @@ def duration_warnings(record: ContactRecord, moved: float) -> list[str]:
     step = float(np.diff(record.t).max()) / fraction / ENOUGH
     return [
         f"compliant contacts that last {1 / fraction:.2g} steps, as of {owner} at t = {t:.9g} s, "
-        f"exchange {exchanged:.3g} J, {exchanged / moved:.0%} of the energy that took part in the "
-        f"motion; their restitution may be wrong by {min(1.0, ERROR * fraction**2):.1g}; use "
+        f"exchange {exchanged:.3g} J, {exchanged / moved:.2g} times the energy that took part in "
+        f"the motion; their restitution may be wrong by {min(1.0, ERROR * fraction**2):.1g}; use "
         f"step={step:.1g} or shorter"
     ]

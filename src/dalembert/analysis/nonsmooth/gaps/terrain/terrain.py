@@ -96,13 +96,13 @@ class Terrain:
 
     @cached_property
     def bends(self) -> np.ndarray:
-        """(e,) sines of the angles of the triangles at edges: positive for ridges, zero at the
+        """(e,) sines of the angles of the triangles at edges: positive for ridges, one at the
         border."""
         first, second = self.form.beside.T
         ends = self.places[self.form.edges]
         across = self.places[self.form.triangles].mean(axis=1)[second] - ends[:, 0]
         across = across / np.linalg.norm(across, axis=1, keepdims=True)
-        return np.where(second < 0, 0.0, -(self.normals[first] * across).sum(axis=1))
+        return np.where(second < 0, 1.0, -(self.normals[first] * across).sum(axis=1))
 
     @cached_property
     def is_peak(self) -> np.ndarray:
@@ -139,11 +139,11 @@ class Terrain:
         return 2 * (cell[:, 0] * (m - 1) + cell[:, 1]) + (v > u), inside
 
     def cells_near(
-        self, low: np.ndarray, high: np.ndarray
+        self, low: np.ndarray, high: np.ndarray, more: int = 0
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Numbers of the rectangles (k, 2) in cells, and rows and columns of cells that they
-        overlap."""
-        most = np.array(self.form.grid) - 2
+        overlap; there is one row, and one column, ``more`` of vertices."""
+        most = np.array(self.form.grid) - 2 + more
         first = np.maximum(np.floor(low).astype(int), 0)
         last = np.minimum(np.floor(high).astype(int), most)
         sizes = np.maximum(last - first + 1, 0)

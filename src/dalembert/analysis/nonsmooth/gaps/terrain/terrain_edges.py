@@ -11,6 +11,8 @@ from dalembert.analysis.nonsmooth.gaps.terrain.terrain import RIDGE, Terrain
 
 OUTSIDE = 1e-6
 """Sine of the angle by which a surface or a body may lie beyond the tangent plane of a contact."""
+STEEPEST = 0.05
+"""Upward part of the normal of a contact at the border, which has no side, at least [-]."""
 
 Touching = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Numbers of the bodies, of their features, and of vertices or edges."""
@@ -20,7 +22,7 @@ def vertices_near(
     terrain: Terrain, low: np.ndarray, high: np.ndarray, lowest: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Numbers of boxes (k, 2) in cells, and vertices in them not beneath ``lowest`` (k,)."""
-    number, i, j = terrain.cells_near(low, high + 1)
+    number, i, j = terrain.cells_near(low, high + 1, more=1)
     vertex = i * terrain.form.grid[1] + j
     heights = (terrain.places[vertex] - terrain.corners[0]) @ terrain.up
     near = heights >= lowest[number]
@@ -186,17 +188,21 @@ def _is_below(terrain: Terrain, vertex: np.ndarray, normals: np.ndarray) -> np.n
     between = terrain.places[terrain.form.neighbours(vertex)] - terrain.places[vertex][:, None]
     lengths = np.linalg.norm(between, axis=2)
     height = (between * normals[:, None]).sum(axis=2)
-    below: np.ndarray = (height >= -OUTSIDE * lengths).all(axis=1) & (normals @ terrain.up < 0)
+    steepest = np.where((lengths == 0).any(axis=1), STEEPEST, 0.0)  # of vertices of the border
+    upward = -normals @ terrain.up
+    below: np.ndarray = (height >= -OUTSIDE * lengths).all(axis=1) & (upward > steepest)
     return below
 
 
 def _above_ridge(terrain: Terrain, ridge: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """Mask of ridges whose triangles are below a tangent plane with an upward normal (k, 3)."""
     start, sides = terrain.places[terrain.form.edges[ridge, 0]], terrain.form.beside[ridge]
+    border = (sides < 0).any(axis=1)
+    sides = np.where(sides < 0, sides[:, :1], sides)
     places = terrain.places[terrain.form.triangles[sides]]
     height = ((places - start[:, None, None]) * normals[:, None, None]).sum(axis=3)
     below: np.ndarray = (height <= OUTSIDE * _longest(terrain)).all(axis=(1, 2))
-    return below
+    return below & (~border | (normals @ terrain.up > STEEPEST))
 
 
 def _beyond(
