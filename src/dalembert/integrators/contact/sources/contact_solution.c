@@ -221,13 +221,11 @@ static casadi_int casadi_proximal(const casadi_real** arg, casadi_real** res, ca
 }
 /* impulses from those in res[IMPULSE], with a tolerance relative to the scale or to a larger change of
    speed; the number of proximal problems, and the residual in status[RESIDUAL]. Redundant contacts have
-   few of Newton's steps, then proximal problems with more of them. Below the tolerance Newton's method
-   ends where two steps do not halve the residual */
+   few of Newton's steps, then proximal problems with more of them */
 static casadi_int casadi_solution(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real tolerance, casadi_real scale) {
   casadi_real allowed = tolerance*casadi_size(arg, iw, res[IMPULSE], scale);
-  casadi_int rounds, usual = iw[MAX_ITERATIONS], first = (casadi_int) arg[SHARES][FIRST_ITERATIONS], most, k;
-  casadi_real before;
+  casadi_int rounds, usual = iw[MAX_ITERATIONS], first = (casadi_int) arg[SHARES][FIRST_ITERATIONS], most;
   if (first<usual) iw[MAX_ITERATIONS] = first;
   if (casadi_newton(arg, res, iw, w, arg[SHARES][NEWTON_SHARE]*allowed)
       >arg[SHARES][NEWTON_SHARE]*allowed) {
@@ -238,11 +236,9 @@ static casadi_int casadi_solution(const casadi_real** arg, casadi_real** res, ca
       iw[MAX_ITERATIONS] = usual;
       return rounds;
     }
-    for (k=first; k<usual && res[STATUS][RESIDUAL]>arg[SHARES][NEWTON_SHARE]*allowed; k+=iw[MAX_ITERATIONS]) {
-      before = res[STATUS][RESIDUAL];
-      iw[MAX_ITERATIONS] = before>allowed ? usual - first : 2;
+    if (first<usual) {
+      iw[MAX_ITERATIONS] = usual - first;
       casadi_newton(arg, res, iw, w, arg[SHARES][NEWTON_SHARE]*allowed);
-      if (before<=allowed && !(res[STATUS][RESIDUAL]<0.5*before)) break;
     }
   }
   iw[MAX_ITERATIONS] = usual;
