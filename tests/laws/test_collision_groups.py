@@ -239,11 +239,11 @@ def test_wrong_pairs_are_refused(options, message):
         pucks(**options)
 
 
-@pytest.mark.parametrize("given", ["friction", "restitution", "impact_law", "law"])
-def test_pairs_that_do_not_touch_have_no_coefficients(given):
+@pytest.mark.parametrize("name", ["friction", "restitution", "impact_law", "law"])
+def test_pairs_that_do_not_touch_have_no_coefficients(name):
     laws = {"impact_law": "poisson", "law": contact.KelvinVoigt(stiffness=1e3)}
-    with pytest.raises(ModelError, match=f"touching=False have no {given}; leave it out"):
-        contact.Pair(("left", "right"), touching=False, **{given: laws.get(given, 0.3)})
+    with pytest.raises(ModelError, match=f"touching=False have no {name}; leave it out"):
+        contact.Pair(("left", "right"), touching=False, **{name: laws.get(name, 0.3)})
 
 
 def test_wrong_shapes_are_refused():

@@ -223,19 +223,19 @@ def test_gradient_of_a_box_whose_corners_break_away_together(scheme):
 
 
 LADDER = {"floor": 0.30, "wall": 0.25, "on floor": 0.2, "on wall": 0.15, "pace": 80.0}
-LENGTH, WEIGHT, SLOPE = 2.0, 10.0, np.radians(65)
+LENGTH, LADDER_MASS, SLOPE = 2.0, 10.0, np.radians(65)
 
 
 def ladder_at(angle: float, rate: float, load: float, floor: float, wall: float) -> float:
     """Angular acceleration of a sliding ladder between floor and wall, with a load at its top."""
-    c, s, half, inertia = np.cos(angle), np.sin(angle), LENGTH / 2, WEIGHT * LENGTH**2 / 12
+    c, s, half, inertia = np.cos(angle), np.sin(angle), LENGTH / 2, LADDER_MASS * LENGTH**2 / 12
     rows = [
-        [-WEIGHT * half * s, floor, -1],
-        [WEIGHT * half * c, -1, -wall],
+        [-LADDER_MASS * half * s, floor, -1],
+        [LADDER_MASS * half * c, -1, -wall],
         [-inertia, -half * (c - s * floor), half * (c * wall + s)],
     ]
-    spin = WEIGHT * half * rate**2
-    right = [spin * c, spin * s - WEIGHT * G - load, half * c * load]
+    spin = LADDER_MASS * half * rate**2
+    right = [spin * c, spin * s - LADDER_MASS * G - load, half * c * load]
     return float(np.linalg.solve(rows, right)[0])
 
 
@@ -260,7 +260,7 @@ def test_gradients_of_a_ladder_that_slips_by_unequal_amounts(scheme):
     system = da.System("ladder", gravity=(0, -G))
     values = {name: system.parameter(name.replace(" ", "_"), v) for name, v in LADDER.items()}
     place = (LENGTH / 2 * np.cos(SLOPE), LENGTH / 2 * np.sin(SLOPE))
-    bar = planar.Bar("bar", length=LENGTH, mass=WEIGHT, position=place, angle=np.pi - SLOPE)
+    bar = planar.Bar("bar", length=LENGTH, mass=LADDER_MASS, position=place, angle=np.pi - SLOPE)
     system.add(bar)
     system.add(planar.Force("load", bar.end, (0, -values["pace"] * da.t)))
     for name, point, normal in (("floor", bar.start, (0, 1)), ("wall", bar.end, (1, 0))):

@@ -59,6 +59,13 @@ class ActiveContacts:
                 impulses[i] = np.where(abs(rest) > ROUNDING * abs(impulses[i]), rest, 0.0)
         return replace(self, impulses=impulses)
 
+    @property
+    def at_limit(self) -> np.ndarray:
+        """(n,) mask of the contacts at the limit of static friction."""
+        if self.limits is None:
+            return np.zeros(self.keys.size, dtype=bool)
+        return np.asarray(self.limits.any(axis=1))
+
     def some(self, selected: np.ndarray) -> ActiveContacts:
         """The selected contacts."""
         fields = self.keys, self.impulses, self.offsets, self.curved, self.kept, self.longest

@@ -96,15 +96,17 @@ class Pair(Component):
         self.groups = tuple(groups)
         if not isinstance(self.touching, bool):
             raise ModelError(f"touching is {self.touching!r}; give True or False", "Pair")
-        given = [name for name in (*COEFFICIENTS, "law") if self._states(name)]
-        if given and not self.touching:
+        specified = [name for name in (*COEFFICIENTS, "law") if self._specifies(name)]
+        if specified and not self.touching:
             raise ModelError(
-                f"shapes of groups with touching=False have no {given[0]}; leave it out", "Pair"
+                f"shapes of groups with touching=False have no {specified[0]}; leave it out",
+                "Pair",
             )
         super().__post_init__()
-        check_law("Pair", self.law, [name for name in RETURNS if self._states(name)])
+        check_law("Pair", self.law, [name for name in RETURNS if self._specifies(name)])
 
-    def _states(self, name: str) -> bool:
+    def _specifies(self, name: str) -> bool:
+        """Whether a coefficient or law differs from that of ``Collisions``."""
         return getattr(self, name) is not None
 
     def conditions(self) -> list[Condition]:

@@ -91,19 +91,21 @@ def break_aways(steps: ContactSteps, k: int, step_map: MapAt) -> BreakAways | No
     lasting = steps.active(k).some(np.isin(steps.active(k).keys, steps.active(k + 1).keys))
     stuck, alone = steps.accelerations(end, t + h, h, lasting)
     labels, moved = connected(steps, k, contacts)
-    broken, modes, jumps = np.isin(contacts.keys, keys), [], []
+    broken, rows, modes, jumps = np.isin(contacts.keys, keys), [], [], []
     for label in np.unique(labels[broken]):
         mode = (v[:, k + 2] - v[:, k + 1]) * (moved[labels == label].sum(axis=0) > 0)
         if np.abs(mode).max() > STILL * h * np.abs(alone).max():
-            own = contacts.keys[broken & (labels == label)]
+            rows.append(np.flatnonzero(broken & (labels == label)))
+            own = contacts.keys[rows[-1]]
             slipping = steps.acceleration(end, t + h, h, lasting, own)
             modes.append(mode / np.linalg.norm(mode))
             jumps.append(np.concatenate([np.zeros(steps.size), stuck - slipping]))
     if not modes:
         return None
-    even = k > 0 and np.isin(keys, steps.active(k - 1).keys).all()
+    moving = contacts.keys[np.concatenate(rows)]
+    even = k > 0 and np.isin(moving, steps.active(k - 1).keys).all()
     if even:
-        slips = _slips(steps, k + 1, keys), np.array(modes)
+        slips = _slips(steps, k + 1, moving), np.array(modes)
         limits, loads, force = _limit_load(steps, k, *slips)
         growth = force - _limit_load(steps, k - 1, *slips)[2]
         even = (growth > 0).all() and (-force <= LATEST * growth).all() and (force <= growth).all()
@@ -117,10 +119,13 @@ def break_aways(steps: ContactSteps, k: int, step_map: MapAt) -> BreakAways | No
 
 
 def _slips(steps: ContactSteps, k: int, keys: np.ndarray) -> dict[int, np.ndarray]:
-    """Directions in which contacts slip in step ``k``, by their keys."""
+    """Directions in which contacts slip in step ``k``, by their keys; zero without friction."""
     active, linear = steps.active(k), 1 + sum(steps.step.groups[:1])
-    push = active.impulses[np.searchsorted(active.keys, np.sort(keys)), 1:linear]
-    return dict(zip(np.sort(keys), -push / np.linalg.norm(push, axis=1)[:, None], strict=True))
+    own = np.isin(active.keys, keys)
+    push = active.impulses[own, 1:linear]
+    length = np.linalg.norm(push, axis=1, keepdims=True)
+    directions = -push / np.where(length > 0, length, 1.0)
+    return dict(zip(active.keys[own].tolist(), directions, strict=True))
 
 
 def _limit_load(

@@ -110,7 +110,7 @@ class ContactEquations:
         z = impulses - speeds / problem.mobility
         own, coupled = pieces(problem, z, np.arange(count))
         coupled[soft, :, 0] = 0.0
-        limited = _limited(active)
+        limited = active.at_limit
         _slide(own, coupled, active, laws.static_friction)
         residual = (own @ impulses[..., None] + coupled @ speeds[..., None])[..., 0]
         if forces is not None:
@@ -267,13 +267,6 @@ def _static(laws: ContactLaws, groups: tuple[int, ...], impulses: np.ndarray) ->
     return np.asarray(laws.higher_at_rest & (slip > (1 + STICK_MARGIN) * moving * impulses[:, 0]))
 
 
-def _limited(active: ActiveContacts) -> np.ndarray:
-    """(n,) mask of the contacts at the limit of static friction."""
-    if active.limits is None:
-        return np.zeros(active.keys.size, dtype=bool)
-    return np.asarray(active.limits.any(axis=1))
-
-
 def _slide(
     own: np.ndarray, coupled: np.ndarray, active: ActiveContacts, static: np.ndarray
 ) -> None:
@@ -281,7 +274,7 @@ def _slide(
     friction."""
     if active.limits is None:
         return
-    rows, end = np.flatnonzero(_limited(active)), 1 + active.limits.shape[1]
+    rows, end = np.flatnonzero(active.at_limit), 1 + active.limits.shape[1]
     own[rows, 1:end], coupled[rows, 1:end] = np.eye(own.shape[1])[1:end], 0.0
     own[rows, 1:end, 0] = static[rows, None] * active.limits[rows]
 

@@ -142,7 +142,7 @@ class Terrain:
         self, low: np.ndarray, high: np.ndarray, more: int = 0
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Numbers of the rectangles (k, 2) in cells, and rows and columns of cells that they
-        overlap; there is one row, and one column, ``more`` of vertices."""
+        overlap; vertices have one row and one column ``more`` than cells."""
         most = np.array(self.form.grid) - 2 + more
         first = np.maximum(np.floor(low).astype(int), 0)
         last = np.minimum(np.floor(high).astype(int), most)

@@ -19,7 +19,8 @@ VALLEY = 1e-9
 """Difference of heights over two planes that are not the same, and distance of two nearest points
 that are not the same, by the size of a cell."""
 OFFSET = 0.37
-"""Rounding of nearest points, which are often multiples of the size of a cell [-]."""
+"""Shift of nearest points before they are rounded down, as many are multiples of the size of a cell
+[-]."""
 
 
 def triangles_below(terrain: Terrain, places: np.ndarray, reach: float) -> Touching:
@@ -84,8 +85,8 @@ def surface_near_balls(
 def _single(
     terrain: Terrain, number: np.ndarray, centers: np.ndarray, triangle: np.ndarray
 ) -> np.ndarray:
-    """(k,) mask of one triangle for each nearest point of a ball: that of a ball over an edge or a
-    vertex between triangles of one plane is in all of these."""
+    """(k,) mask of one triangle for each nearest point of a ball; triangles of one plane share
+    those on their edges."""
     normal, corner = terrain.normals[triangle], terrain.places[terrain.form.triangles[triangle, 0]]
     distance = ((centers - corner) * normal).sum(axis=1)
     nearest = (centers - distance[:, None] * normal) / (VALLEY * terrain.lengths.max())

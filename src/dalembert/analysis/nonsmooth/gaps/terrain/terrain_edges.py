@@ -11,8 +11,9 @@ from dalembert.analysis.nonsmooth.gaps.terrain.terrain import RIDGE, Terrain
 
 OUTSIDE = 1e-6
 """Sine of the angle by which a surface or a body may lie beyond the tangent plane of a contact."""
-STEEPEST = 0.05
-"""Upward part of the normal of a contact at the border, which has no side, at least [-]."""
+UPWARD = 0.05
+"""Lower limit of the upward component of the normals of contacts at the border, which has no sides
+[-]."""
 
 Touching = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Numbers of the bodies, of their features, and of vertices or edges."""
@@ -188,21 +189,21 @@ def _is_below(terrain: Terrain, vertex: np.ndarray, normals: np.ndarray) -> np.n
     between = terrain.places[terrain.form.neighbours(vertex)] - terrain.places[vertex][:, None]
     lengths = np.linalg.norm(between, axis=2)
     height = (between * normals[:, None]).sum(axis=2)
-    steepest = np.where((lengths == 0).any(axis=1), STEEPEST, 0.0)  # of vertices of the border
-    upward = -normals @ terrain.up
-    below: np.ndarray = (height >= -OUTSIDE * lengths).all(axis=1) & (upward > steepest)
+    at_border = (lengths == 0).any(axis=1)  # without some of the neighbours
+    upward = -normals @ terrain.up > np.where(at_border, UPWARD, 0.0)
+    below: np.ndarray = (height >= -OUTSIDE * lengths).all(axis=1) & upward
     return below
 
 
 def _above_ridge(terrain: Terrain, ridge: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """Mask of ridges whose triangles are below a tangent plane with an upward normal (k, 3)."""
     start, sides = terrain.places[terrain.form.edges[ridge, 0]], terrain.form.beside[ridge]
-    border = (sides < 0).any(axis=1)
+    at_border = (sides < 0).any(axis=1)
     sides = np.where(sides < 0, sides[:, :1], sides)
     places = terrain.places[terrain.form.triangles[sides]]
     height = ((places - start[:, None, None]) * normals[:, None, None]).sum(axis=3)
     below: np.ndarray = (height <= OUTSIDE * _longest(terrain)).all(axis=(1, 2))
-    return below & (~border | (normals @ terrain.up > STEEPEST))
+    return below & (~at_border | (normals @ terrain.up > UPWARD))
 
 
 def _beyond(
