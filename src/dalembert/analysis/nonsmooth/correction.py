@@ -130,10 +130,22 @@ def correct_position(
     return newton.solve(PositionCorrection(step, t, open_gaps, travel), y, SETTINGS)
 
 
-def is_far(shift: float, travel: float) -> bool:
+def is_far(step: ContactStep, end: np.ndarray, corrected: np.ndarray, start: np.ndarray) -> bool:
+    """Whether a correction of the ``end`` of a step is larger than its motion from ``start``
+    accounts for."""
+    return exceeds(moved_by(step, end, corrected), moved_by(step, start, end))
+
+
+def exceeds(shift: float, travel: float) -> bool:
     """Whether a correction of a position is larger than the motion in a step accounts for; both by
     the natural displacements."""
     return not shift <= max(FARTHEST * travel, CORRECTED)
+
+
+def moved_by(step: ContactStep, y: np.ndarray, other: np.ndarray) -> float:
+    """The largest displacement between two positions, by the natural ones."""
+    displacements = step.model.equations.manifold.lead(y, other)
+    return float(np.abs(displacements / step.model.scales.displacements).max(initial=0.0))
 
 
 @dataclass(frozen=True)

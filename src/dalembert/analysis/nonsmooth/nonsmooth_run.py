@@ -231,14 +231,9 @@ class NonsmoothRun:
         The start is a position with open gaps, and near. A correction is linear in the gaps, and
         moves bodies without bounds where their directions turn normal to the motion.
         """
-        if not is_far(self.moved_by(end, corrected), self.moved_by(start, end)):
+        if not is_far(self.step, end, corrected, start):
             return False
         return self.step.deepest(self.step.at(t, end)) < -self.step.rounding
-
-    def moved_by(self, y: np.ndarray, other: np.ndarray) -> float:
-        """The largest displacement between two positions, by the natural ones."""
-        displacements = self.model.equations.manifold.lead(y, other)
-        return float(np.abs(displacements / self.model.scales.displacements).max(initial=0.0))
 
     def not_corrected(self, t: float, h: float, reason: str, residual: float) -> Status:
         """Status of a run in which the correction of positions failed."""

@@ -9,6 +9,7 @@ import numpy as np
 from dalembert.analysis.nonsmooth.active_contacts import NO_PATH, PathSolution, StepPath
 from dalembert.analysis.nonsmooth.advance import REPETITIONS, inexact_depth, lasting_depth
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.correction import correct_position, is_far
 from dalembert.analysis.nonsmooth.free_bodies.free_body_loop import REPORTED, FreeBodyLoop
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import (
     FreeBodyMotion,
@@ -33,8 +34,9 @@ from dalembert.integrators.contact.step_places import Limits, RecordColumns
 class FreeBodyMarch(FreeBodyLoop):
     """Steps of free bodies with balls, hulls and walls by the scheme of anticipated impacts.
 
-    A step with a gap that is closed at its end is repeated with means over its path. It is left to
-    the general step if the impulses do not converge, or the gap remains closed.
+    A step with a gap that is closed at its end is repeated with means over its path. Where the gap
+    remains closed, the position at the end is corrected. A step is left to the general one if the
+    impulses do not converge.
 
     Parameters
     ----------
@@ -63,6 +65,7 @@ class FreeBodyMarch(FreeBodyLoop):
         self._part = np.zeros_like(steps.v)
         self._place_part = self._placed(self._y, self._part, self._next)
         self._repeats = PathRepeats(steps, self._manifold, step.rounding)
+        self._uncorrected, self._corrected_step = np.zeros_like(self._ys), -1
         self._paths: dict[int, StepPath] = {}
         self._inexact: dict[int, float] = {}
 
@@ -112,7 +115,7 @@ class FreeBodyMarch(FreeBodyLoop):
                 steps.limits[Limits.ROUNDING] = self._limit(k)
                 outcome = self._attempt()
                 if outcome is StepOutcome.FULL and k - begin > 1:
-                    begin = self._transfer(grid, begin, k - 1, log)
+                    begin = self._transfer(grid, begin, k - 1, log, self._uncorrected)
                     continue
                 if outcome is StepOutcome.CLOSED and k > begin:
                     if self._settled(k) or self._opened(grid, k, begin, log):
@@ -132,14 +135,14 @@ class FreeBodyMarch(FreeBodyLoop):
                     self._y[:] = self._next
                     self.sleeping.sleep(float(grid[k + 1] - grid[k]))
                     self._look_ahead(grid, k + 1)
-                self._ys[k - begin], self._vs[k - begin] = self._y, steps.v
+                self._store(k - begin)
                 k += 1
                 if k - begin == CHUNK:
-                    begin = self._transfer(grid, begin, k - 1, log)
+                    begin = self._transfer(grid, begin, k - 1, log, self._uncorrected)
                 if k % REPORTED == 0:
                     report((grid[k] - grid[0]) / span)
         finally:
-            self._transfer(grid, begin, k, log)
+            self._transfer(grid, begin, k, log, self._uncorrected)
             steps.counts[[Counts.RECORDED_STEPS, Counts.RECORDED_CONTACTS]] = 0
         return k, self._last
 
@@ -173,17 +176,17 @@ class FreeBodyMarch(FreeBodyLoop):
     def _opened(self, grid: np.ndarray, k: int, begin: int, log: StepLog) -> bool:
         """Repeat the step that ended at instant ``k`` with means over its path; true if solved.
 
-        The record and the state of that step are replaced; they are removed otherwise.
+        The record and the state of that step are replaced; they are removed otherwise. Without
+        progress, the position at its end is corrected.
         """
         steps, repeats, row = self._steps, self._repeats, k - 1 - begin
         repeats.begin(k)
+        before = self._ys[row - 1] if row else log.y
+        if repeats.count > REPETITIONS:
+            return self._corrected(grid, k, row, before)
         last, longest = self._path_of(k - 1), step_lengths(grid, k - 1, self._step.longest)[2]
         active = steps.last_active(longest, last.curved)
         solutions = *last.solutions, PathSolution(self._vs[row].copy(), active, last.curved)
-        steps.remove_last()
-        self.sleeping.restore()
-        if repeats.count > REPETITIONS:
-            return False
         start, length = float(grid[k - 1]), float(grid[k] - grid[k - 1])
         displacement, lists = steps.displacement.copy(), steps.lists
 
@@ -191,12 +194,18 @@ class FreeBodyMarch(FreeBodyLoop):
             self._t[0], self._part[:] = start + share * length, share * displacement
             self._place_part()
 
-        self._y[:] = self._ys[row - 1] if row else log.y
+        self._y[:] = before
         steps.v[:] = self._vs[row - 1] if row else log.v
         self._take_lengths(grid, k - 1)
         steps.limits[Limits.ROUNDING] = self._limit(k - 1)
         self._look_ahead(grid, k - 1)
-        if not repeats.select(place, self._forces, displacement):
+        selected = repeats.select(place, self._forces, displacement)
+        if not selected and repeats.stalls:
+            self._paths[k - 1] = last
+            return self._corrected(grid, k, row, before)
+        steps.remove_last()
+        self.sleeping.restore()
+        if not selected:
             steps.leave_path()
             return False
         repeats.average(place, displacement)
@@ -208,8 +217,30 @@ class FreeBodyMarch(FreeBodyLoop):
             return False
         self._y[:] = self._next
         self._look_ahead(grid, k)
-        self._ys[row], self._vs[row] = self._y, steps.v
+        self._store(row)
         self._paths[k - 1] = StepPath(repeats.keys, solutions)
+        return True
+
+    def _store(self, row: int) -> None:
+        """Store the state at the end of a step, whose position is not corrected."""
+        self._ys[row], self._uncorrected[row], self._vs[row] = self._y, self._y, self._steps.v
+
+    def _corrected(self, grid: np.ndarray, k: int, row: int, before: np.ndarray) -> bool:
+        """Correct the position at instant ``k``; without a near one that has open gaps, false, and
+        the step from the position ``before`` that ends there is removed."""
+        steps, end, t = self._steps, self._uncorrected[row], float(grid[k])
+        steps.leave_path()
+        travel = (t - float(grid[k - 1])) * self._vs[row][:, None]
+        position = correct_position(self._step, t, end, True, travel)
+        far = is_far(self._step, end, position.x, before)
+        if far or not position.accepted or self._corrected_step == k:
+            steps.remove_last()
+            self.sleeping.restore()
+            return False
+        self._t[0], self._y[:], steps.v[:], self._corrected_step = t, position.x, self._vs[row], k
+        self._ys[row] = position.x
+        self._place()
+        self._look_ahead(grid, k)
         return True
 
     def _attempt(self) -> StepOutcome:

@@ -8,7 +8,7 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.advance import REPETITIONS
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
-from dalembert.analysis.nonsmooth.correction import SETTINGS, is_far
+from dalembert.analysis.nonsmooth.correction import SETTINGS, exceeds
 from dalembert.analysis.nonsmooth.free_bodies.free_body_loop import REPORTED, FreeBodyLoop
 from dalembert.analysis.nonsmooth.free_bodies.free_body_motion import FreeBodyMotion
 from dalembert.analysis.nonsmooth.free_bodies.free_body_steps import CHUNK
@@ -142,7 +142,7 @@ class MoreauJeanMarch(FreeBodyLoop):
                 return outcome
             shift, depth = shift + self._size(), -steps.deepest
             stalls = depth > last / 2 and SETTINGS.near(last / self._step.rounding)
-            if outcome is not StepOutcome.CLOSED or stalls or is_far(shift, travel):
+            if outcome is not StepOutcome.CLOSED or stalls or exceeds(shift, travel):
                 break
             if not self._correct():
                 break

@@ -42,6 +42,11 @@ class PathRepeats:
         self.step, self.keys, self.count = -1, np.zeros(0, dtype=np.int64), 0
         self._depth, self._slow, self._stalls = np.inf, False, 0
 
+    @property
+    def stalls(self) -> bool:
+        """Whether repetitions with the same contacts have not opened the gaps."""
+        return self._stalls == STALLS
+
     def settles(self, step: int, depth: float, inexact: float) -> bool:
         """Whether the step is not repeated for a penetration at its end."""
         last, self._depth = self._depth if step == self.step else np.inf, depth
@@ -90,7 +95,7 @@ class PathRepeats:
         steps.set_path(self.keys, np.vstack([described[own], others]))
         unchanged = np.array_equal(np.sort(last), np.sort(self.keys))
         self._stalls = self._stalls + 1 if unchanged and self._slow else 0
-        return bool(self.keys.size) and self._stalls < STALLS
+        return bool(self.keys.size) and not self.stalls
 
     def _separating(
         self, place: PlaceShapes, displacement: np.ndarray, described: np.ndarray

@@ -126,29 +126,68 @@ static int casadi_next_offsets(const casadi_real** arg, casadi_real** res, const
   }
   return differs;
 }
-/* impulses of all contacts, with offsets that depend on which of them press and slide: rough impulses
-   determine most of these. The number of proximal problems, or -1 if they did not converge */
-static casadi_int casadi_anticipated_impulses(const casadi_real** arg, casadi_real** res,
-    casadi_int* iw, casadi_real* w) {
-  casadi_int k, more, rounds = 0;
-  casadi_real limits[2], scale, rough, residual;
-  int changed;
-  casadi_largest(arg, res, iw, limits);
-  casadi_first_offsets(arg, res, iw, limits[0]);
-  scale = limits[1]>0 ? limits[1] : 1.0;
-  rough = arg[SHARES][ROUGH]*scale;
-  casadi_begin_impulses(arg, res, iw, w);
-  casadi_sliding(arg, res, iw);
+/* offsets of the contacts that pressed and slid in the last solution of the same step, whose means differ
+   little; its record begins after that of the steps before */
+static void casadi_repeated_offsets(const casadi_real** arg, casadi_real** res, const casadi_int* iw,
+    casadi_real forced) {
+  const casadi_int* sizes = (const casadi_int*) arg[SIZES];
+  const casadi_int* keys = (const casadi_int*) res[RECORDED_KEYS] + iw[RECORDED_CONTACTS];
+  const casadi_real* numbers = res[RECORD] + 6*iw[RECORDED_STEPS];
+  const casadi_real* before = res[VELOCITY_BEFORE];
+  const casadi_real* last;
+  int* table = (int*) arg[KEY_TABLE];
+  casadi_int i, slot, r, width = iw[COMPONENTS], pressing = (casadi_int) numbers[PRESSING];
+  casadi_real stops;
+  casadi_pressed_offsets(arg, res, iw, forced, 0.0);
+  if (pressing>=sizes[SLOTS]) return;
+  casadi_index(table, sizes[SLOTS], keys, pressing);
+  for (i=0; i<iw[CONTACTS]; ++i) {
+    if (!((const int*) res[SLIDING])[i]) continue;
+    slot = table[casadi_slot(table, sizes[SLOTS], keys, ((const casadi_int*) arg[KEYS])[i])];
+    if (slot<0) continue;
+    r = i*width;
+    last = res[RECORDED_OFFSETS] + (iw[RECORDED_CONTACTS] + slot)*width;
+    stops = arg[LAWS][((const int*) arg[LAW_OF_PAIR])[((const int*) res[PAIRS])[i]]*(2+iw[GROUPS])+1];
+    if (fabs(last[1] - before[r+1]) + fabs(last[2] - before[r+2])
+        <=fabs(last[1] - stops*before[r+1]) + fabs(last[2] - stops*before[r+2])) continue;
+    ((int*) res[SLIDING])[i] = 0;
+    res[OFFSETS][r+1] = stops*before[r+1];
+    res[OFFSETS][r+2] = stops*before[r+2];
+  }
+}
+/* offsets of the contacts that press and slide in rough impulses; the number of proximal problems */
+static casadi_int casadi_rough_offsets(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    casadi_real* w, casadi_real forced, casadi_real scale) {
+  casadi_int k, rounds = 0;
+  casadi_real rough = arg[SHARES][ROUGH]*scale;
   for (k=0; k<iw[MAX_OFFSETS]; ++k) {
     rounds += casadi_offset_impulses(arg, res, iw, w, arg[SHARES][ROUGH], scale);
-    if (!(casadi_pressed_offsets(arg, res, iw, limits[0], rough)>rough)) break;
+    if (!(casadi_pressed_offsets(arg, res, iw, forced, rough)>rough)) break;
   }
   if (iw[DIMENSION]==3) {
     casadi_velocities(arg, res, iw);
     casadi_stopping(arg, res, iw);
   }
+  return rounds;
+}
+/* impulses of all contacts, with offsets that depend on which of them press and slide: rough impulses, or
+   those of the same step with other means, determine most of these. The number of proximal problems, or -1
+   if they did not converge */
+static casadi_int casadi_anticipated_impulses(const casadi_real** arg, casadi_real** res,
+    casadi_int* iw, casadi_real* w, int again) {
+  casadi_int k, more, rounds = 0;
+  casadi_real limits[2], scale, residual;
+  int changed;
+  casadi_largest(arg, res, iw, limits);
+  casadi_first_offsets(arg, res, iw, limits[0]);
+  scale = limits[1]>0 ? limits[1] : 1.0;
+  casadi_begin_impulses(arg, res, iw, w);
+  casadi_sliding(arg, res, iw);
+  if (again) casadi_repeated_offsets(arg, res, iw, limits[0]);
+  else rounds = casadi_rough_offsets(arg, res, iw, w, limits[0], scale);
   for (k=0; k<iw[MAX_OFFSETS]; ++k) {
-    more = casadi_impulses(arg, res, iw, w, scale);
+    if (k>0 && casadi_satisfies(arg, res, iw, w, scale)) more = 0;
+    else more = casadi_impulses(arg, res, iw, w, scale);
     if (more<0) return -1;
     rounds += more;
     residual = res[STATUS][RESIDUAL];
@@ -162,8 +201,9 @@ static casadi_int casadi_anticipated_impulses(const casadi_real** arg, casadi_re
 static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w,
     int mem) {
   const casadi_real* last = res[RECORD] + 6*iw[RECORDED_STEPS];
+  const casadi_int* sizes = (const casadi_int*) arg[SIZES];
   casadi_real deepest[1];
-  casadi_int j, rounds = 0, call = ((const casadi_int*) arg[SIZES])[CALL];
+  casadi_int j, rounds = 0, call = sizes[CALL];
   iw[OUTCOME] = DONE;
   if (call==ON_PATH) {
     casadi_path(arg, res, iw);
@@ -184,7 +224,8 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   }
   iw[OUTCOME] = UNSOLVED;
   for (j=0; j<iw[SPEEDS]; ++j) res[SPEED_CHANGES][j] = 0;
-  if (iw[CONTACTS]>0) rounds = casadi_anticipated_impulses(arg, res, iw, w);
+  if (iw[CONTACTS]>0) rounds = casadi_anticipated_impulses(arg, res, iw, w,
+      call==AGAIN || sizes[PATH]>0);
   if (rounds<0) return 0;
   if (call==AGAIN) rounds += last[ROUNDS];
   if (!casadi_finish(arg, res, iw, deepest[0], rounds)) iw[OUTCOME] = DONE;
