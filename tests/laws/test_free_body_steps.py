@@ -56,7 +56,8 @@ def test_steps_in_machine_code_are_the_general_steps(scene, seed, monkeypatch):
 @pytest.mark.parametrize("scene", [planar_hulls, spatial_hulls])
 def test_steps_of_hulls_are_the_general_steps(scene, seed, monkeypatch):
     """Impulses at several points of a face are not unique, but the speeds they cause are, until
-    differences of impulses select other offsets. Closed gaps take no general steps."""
+    differences of impulses select other offsets, here after 0.1 s. Closed gaps take no general
+    steps."""
     model, calls, original = scene(seed), [], nonsmooth_run.advance
 
     def counted(*arguments):
@@ -64,10 +65,10 @@ def test_steps_of_hulls_are_the_general_steps(scene, seed, monkeypatch):
         return original(*arguments)
 
     monkeypatch.setattr(nonsmooth_run, "advance", counted)
-    compiled = da.solve_nonsmooth(model, 0.12, step=1e-3)
+    compiled = da.solve_nonsmooth(model, 0.1, step=1e-3)
     assert len(calls) < 5
     monkeypatch.setattr(FreeBodyMarch, "of", lambda *arguments: None)
-    compare(compiled, da.solve_nonsmooth(model, 0.12, step=1e-3), unique=scene is planar_hulls)
+    compare(compiled, da.solve_nonsmooth(model, 0.1, step=1e-3), unique=scene is planar_hulls)
 
 
 @pytest.mark.few(1)
@@ -233,6 +234,45 @@ def test_repetitions_end_where_they_open_no_gaps():
     general, end = general_step(steps, 51), steps.x[: steps.size, 52]
     gap = steps.step.deepest(steps.step.at(0.052, general.y))
     assert gap < -1e-5 and np.abs(end - general.y).max() > -gap
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("seed", "instant"), [(1, 49), (4, 98), (6, 101)])
+def test_positions_are_corrected_without_general_steps(seed, instant, monkeypatch):
+    """Repetitions with the same contacts do not open an edge between boxes: its position is
+    corrected as after the general step, and the speeds are those of the repeated step."""
+    calls, original = [], nonsmooth_run.advance
+    corrected, correction = [], FreeBodyMarch._corrected
+
+    def counted(*arguments):
+        calls.append(round(arguments[1] / 1e-3))
+        return original(*arguments)
+
+    def seen(self, grid, k, *others):
+        accepted = correction(self, grid, k, *others)
+        corrected.append((k, accepted))
+        return accepted
+
+    monkeypatch.setattr(nonsmooth_run, "advance", counted)
+    monkeypatch.setattr(FreeBodyMarch, "_corrected", seen)
+    solver = da.ContactSolver(tolerance=1e-11)
+    motion = da.solve_nonsmooth(
+        falling_boxes(64, seed), 1e-3 * (instant + 1), step=1e-3, solver=solver
+    )
+    assert corrected == [(instant, True)] and instant - 1 not in calls
+    assert motion.record.penetration.max() <= 1e-10
+    steps, number = ContactSteps(motion), instant - 1
+    end = steps.x[: steps.size, instant]
+    uncorrected = steps.step.model.equations.manifold.go(
+        steps.x[: steps.size, number], 1e-3 * steps.x[steps.size :, instant]
+    )
+    assert steps.step.deepest(steps.step.at(1e-3 * instant, uncorrected)) < -1e-9
+    assert end != pytest.approx(uncorrected, abs=1e-9)
+    direct, adjoint = (
+        da.sensitivity(motion, da.final("box3.x"), method=method).values
+        for method in ("direct", "adjoint")
+    )
+    np.testing.assert_allclose(adjoint, direct, rtol=1e-6, atol=1e-9)
 
 
 def test_an_interrupted_run_keeps_its_steps():

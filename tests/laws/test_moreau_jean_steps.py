@@ -238,7 +238,7 @@ def test_positions_that_are_not_corrected_are_left_to_the_general_step(general, 
     options = {"integrator": da.MoreauJean(), "solver": EXACT, "duration": 0.2, "step": 2e-3}
     usual = da.solve_nonsmooth(heap(), **options)
     few = len(general)
-    monkeypatch.setattr(march, "is_far", lambda shift, travel: True)
+    monkeypatch.setattr(march, "exceeds", lambda shift, travel: True)
     limited = da.solve_nonsmooth(heap(), **options)
     assert few < 10 < len(general) - few
     assert_same(limited, usual)
