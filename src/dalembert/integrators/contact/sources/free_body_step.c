@@ -56,21 +56,8 @@ static casadi_int casadi_impulses(const casadi_real** arg, casadi_real** res, ca
   casadi_velocities(arg, res, iw);
   return rounds;
 }
-/* two more steps of Newton's method, if they reduce the residual */
-static void casadi_refine(const casadi_real** arg, casadi_real** res, casadi_int* iw,
-    casadi_real* w, casadi_real tolerance) {
-  casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], most = iw[MAX_ITERATIONS], r;
-  casadi_real least = casadi_keep(res, rows, 1e300);
-  iw[MAX_ITERATIONS] = 2;
-  if (!(casadi_newton(arg, res, iw, w, tolerance)<=least)) {
-    for (r=0; r<rows; ++r) res[IMPULSE][r] = res[BEST_IMPULSE][r];
-    res[STATUS][RESIDUAL] = least;
-  }
-  iw[MAX_ITERATIONS] = most;
-  casadi_velocities(arg, res, iw);
-}
-/* whether the impulses satisfy the conditions with the offsets in res[OFFSETS] within the tolerance; they
-   are refined then, and velocities without offsets are in res[VELOCITY] */
+/* whether the impulses satisfy the conditions with the offsets in res[OFFSETS] within the tolerance;
+   velocities without offsets are in res[VELOCITY] then */
 static int casadi_satisfies(const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w, casadi_real scale) {
   casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], r;
@@ -78,7 +65,7 @@ static int casadi_satisfies(const casadi_real** arg, casadi_real** res, casadi_i
   for (r=0; r<rows; ++r) ((casadi_real*) arg[VELOCITY])[r] = res[VELOCITY_APPLIED][r] + res[OFFSETS][r];
   casadi_state(arg, res, iw, w);
   if (!(res[STATUS][RESIDUAL]<=allowed)) return 0;
-  casadi_refine(arg, res, iw, w, arg[SHARES][NEWTON_SHARE]*allowed);
+  casadi_velocities(arg, res, iw);
   return 1;
 }
 /* offsets of the contacts that slide throughout the step: friction in space opposes the mean of the

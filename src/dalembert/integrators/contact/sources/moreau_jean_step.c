@@ -15,6 +15,19 @@ static int casadi_may_gain(const casadi_real** arg, casadi_real** res, const cas
   }
   return impact && loss<=2*res[STATUS][RESIDUAL]*push;
 }
+/* two more steps of Newton's method, if they reduce the residual */
+static void casadi_refine(const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    casadi_real* w, casadi_real tolerance) {
+  casadi_int rows = iw[CONTACTS]*iw[COMPONENTS], most = iw[MAX_ITERATIONS], r;
+  casadi_real least = casadi_keep(res, rows, 1e300);
+  iw[MAX_ITERATIONS] = 2;
+  if (!(casadi_newton(arg, res, iw, w, tolerance)<=least)) {
+    for (r=0; r<rows; ++r) res[IMPULSE][r] = res[BEST_IMPULSE][r];
+    res[STATUS][RESIDUAL] = least;
+  }
+  iw[MAX_ITERATIONS] = most;
+  casadi_velocities(arg, res, iw);
+}
 /* impulses of all contacts by Newton's law of impact; contacts that part do no work if positions are
    corrected. The number of proximal problems, or -1 if they did not converge */
 static casadi_int casadi_newton_impulses(const casadi_real** arg, casadi_real** res,
