@@ -17,6 +17,7 @@ from dalembert.integrators.contact.newton_arrays import (
     newton_outputs,
     problem_inputs,
     solution_memory,
+    widest_contact,
 )
 from dalembert.integrators.contact.places import Counts, Inputs, Outputs, Settings, Status
 from dalembert.integrators.contact.solution_settings import (
@@ -100,7 +101,7 @@ class CompiledNewton:
             inputs.update(block_inputs(operator, self.ordering))
             starts = operator.directions.indptr[::width].astype(np.int64)
             widths, constant = np.diff(starts), np.zeros(entries)
-            widest = int(widths.max(initial=0))
+            widest = widest_contact(operator.directions, widths)
             places = block_outputs(count, starts[-1], starts[-1], int(widths @ widths))
         outputs = newton_outputs(count, width, self.speeds, entries, size)
         outputs.update(places)

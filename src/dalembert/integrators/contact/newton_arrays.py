@@ -109,6 +109,20 @@ def block_outputs(contacts: int, columns: int, entries: int, places: int) -> dic
     return {place: np.zeros(size, dtype=np.int32) for place, size in sizes.items()}
 
 
+def widest_contact(directions: scipy.sparse.csr_array, entries: np.ndarray) -> int:
+    """The largest number of speeds on which a contact acts.
+
+    Parameters
+    ----------
+    directions : (n k, n_v) directions of n contacts
+    entries : (n,) number of entries of each contact
+    """
+    speeds = directions.shape[1]
+    owner = np.repeat(np.arange(entries.size), entries)
+    columns = np.unique(owner * speeds + directions.indices)
+    return int(np.bincount(columns // speeds).max(initial=0))
+
+
 def solution_memory(contacts: int, components: int) -> dict[int, np.ndarray]:
     """Memory of proximal problems and interior points."""
     rows = contacts * components
