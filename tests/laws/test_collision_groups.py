@@ -45,6 +45,12 @@ crates = [{ type = "Rectangle", point = "crate", size = [0.2, 0.1] }]
 walls = [{ type = "HalfPlane", point = "ground" }]
 """
 
+PAIRS = '  { groups = ["crates", "walls"], friction = "mu" },'
+APART = """
+  { groups = ["crates", "walls"], touching = false },
+  { groups = ["discs", "walls"], touching = false },
+"""
+
 
 def read(tmp_path, text: str) -> da.System:
     path = tmp_path / "model.toml"
@@ -140,6 +146,15 @@ def test_files_without_shapes_are_refused(tmp_path):
         read(tmp_path, text)
 
 
+def test_empty_groups_are_refused(tmp_path):
+    text = FILE.replace('discs = [{ type = "Circle", point = "disc", radius = 0.1 }]', "discs = []")
+    assert text != FILE
+    with pytest.raises(ModelError, match=r"box\.shapes\.discs: there are no shapes; give"):
+        read(tmp_path, text)
+    with pytest.raises(ModelError, match=r"hits\.shapes: there are no shapes; give"):
+        planar.Collisions("hits", [])
+
+
 def test_polygons_that_cross_themselves_are_refused():
     """All corners of a pentagram are left turns."""
     system = da.System("star")
@@ -169,7 +184,7 @@ def test_polygons_may_have_corners_on_an_edge():
     ("old", "new", "message"),
     [
         ("position = [0.5, 0.05]", "position = [0.5, 0.04]", "crate and a fixed shape overlap"),
-        ('walls = [{ type = "HalfPlane", point = "ground" }]', "walls = []", "nothing can touch"),
+        (PAIRS, APART, "nothing can touch"),
     ],
 )
 def test_starts_that_cannot_run_are_wrong_input(command, old, new, message, tmp_path, capsys):

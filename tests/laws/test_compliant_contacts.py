@@ -180,6 +180,22 @@ def test_rigid_pair_in_compliant_collisions():
     height = 0.1 + 0.5 * 2**0.5 * rises - 5 * rises**2
     assert motion["ball.y"][-1].item() == pytest.approx(height, abs=2e-3)
     assert float(motion.data["contact_energy"].max()) == 0.0
+    assert motion.statistics["maximum penetration of compliant contacts [m]"] == 0.0
+
+
+def test_compression_of_a_resting_ball():
+    """``K δ^{3/2} = m g`` at rest, and ``V = 2/5 K δ^{5/2}``; no rigid contact penetrates."""
+    depth, system = (10.0 / 1e6) ** (2 / 3), da.System("rest", gravity=(0, -10))
+    ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 0.1 - depth)))
+    shapes = [contact.Circle(ball.center, 0.1), contact.HalfPlane(system.ground.center)]
+    law = contact.HuntCrossley(stiffness=1e6, damping=1.0)
+    system.add(planar.Collisions("hits", shapes, law=law))
+    motion = da.solve_nonsmooth(system.build(), 0.1, step=1e-3)
+    assert motion.data["compression"].values == pytest.approx(depth, rel=1e-9)
+    assert motion.data["contact_energy"].values == pytest.approx(0.4e6 * depth**2.5, rel=1e-9)
+    deepest = motion.statistics["maximum penetration of compliant contacts [m]"]
+    assert deepest == pytest.approx(depth, rel=1e-9)
+    assert motion.statistics["maximum penetration [m]"] == 0.0
 
 
 FILE = """

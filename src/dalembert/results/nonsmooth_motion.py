@@ -42,6 +42,7 @@ class ContactRecord:
     work : (c,) work of the normal force of a compliant contact, zero for a rigid one [J]
     fraction : (c,) length of the step over the duration of a compliant contact, else zero [-]
     stored : (K+1,) elastic energy of compliant contacts [J]
+    compression : (K+1,) maximum penetration of compliant contacts [m]
     penetration : (K+1,) maximum penetration of rigid gaps [m]
     residual : (K,) of the contact conditions, as a speed [m/s]
     rounds : (K,) iterations of the proximal method
@@ -66,6 +67,7 @@ class ContactRecord:
     work: np.ndarray
     fraction: np.ndarray
     stored: np.ndarray
+    compression: np.ndarray
     penetration: np.ndarray
     residual: np.ndarray
     rounds: np.ndarray
@@ -97,9 +99,9 @@ class NonsmoothMotion(Motion):
     """Motion of a mechanism with contacts.
 
     ``data`` has, since the previous output, ``normal_impulse`` and ``friction_impulse`` of every
-    element with gaps (sums of magnitudes), and at each output ``penetration`` of rigid contacts and
-    ``contact_energy``, the elastic energy of compliant ones, which is part of the
-    ``potential_energy``.
+    element with gaps (sums of magnitudes), and at each output ``penetration`` of rigid contacts
+    and, of compliant ones, the largest penetration ``compression`` and the elastic energy
+    ``contact_energy``, which is part of the ``potential_energy``.
     """
 
     @cached_property
@@ -111,11 +113,13 @@ class NonsmoothMotion(Motion):
         sliding = np.linalg.norm(record.impulse[:, 1 : record.linear], axis=1)
         friction = record.summed(self.time, sliding)
         depth = np.interp(self.time, record.t, record.penetration)
+        pressed = np.interp(self.time, record.t, record.compression)
         dims = ("time", "contact")
         variables = {
             "normal_impulse": (dims, normal, _attributes("normal impulses", "N s")),
             "friction_impulse": (dims, friction, _attributes("friction impulses", "N s")),
             "penetration": ("time", depth, _attributes("depth of the deepest rigid gap", "m")),
+            "compression": ("time", pressed, _attributes("largest compliant penetration", "m")),
         }
         contents = motion_contents(self)
         stored = np.interp(self.time, record.t, record.stored)

@@ -71,12 +71,13 @@ class ForceLaws:
             values[:, own] = self._evaluated(number, depth[own], rate[own])
         return values
 
-    def stored(self, contacts: Contacts) -> float:
-        """Elastic energy of compressed contacts [J]."""
+    def compression(self, contacts: Contacts) -> tuple[float, float]:
+        """Elastic energy of compressed contacts [J], and their largest penetration [m]."""
         laws = self.of(contacts)
         pressed = (laws != RIGID) & (contacts.distance < 0)
         depth = -contacts.distance[pressed][:, None]
-        return float(self(laws[pressed], depth, 0 * depth)[3].sum())
+        energies = self(laws[pressed], depth, 0 * depth)[3]
+        return float(energies.sum()), float(depth.max(initial=0.0))
 
     def _evaluated(self, number: int, depth: np.ndarray, rate: np.ndarray) -> np.ndarray:
         """Values of one law."""

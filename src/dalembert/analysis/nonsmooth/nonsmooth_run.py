@@ -295,6 +295,9 @@ class NonsmoothRun:
         if not closed and depth > self.step.rounding:
             closed = f"up to {depth:.3g} m"
         own: dict[str, Any] = {"initial overlaps removed": closed} if closed else {}
+        if self.step.force_laws.elements:
+            deepest = float(record.compression.max(initial=0.0))
+            own["maximum penetration of compliant contacts [m]"] = deepest
         if self.sleeping and self.analysis.sleep_after is not None:
             own["bodies that sleep, on average"] = round(self.sleeping.count / count, 3)
         return own | {

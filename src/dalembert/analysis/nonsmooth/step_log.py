@@ -54,7 +54,7 @@ class StepLog:
         self.passages: list[Passage] = []
         self.missing_impacts: list[MissingImpact] = []
         self.compiled: list[int] = []
-        self.depths, self.stored = [self._depth(t, y)], [self._stored(t, y)]
+        self.depths, self.compression = [self._depth(t, y)], [self._compression(t, y)]
         self.scheme_losses, self.corrections = np.zeros(1), CorrectionWork.none(step)
 
     @property
@@ -100,7 +100,7 @@ class StepLog:
         self.speed_losses.append(speeds.lost)
         self.speed_inputs.append(speeds.input)
         self.depths.append(self._depth(t, y))
-        self.stored.append(self._stored(t, y))
+        self.compression.append(self._compression(t, y))
 
     def extend(
         self,
@@ -120,8 +120,9 @@ class StepLog:
         self.positions += list(y)
         self.speeds += list(v)
         self.depths += list(depths)
-        for zeros in (self.speed_losses, self.speed_inputs, self.stored):
+        for zeros in (self.speed_losses, self.speed_inputs):
             zeros.extend([0.0] * t.size)
+        self.compression += [(0.0, 0.0)] * t.size
         self.parts.append(part)
         self.paths += paths
         self.impacts += [None] * t.size
@@ -139,9 +140,16 @@ class StepLog:
     def _depth(self, t: float, y: np.ndarray) -> float:
         return abs(self.step.deepest(self.step.at(t, y)))
 
-    def _stored(self, t: float, y: np.ndarray) -> float:
+    @property
+    def stored(self) -> np.ndarray:
+        """(K+1,) elastic energy of compliant contacts [J]."""
+        return np.array(self.compression)[:, 0]
+
+    def _compression(self, t: float, y: np.ndarray) -> tuple[float, float]:
         laws = self.step.force_laws
-        return laws.stored(self.step.touching(self.step.at(t, y))) if laws.elements else 0.0
+        if not laws.elements:
+            return 0.0, 0.0
+        return laws.compression(self.step.touching(self.step.at(t, y)))
 
     def record(self) -> ContactRecord:
         """The steps as arrays."""
@@ -176,7 +184,8 @@ class StepLog:
             loss=loss,
             work=entries.work,
             fraction=entries.fraction,
-            stored=np.array(self.stored),
+            stored=self.stored,
+            compression=np.array(self.compression)[:, 1],
             penetration=np.array(self.depths),
             residual=entries.residual,
             rounds=entries.rounds,

@@ -138,8 +138,9 @@ class Collisions(Element):
         return shape
 
     def _check_shapes(self) -> None:
-        if not self.members:
-            raise ModelError(f"there are no shapes; give {EXAMPLE}", f"{self.name}.shapes")
+        for group, shapes in (self.groups or {"": ()}).items():
+            if not shapes:
+                raise ModelError(f"there are no shapes; give {EXAMPLE}", self._label(group))
         first, bodies = self.members[0], {shape.carrier.name for shape in self.members}
         if not self.hulls and not self.boundaries and len(bodies) != 1:
             example = EXAMPLES.get(first.dimension, EXAMPLE)
@@ -234,8 +235,7 @@ class Collisions(Element):
 
     @cached_property
     def friction_groups(self) -> tuple[int, ...]:
-        """Widths of the groups of tangential components: slip and, if there is friction of
-        rotations, rolling and, in space, spinning."""
+        """Widths of tangential components: slip; with friction of rotations, rolling, spinning."""
         slip, turns = self.dimension - 1, not self.coefficients[5:, :].is_zero()
         rotations = (slip, 1)[:slip]
         return (slip, *rotations) if turns else (slip,)

@@ -79,9 +79,9 @@ def nonsmooth_notes(motion: NonsmoothMotion) -> list[str]:
     if first["redundant"]:
         notes.append(
             f"contacts are redundant in {len(first['redundant'])} steps, first at "
-            f"{first['redundant'][0]}: which of them opens or slips after a change depends on its "
-            "direction, so that there is no derivative; that of speeds that satisfy all of them on "
-            "average is taken"
+            f"{first['redundant'][0]}: which of them opens or slips after a change may depend on "
+            "its direction, and derivatives are one-sided then; gradients are those of speeds that "
+            "satisfy all of them on average"
         )
     if first["inelastic"]:
         notes.append(
