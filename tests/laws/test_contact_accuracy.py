@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -156,8 +157,32 @@ def test_longer_steps_that_fail_give_no_number(monkeypatch: pytest.MonkeyPatch):
     failed = da.Status(da.Outcome.NOT_CONVERGED, "", 1.5, 1.0)
     monkeypatch.setattr(NonsmoothRun, "march", lambda *arguments: failed)
     estimate = motion.error_estimate
-    assert estimate.share == np.inf and not motion.warnings
-    assert estimate.text == "not known, because steps 1.6 times as long fail at t = 1.5 s"
+    assert estimate.share == np.inf
+    unknown = "not known, because steps 1.6 times as long fail at t = 1.5 s"
+    assert estimate.text == unknown
+    (warning,) = motion.warnings
+    assert (
+        warning
+        == f"the error of steps of 0.05 s is {unknown}; compare with a run with shorter steps"
+    )
+
+
+def test_repetitions_that_diverge_end(monkeypatch: pytest.MonkeyPatch):
+    """A repetition whose speeds exceed those of the run by far ends there."""
+    from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
+    from dalembert.analysis.nonsmooth.step_log import StepLog
+
+    monkeypatch.setattr(FreeBodyMarch, "of", lambda *arguments: None)
+    motion, times, add = da.solve_nonsmooth(swinging(None), 4.0, step=0.05), [], StepLog.add
+
+    def faster(self, t, h, y, speeds, result):
+        times.append(t)
+        add(self, t, h, y, replace(speeds, v=speeds.v * (1e4 if t > 1.0 else 1.0)), result)
+
+    monkeypatch.setattr(StepLog, "add", faster)
+    (warning,) = motion.warnings
+    assert "steps 1.6 times as long fail at t = 1.04 s" in warning
+    assert times[-1] == pytest.approx(1.04)
 
 
 @pytest.mark.thorough

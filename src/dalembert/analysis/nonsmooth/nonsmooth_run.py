@@ -20,7 +20,7 @@ from dalembert.analysis.nonsmooth.checks.missing_impacts import (
     unsearched_impacts,
 )
 from dalembert.analysis.nonsmooth.checks.passages import passage_warnings
-from dalembert.analysis.nonsmooth.checks.run_accuracy import RunAccuracy
+from dalembert.analysis.nonsmooth.checks.run_accuracy import RunAccuracy, check_speeds
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.correction import ConsistentSpeeds, correct_position, is_far
 from dalembert.analysis.nonsmooth.free_bodies.free_body_march import FreeBodyMarch
@@ -135,12 +135,13 @@ class NonsmoothRun:
             record=record,
         )
 
-    def repeated(self, grid: np.ndarray) -> tuple[np.ndarray, Status]:
-        """(n_y, K+1) positions at the times of a grid, in steps between them, and the status."""
+    def repeated(self, grid: np.ndarray, fastest: float) -> tuple[np.ndarray, Status]:
+        """(n_y, K+1) positions at the times of a grid, in steps between them, and the status;
+        ``Diverged`` with speeds above ``fastest``."""
         run = copy.copy(self)
         run.step = replace(self.step, longest=float(np.diff(grid).max()))
         log = StepLog(run.step, self.start, *self.state)
-        status = run.march(grid, log, lambda share: None)
+        status = run.march(grid, log, lambda share: check_speeds(log.t, log.v, fastest))
         return np.stack(log.positions, 1)[:, np.isin(log.times, grid)], status
 
     @single_thread()

@@ -56,8 +56,24 @@ UNPREDICTABLE = 0.5
 """Estimated error above which the motion is one of several that the steps may lead to [-]."""
 FAINT = 1e-4
 """Minimum motion of points of a body by its rotation, relative to that of its mass centre [-]."""
+FASTEST = 100.0
+"""Largest speed of a repetition, relative to that of the run, or to the size of the bodies over
+its duration, above which it has failed [-]."""
 ENTRIES = 2e5
 """Upper limit of the number of entries of the states of a run whose warnings have the estimate."""
+
+
+class Diverged(Exception):
+    """A repetition is far faster than the run.
+
+    Parameters
+    ----------
+    time : the instant [s]
+    """
+
+    def __init__(self, time: float):
+        super().__init__(time)
+        self.time = time
 
 
 class RunAccuracy:
@@ -67,14 +83,15 @@ class RunAccuracy:
     ----------
     step : ContactStep of the run
     record : ContactRecord of the run
-    repeat : run on another grid of times, ``grid → positions, status``
+    repeat : run on another grid of times, ``grid, fastest → positions, status``; raises
+        ``Diverged`` above the speed ``fastest``
     """
 
     def __init__(
         self,
         step: ContactStep,
         record: ContactRecord,
-        repeat: Callable[[np.ndarray], tuple[np.ndarray, Status]],
+        repeat: Callable[[np.ndarray, float], tuple[np.ndarray, Status]],
     ):
         self.step, self.record, self._repeat = step, record, repeat
 
@@ -113,10 +130,14 @@ class RunAccuracy:
         """The estimate by a repetition with ``count`` steps in place of ``SHORT``."""
         record, longer = self.record, f"{SHORT / count:.3g} times"
         grid, compared = longer_steps(record.t, count)
+        slow = self.step.model.scales.size / (record.t[-1] - record.t[0])
+        fastest = FASTEST * float(np.abs(record.ends.v).max(initial=slow))
         try:
-            positions, status = self._repeat(grid)
+            positions, status = self._repeat(grid, fastest)
         except SingularityError:
             return ErrorEstimate(np.inf, "", float(record.t[0]), longer)
+        except Diverged as failure:
+            return ErrorEstimate(np.inf, "", failure.time, longer)
         if status.outcome is Outcome.INTERRUPTED:
             raise KeyboardInterrupt
         if not status.success:
@@ -153,12 +174,15 @@ class RunAccuracy:
         if self.record.ends.y.size > ENTRIES:
             return []
         estimate = self.estimate
-        if estimate is None or not estimate.name:
+        if estimate is None:
             return []
+        h = float(np.median(np.diff(self.record.t)))
+        if not estimate.name:
+            text = f"the error of steps of {h:.3g} s is {estimate.text}"
+            return [f"{text}; compare with a run with shorter steps"]
         factor = self._uncertainty
         if factor * estimate.share <= ALLOWED:
             return []
-        h = float(np.median(np.diff(self.record.t)))
         if estimate.share > UNPREDICTABLE and estimate.repeated:
             return [
                 f"the motion depends on the step of {h:.3g} s: with steps {estimate.repeated} as "
@@ -233,3 +257,15 @@ def longer_steps(t: np.ndarray, long: int = LONG) -> tuple[np.ndarray, np.ndarra
         for i, j, count in zip(compared[:-1], compared[1:], counts, strict=True)
     ]
     return np.append(np.concatenate(parts), t[-1]), compared
+
+
+def check_speeds(t: float, v: np.ndarray, fastest: float) -> None:
+    """Refuse speeds above a limit.
+
+    Raises
+    ------
+    Diverged
+        A speed is above ``fastest``, or is not a number.
+    """
+    if not np.abs(v).max(initial=0.0) <= fastest:
+        raise Diverged(t)
