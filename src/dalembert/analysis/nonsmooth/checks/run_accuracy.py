@@ -10,7 +10,8 @@ error, and those of periodic motions again and again. Therefore eight steps are 
 Errors of first order are partly random, as each impact is applied at an end of a step: the
 difference of two runs may be a third of their errors. Where the first estimate is above
 ``CERTAIN``, the steps are repeated as four and as three, too, and the largest estimate counts.
-Where these estimates differ, the error may be ``UNCERTAIN`` times as large.
+Where these estimates differ, the error may be ``UNCERTAIN`` times as large. Each of fewer than
+eight steps is repeated in ``PARTS``.
 
 A motion may end between the instants that both runs have in common, such as that of a coin that
 falls flat within five steps. An impact whose instant is wrong by half a step shifts positions by
@@ -44,9 +45,9 @@ CERTAIN = ALLOWED / 4
 SCATTER, UNCERTAIN = 1.5, 2.0
 """Ratio of the estimates by several repetitions above which the errors are partly random, and ratio
 of such errors to their estimate [-]."""
-SHORT, LONG, FURTHER = 8, 5, (4, 3)
+SHORT, LONG, FURTHER, PARTS = 8, 5, (4, 3), 16
 """Numbers of steps of the run, of the repetition, and of further ones between instants at which
-they are compared."""
+they are compared, and number of parts of each step of a run with fewer steps."""
 WINDOW = 5
 """Number of instants whose median acceleration is that of the motion without an impact."""
 RESTING = 1e-4
@@ -97,7 +98,7 @@ class RunAccuracy:
 
     @cached_property
     def estimate(self) -> ErrorEstimate | None:
-        """The estimate, infinite where longer steps fail; None for one step, or where nothing
+        """The estimate, infinite where other steps fail; None without steps, or where nothing
         moves."""
         if not self._estimates or not self._estimates[0].name:
             return next(iter(self._estimates), None)
@@ -107,10 +108,11 @@ class RunAccuracy:
     @cached_property
     def _estimates(self) -> list[ErrorEstimate]:
         """Estimates by all repetitions."""
-        first = self._estimate(LONG) if self.record.t.size > 2 else None
+        few = self.record.t.size <= SHORT
+        first = self._estimate(*((PARTS, 1) if few else (LONG,)))
         if first is None:
             return []
-        if not first.name or self._order == 2 or first.share <= CERTAIN:
+        if few or not first.name or self._order == 2 or first.share <= CERTAIN:
             return [first]
         return [first, *(of for count in FURTHER if (of := self._estimate(count)) and of.name)]
 
@@ -126,10 +128,12 @@ class RunAccuracy:
         lasting = self.step.scheme.anticipates and not self.record.kept.any()
         return 2 if lasting or self.step.force_laws.are_all else 1
 
-    def _estimate(self, count: int) -> ErrorEstimate | None:
-        """The estimate by a repetition with ``count`` steps in place of ``SHORT``."""
-        record, longer = self.record, f"{SHORT / count:.3g} times"
-        grid, compared = longer_steps(record.t, count)
+    def _estimate(self, count: int, own: int = SHORT) -> ErrorEstimate | None:
+        """The estimate by a repetition with ``count`` steps in place of ``own``."""
+        if self.record.t.size == 1:
+            return None
+        record, longer = self.record, f"{own / count:.3g} times"
+        grid, compared = other_steps(record.t, count, own)
         slow = self.step.model.scales.size / (record.t[-1] - record.t[0])
         fastest = FASTEST * float(np.abs(record.ends.v).max(initial=slow))
         try:
@@ -144,12 +148,14 @@ class RunAccuracy:
             return ErrorEstimate(np.inf, "", float(status.time), longer)
         y, times = record.ends.y, record.t[compared]
         error = y[:, compared] - positions[:, np.searchsorted(grid, times)]
-        error = error / ((SHORT / count) ** self._order - 1)
+        error = error / ((own / count) ** self._order - 1)
         return largest_error(error, self._sizes, self._names, times, longer)
 
     @property
     def _of_impacts(self) -> ErrorEstimate | None:
-        """The estimate by the shifts of impacts within steps."""
+        """The estimate by the shifts of impacts within steps; None for one step."""
+        if self.record.t.size == 2:
+            return None
         t, jumps = self.record.t, impact_shifts(self.record.t, self.record.ends.y)
         return largest_error(jumps, self._sizes, self._names, t[1:-1])
 
@@ -242,16 +248,18 @@ def _largest_turn(group: Coordinates, y: np.ndarray, units: np.ndarray) -> float
     return float(2 * np.arccos(np.clip(np.abs(turned.T @ turned[:, 0]), 0, 1)).max())
 
 
-def longer_steps(t: np.ndarray, long: int = LONG) -> tuple[np.ndarray, np.ndarray]:
-    """A grid of longer steps, and the numbers of the ends of steps that it contains.
+def other_steps(
+    t: np.ndarray, count: int = LONG, own: int = SHORT
+) -> tuple[np.ndarray, np.ndarray]:
+    """A grid of other steps, and the numbers of the ends of steps that it contains.
 
     Parameters
     ----------
-    t : (K+1,) ends of the steps of a run; the last ones may be fewer than ``SHORT``
-    long : number of longer steps in place of ``SHORT``
+    t : (K+1,) ends of the steps of a run; the last ones may be fewer than ``own``
+    count : number of steps in place of ``own``
     """
-    compared = np.unique(np.append(np.arange(0, t.size, SHORT), t.size - 1))
-    counts = np.maximum(np.round(np.diff(compared) * long / SHORT), 1).astype(int)
+    compared = np.unique(np.append(np.arange(0, t.size, own), t.size - 1))
+    counts = np.maximum(np.round(np.diff(compared) * count / own), 1).astype(int)
     parts = [
         np.linspace(t[i], t[j], count + 1)[:-1]
         for i, j, count in zip(compared[:-1], compared[1:], counts, strict=True)
