@@ -155,6 +155,37 @@ def test_empty_groups_are_refused(tmp_path):
         planar.Collisions("hits", [])
 
 
+def test_rows_that_are_no_lists_are_refused(tmp_path):
+    text = FILE.replace(
+        '"Rectangle", point = "crate", size = [0.2, 0.1]',
+        '"Polygon", body = "crate", vertices = [[0, 0], 1, [1, 1]]',
+    )
+    assert text != FILE
+    with pytest.raises(ModelError, match=r"crates\[0\].vertices\[1\]: expected a list of numb"):
+        read(tmp_path, text)
+
+
+U = da.curves.u
+
+
+@pytest.mark.parametrize(
+    ("curve", "message"),
+    [
+        ((0.1 * da.cos(U / 2), 0.1 * da.sin(U / 2)), r"its closed curve are 0\.2 m apart; close"),
+        ((0 * U, 0 * U), "its curve is a point"),
+        ((U, da.log(-1 - U)), "has points that are not finite"),
+    ],
+)
+def test_profiles_that_bound_no_material_are_refused(curve, message):
+    """The half circle let bodies fall through floors."""
+    system = da.System("profile")
+    body = system.add(planar.Body("body", mass=1.0, inertia=1.0))
+    profile = contact.Profile(body, da.FormulaCurve(*curve))
+    system.add(planar.Collisions("touch", [profile, contact.HalfPlane(system.ground)]))
+    with pytest.raises(ModelError, match=message):
+        system.build()
+
+
 def test_polygons_that_cross_themselves_are_refused():
     """All corners of a pentagram are left turns."""
     system = da.System("star")

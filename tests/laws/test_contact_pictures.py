@@ -1,11 +1,15 @@
 """Contact points and contact forces in results, pictures and scenes."""
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
 import dalembert as da
 from dalembert import planar, spatial
 from dalembert.cli.app import main
+from dalembert.report.packing import unpack
+from dalembert.results.files.store import report_of
+from dalembert.results.pictures.animation import _picture, write_still
 from dalembert.results.pictures.scene import motion_scene
 
 contact = planar.contact
@@ -69,6 +73,34 @@ def test_motions_without_contacts_have_none():
     system.add(planar.Body("b", mass=1.0, inertia=1.0))
     motion = da.solve_dynamics(system.build(), 0.1, step=0.1)
     assert motion.drawn_contacts(0) is None
+
+
+def test_films_show_the_contacts_of_their_instants(resting, tmp_path):
+    """Fewer frames than outputs: contact points lie where those of the output nearest to it do."""
+    resting.save(tmp_path / "resting.nc")
+    page = report_of(da.load_results(tmp_path / "resting.nc"))
+    picture, count = _picture(unpack(page), 5, None)
+    assert count == 5 < resting.time.size
+    for k, time in enumerate(np.linspace(0, 0.2, 5)):
+        drawn = np.array([points[k, 0] for _, points in picture.forces])
+        drawn = drawn[np.isfinite(drawn[:, 0])]
+        places = resting.contact_forces(time).places
+        assert sorted(drawn[:, 0]) == pytest.approx(sorted(places[:, 0]), abs=1e-6)
+    plt.close(picture.ax.figure)
+
+
+def test_surfaces_of_many_triangles_have_stills(tmp_path):
+    """Pages pack long lists; the numbers of vertices of a surface remain whole."""
+    system = da.System("field", gravity=(0, 0, -G))
+    ball = system.add(spatial.Body("ball", mass=1.0, inertia=(0.1,) * 3, position=(0, 0, 0.2)))
+    hills = 0.01 * np.sin(np.arange(121.0)).reshape(11, 11)
+    field = spatial.contact.HeightField(system.ground.frame(), (1.0, 1.0), hills)
+    shapes = [spatial.contact.Sphere(ball.center, 0.1), field]
+    system.add(spatial.Collisions("contacts", shapes))
+    motion = da.solve_nonsmooth(system.build(), 0.02, step=1e-2)
+    motion.save(tmp_path / "field.nc")
+    write_still(report_of(da.load_results(tmp_path / "field.nc")), tmp_path / "field.png")
+    assert (tmp_path / "field.png").stat().st_size > 1000
 
 
 @pytest.mark.thorough

@@ -301,7 +301,7 @@ def test_heights_in_files(tmp_path, given):
     [
         ({}, "give either heights or file"),
         ({"heights": [[0, 1]]}, r"the shape \(1, 2\); give at least 2 by 2"),
-        ({"heights": [[0, 1], [1, np.nan]]}, "finite"),
+        ({"heights": [[0, 1], [1, np.nan]]}, "in row 2, column 2 is nan; give a finite number"),
         ({"heights": np.zeros((300, 300))}, "90000 heights and 40000 are allowed"),
         ({"heights": [[0, 1], [1]]}, "no rows of as many numbers"),
     ],

@@ -33,6 +33,7 @@ from dalembert.elements.registry import (
 from dalembert.elements.rotation import Orientation
 from dalembert.elements.springs import ForceLaw
 from dalembert.elements.user_constraint import UserConstraint
+from dalembert.errors import ModelError
 from dalembert.io.declarations import (
     declare_history,
     ordered,
@@ -56,6 +57,7 @@ from dalembert.io.laws_and_curves import LawReader, construct
 from dalembert.io.location import Located
 from dalembert.io.orientations import read_frame, read_geometry, read_orientation
 from dalembert.io.references import References
+from dalembert.io.values import short_repr
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.system import System
 from dalembert.symbolic.formulas.expression import Expression
@@ -115,6 +117,12 @@ class MechanismElements:
 
     def vector(self, entries: list, scope: Scope) -> list:
         return [self.formulas.read(entry, scope) for entry in entries]
+
+    def row(self, entry: Any, where: tuple[str | int, ...]) -> list:
+        if not isinstance(entry, list):
+            with self.located(*where):
+                raise ModelError(f"expected a list of numbers, got {short_repr(entry)}")
+        return self.vector(entry, Scope.PARAMETERS)
 
     def blocks(self) -> None:
         """Add blocks without their inputs, which may be formulas of all other elements."""
@@ -237,7 +245,7 @@ class MechanismElements:
             NormalLaw: lambda: self.component(CONTACT_LAWS, entry, where),
             Friction: lambda: self.component(FRICTIONS, entry, where),
             Coefficients: lambda: self.vector(entry, scope),
-            Rows: lambda: [self.vector(row, Scope.PARAMETERS) for row in entry],
+            Rows: lambda: [self.row(row, (*where, k)) for k, row in enumerate(entry)],
             Path: lambda: self.folder / entry,
             Numbers: lambda: {n: self.formulas.read(v, Scope.PARAMETERS) for n, v in entry.items()},
             FlexibleStructure: lambda: self.structure(self.folder / entry),

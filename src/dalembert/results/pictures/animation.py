@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 DEFAULT_LENGTH = 5.0
 """Length of an animation without a given speed [s]."""
+COLUMNS = ("at_", "force_")
+"""Prefixes of the columns of contacts in a scene."""
 
 
 class Film(FuncAnimation):
@@ -203,7 +205,14 @@ def _picture(page: dict[str, Any], frames: int, state: str | None) -> tuple[Any,
         {key: _selected(value, keep, time.size) for key, value in body.items()}
         for body in page["scene"]["bodies"]
     ]
-    scene = page["scene"] | {"bodies": bodies}
+    joints = [
+        {
+            key: _selected(value, keep, time.size) if key.startswith(COLUMNS) else value
+            for key, value in joint.items()
+        }
+        for joint in page["scene"]["joints"]
+    ]
+    scene = page["scene"] | {"bodies": bodies, "joints": joints}
     return ScenePicture(scene, page.get("kind") == "spatial", count, page["title"], None), count
 
 

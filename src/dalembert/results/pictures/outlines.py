@@ -119,7 +119,7 @@ def _plate(shape: Shape) -> np.ndarray:
 def _surface(shape: Shape) -> np.ndarray:
     """Sharp edges and the border of a surface; a sample of all edges if it has none."""
     positions = np.reshape(shape["vertices"], (-1, 3))
-    faces = np.reshape(shape["faces"], (-1, 3))
+    faces = np.reshape(shape["faces"], (-1, 3)).astype(int)  # of pages, numbers with fractions
     normals = np.cross(
         positions[faces[:, 1]] - positions[faces[:, 0]],
         positions[faces[:, 2]] - positions[faces[:, 0]],

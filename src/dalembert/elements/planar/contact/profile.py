@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
+import numpy as np
 
-from dalembert.elements.base import Constraint, Look, option
+from dalembert.elements.base import Condition, Constraint, Look, option
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.contact_point import ContactPoint
 from dalembert.elements.contact.hull import Boundary, Solid
@@ -17,6 +18,10 @@ from dalembert.elements.curves import Curve
 from dalembert.elements.look import Path
 from dalembert.elements.pair import need_body
 from dalembert.errors import ModelError
+
+SAMPLES, CLOSED = 9, 1e-6
+"""Number of points at which a curve is verified, and distance of the ends of a closed one relative
+to its size [-]."""
 
 
 @dataclass(eq=False)
@@ -65,6 +70,21 @@ class Profile(Shape):
     @property
     def carrier(self) -> Any:
         return self.body
+
+    def conditions(self) -> list[Condition]:
+        """The curve has a length and finite points, and a closed one closes."""
+        u = np.linspace(*self.curve.interval(), SAMPLES)
+        points = ca.horzcat(*(self.curve.position(ca.SX(value)) for value in u))
+        x, y = ca.vertsplit(points)
+        size = ca.fmax(ca.mmax(x) - ca.mmin(x), ca.mmax(y) - ca.mmin(y))
+        finite = ca.fabs(ca.sum2(x + y)) < np.inf
+        text = "its curve is a point, or has points that are not finite"
+        conditions: list[Condition] = [(ca.if_else(ca.logic_and(finite, size > 0), 1, -1), text)]
+        if self.curve.closed:
+            gap = ca.norm_2(points[:, -1] - points[:, 0])
+            text = "the ends of its closed curve are {} m apart; close it, or give closed=False"
+            conditions.append((CLOSED * size - gap, text, gap))
+        return conditions
 
     def boundary(self) -> Boundary:
         return Boundary(self.curve)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -87,10 +88,12 @@ class HeightField(Shape):
         if self.file is not None:
             readable(Path(self.file), WEIGHT)
             try:
-                return np.loadtxt(self.file, delimiter=",", ndmin=2)
+                with warnings.catch_warnings(action="ignore"):  # of a file without numbers
+                    return np.loadtxt(self.file, delimiter=",", ndmin=2)
             except ValueError as error:
                 raise ModelError(
-                    f"{self.file} is no table of numbers: {error}", "HeightField"
+                    f"{self.file} is no table of numbers: {str(error).partition(';')[0]}",
+                    "HeightField",
                 ) from None
         try:
             return np.asarray(self.heights, dtype=float)
@@ -106,8 +109,13 @@ class HeightField(Shape):
 
     @staticmethod
     def _checked(table: np.ndarray) -> np.ndarray:
-        if table.ndim != 2 or min(table.shape) < 2 or not np.isfinite(table).all():
+        if table.ndim != 2 or min(table.shape) < 2:
             text = f"its heights have the shape {table.shape}; give at least 2 by 2 finite numbers"
+            raise ModelError(text, "HeightField")
+        for i, j in np.argwhere(~np.isfinite(table))[:1].tolist():
+            text = (
+                f"its height in row {i + 1}, column {j + 1} is {table[i, j]}; give a finite number"
+            )
             raise ModelError(text, "HeightField")
         if table.size > MOST:
             text = f"it has {table.size} heights and {MOST} are allowed; give a coarser grid"
